@@ -1,0 +1,36 @@
+# The module itself: `ema` in float32, `ema64` from the same sources in float64.
+
+include(CMakePackageConfigHelpers)
+
+# A new effect is a new file; no list needs an edit.
+file(GLOB EMA_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/src/*/*.c")
+if(NOT EMA_SOURCES)
+    message(FATAL_ERROR "No C file under ${CMAKE_CURRENT_SOURCE_DIR}/src: the checkout is incomplete, clone again.")
+endif()
+
+# The levels of src, lowest first; tests/checks/check_layers.py holds what may include what.
+set(EMA_SOURCE_DIRS "")
+foreach(level base effects blocks plant signal search ident session)
+    list(APPEND EMA_SOURCE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/src/${level}")
+endforeach()
+
+foreach(target ema ema64)
+    add_library(${target} STATIC ${EMA_SOURCES})
+    add_library(EMA::${target} ALIAS ${target})
+    ema_compile(${target})
+    target_include_directories(${target}
+        PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
+        PRIVATE ${EMA_SOURCE_DIRS})
+    # The desktop libraries contain these objects, and show only their own functions.
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden)
+endforeach()
+target_compile_definitions(ema64 PUBLIC EMA_REAL64=1)
+if(CMAKE_C_COMPILER_ID STREQUAL "GNU" AND PROJECT_IS_TOP_LEVEL)
+    target_compile_options(ema PRIVATE -Wunsuffixed-float-constants)
+endif()
+
+install(TARGETS ema ema64 EXPORT EMATargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+install(DIRECTORY include/ema DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" PATTERN "*.def")
+install(EXPORT EMATargets NAMESPACE EMA:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/EMA" FILE EMAConfig.cmake)
+write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/EMAConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/EMAConfigVersion.cmake" DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/EMA")

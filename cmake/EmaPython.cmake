@@ -1,0 +1,47 @@
+# The Python tools: their environment in the build folder, the launcher `ema`, and the demo.
+
+set(Python3_FIND_VIRTUALENV STANDARD)
+find_package(Python3 3.11 COMPONENTS Interpreter)
+if(NOT Python3_Interpreter_FOUND)
+    message(FATAL_ERROR "Python 3.11 or later is needed for the ema tool: install python3 and python3-venv,"
+                        " name one with -DPython3_EXECUTABLE=, or build the C code alone with -DEMA_PYTHON=OFF.")
+endif()
+execute_process(COMMAND "${Python3_EXECUTABLE}" -c "import ensurepip, venv" RESULT_VARIABLE ema_no_venv OUTPUT_QUIET ERROR_QUIET)
+if(ema_no_venv)
+    message(FATAL_ERROR "${Python3_EXECUTABLE} cannot make a virtual environment: install the package python3-venv"
+                        " (apt-get install python3-venv), then run the same command again.")
+endif()
+
+set(EMA_VENV "${CMAKE_BINARY_DIR}/venv")
+set(EMA_VENV_PYTHON "${EMA_VENV}/bin/python")
+# Stamps lie beside the environment: recreating it must not remove what the build compares.
+foreach(kind run test)
+    if(kind STREQUAL "run")
+        set(lock "${CMAKE_CURRENT_SOURCE_DIR}/tools/requirements.txt")
+        set(after "")
+    else()
+        set(lock "${CMAKE_CURRENT_SOURCE_DIR}/tools/requirements-test.txt")
+        set(after "${CMAKE_BINARY_DIR}/venv-run.stamp")
+    endif()
+    add_custom_command(
+        OUTPUT "${CMAKE_BINARY_DIR}/venv-${kind}.stamp"
+        COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" --venv "${EMA_VENV}" --kind ${kind}
+                --lock "${lock}" --package "${CMAKE_CURRENT_SOURCE_DIR}/tools" --stamp "${CMAKE_BINARY_DIR}/venv-${kind}.stamp"
+        DEPENDS "${lock}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" ${after}
+        COMMENT "" USES_TERMINAL VERBATIM)
+endforeach()
+add_custom_target(venv ALL DEPENDS "${CMAKE_BINARY_DIR}/venv-run.stamp")
+if(EMA_TESTS)
+    add_custom_target(venv_test ALL DEPENDS "${CMAKE_BINARY_DIR}/venv-test.stamp")
+    add_dependencies(venv_test venv)
+endif()
+
+configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/ema"
+               @ONLY NEWLINE_STYLE UNIX
+               FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+add_custom_target(demo
+    COMMAND "${CMAKE_BINARY_DIR}/ema" demo
+    WORKING_DIRECTORY "${CMAKE_BINARY_DIR}"
+    DEPENDS venv ema_desk32 ema_desk64 ema_identify
+    COMMENT "" USES_TERMINAL VERBATIM)

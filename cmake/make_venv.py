@@ -1,0 +1,91 @@
+"""Makes the Python environment of the build folder from a lock file, or finds it ready and does nothing.
+
+Called by the build with the machine's own Python, so it uses the standard library alone. The machine's own pip
+configuration decides where packages come from.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+
+def fingerprint(lock: Path, package: Path) -> str:
+    """Hash of everything the environment is made from: the lock, the interpreter, the place of the package."""
+    parts = (lock.read_bytes(), sys.version.encode(), sys.executable.encode(), str(package).encode())
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def quiet_run(command: list[str], log: Path) -> bool:
+    """Run a command with its output in a log file; True when it ended well."""
+    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
+    with log.open("ab") as out:
+        return subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, env=environment, check=False).returncode == 0
+
+
+def last_error(log: Path) -> str:
+    """The last line in which pip says what went wrong."""
+    lines = [line.strip() for line in log.read_text(errors="replace").splitlines() if line.strip()]
+    errors = [line for line in lines if line.startswith("ERROR:")]
+    return (errors or lines or ["no output"])[-1]
+
+
+def link_package(venv_python: Path, package: Path) -> None:
+    """Put the folder of the package on the path, relative, so that sources are used in place and the tree may move."""
+    query = [str(venv_python), "-I", "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+    site = Path(subprocess.run(query, capture_output=True, text=True, check=True).stdout.strip())
+    (site / "ema_tools.pth").write_text(os.path.relpath(package, site) + "\n", encoding="utf-8")
+
+
+def main() -> int:
+    """Entry point; 0 when the environment stands."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--venv", type=Path, required=True)
+    parser.add_argument("--lock", type=Path, required=True)
+    parser.add_argument("--package", type=Path, required=True)
+    parser.add_argument("--stamp", type=Path, required=True)
+    parser.add_argument("--kind", choices=("run", "test"), required=True)
+    arguments = parser.parse_args()
+    venv: Path = arguments.venv
+    python = venv / "bin" / "python"
+    wanted = fingerprint(arguments.lock, arguments.package)
+    mark = venv / f"ema-{arguments.kind}.sha256"
+
+    if python.exists() and mark.exists() and mark.read_text(encoding="utf-8") == wanted:
+        arguments.stamp.touch()
+        return 0
+
+    log = venv.parent / f"venv-{arguments.kind}.log"
+    log.unlink(missing_ok=True)
+    start = time.monotonic()
+    count = sum(1 for line in arguments.lock.read_text(encoding="utf-8").splitlines() if "==" in line)
+    what = "the tools" if arguments.kind == "run" else "their tests"
+    print(f"Python packages of {what}: installing {count} into {venv.name}, once ...", flush=True)
+    if arguments.kind == "run":
+        shutil.rmtree(venv, ignore_errors=True)
+        if not quiet_run([sys.executable, "-m", "venv", str(venv)], log):
+            print(f"error: no virtual environment could be made: {last_error(log)}: install the package python3-venv;"
+                  f" details in {log}", file=sys.stderr)
+            return 1
+    # The lock is complete, so pip need not resolve; wheels only, so a missing one is said at once.
+    install = [str(python), "-I", "-m", "pip", "install", "--quiet", "--no-input", "--no-deps", "--no-compile",
+               "--disable-pip-version-check", "--only-binary", ":all:", "--requirement", str(arguments.lock)]
+    if not quiet_run(install, log):
+        print(f"error: {arguments.lock.name}: {last_error(log)}: check the network and pip's configuration,"
+              f" then build again; details in {log}", file=sys.stderr)
+        return 1
+    link_package(python, arguments.package)
+    mark.write_text(wanted, encoding="utf-8")
+    arguments.stamp.touch()
+    print(f"Python packages of {what}: ready after {time.monotonic() - start:.0f} s", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
