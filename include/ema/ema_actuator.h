@@ -1,0 +1,89 @@
+/* Everything that makes a model of one actuator: plain numbers, no pointers.
+ *
+ * The fields are the rows of ema_params.def (nominal values, ranges, units and texts stand there) and of ema_effects.def.
+ * A firmware build keeps the structure in flash: ema export writes it as a const initialiser.
+ */
+#ifndef EMA_ACTUATOR_H
+#define EMA_ACTUATOR_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ema/ema_real.h"
+#include "ema/ema_status.h"
+
+/* Real parameters, in the order of the list. */
+typedef struct {
+#define EMA_PARAM(section, field, nominal, lower, upper, text) ema_real field;
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
+#include "ema/ema_params.def"
+#undef EMA_PARAM
+#undef EMA_OPTION
+} ema_params_t;
+
+/* Choices and whole numbers, in the order of the list. */
+typedef struct {
+#define EMA_PARAM(section, field, nominal, lower, upper, text)
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) int32_t field;
+#include "ema/ema_params.def"
+#undef EMA_PARAM
+#undef EMA_OPTION
+} ema_options_t;
+
+/* One structure per effect, ema_effect_<name>_t, and all of them side by side. */
+#define EMA_P(field, nominal, lower, upper, text) ema_real field;
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+    typedef struct {                                                                        \
+        parameters                                                                          \
+    } ema_effect_##name##_t;
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+#undef EMA_P
+
+typedef struct {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name;
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+} ema_effects_t;
+
+typedef struct {
+    ema_params_t params;
+    ema_options_t options;
+    ema_effects_t effects;
+} ema_actuator_t;
+
+/* Number of real parameters, of options, of effects, and of reals in all effects together. */
+#define EMA_PARAM_COUNT (sizeof(ema_params_t) / sizeof(ema_real))
+#define EMA_OPTION_COUNT (sizeof(ema_options_t) / sizeof(int32_t))
+#define EMA_EFFECT_VALUE_COUNT (sizeof(ema_effects_t) / sizeof(ema_real))
+#define EMA_VALUE_COUNT (EMA_PARAM_COUNT + EMA_EFFECT_VALUE_COUNT)
+
+/* The index by which a real value is named: parameters first, then the effects' values, in the order of the lists. */
+typedef uint16_t ema_value_id_t;
+
+#define EMA_VALUE_ID(field) ((ema_value_id_t)(offsetof(ema_params_t, field) / sizeof(ema_real)))
+#define EMA_EFFECT_VALUE_ID(name, field) \
+    ((ema_value_id_t)(EMA_PARAM_COUNT + ((offsetof(ema_effects_t, name) + offsetof(ema_effect_##name##_t, field)) / sizeof(ema_real))))
+
+/* Every real value, then every option, has one row: ids of options start at EMA_VALUE_COUNT. */
+typedef struct {
+    ema_real nominal;
+    ema_real lower;
+    ema_real upper;
+} ema_range_t;
+
+/* The nominal value and the range of value or option `id`; NULL when there is none. Cost: constant. */
+const ema_range_t* ema_actuator_range(size_t id);
+
+/* Sets the reference actuator without effects. Errors: EMA_ERR_NULL. Cost: one copy per value. */
+ema_status_t ema_actuator_defaults(ema_actuator_t* actuator);
+
+/* Checks every value and option against its range. On EMA_ERR_NOT_FINITE or EMA_ERR_RANGE, `offender` (may be NULL) is the id of
+ * the first bad one. EMA_ERR_NULL. Cost: two comparisons per value. */
+ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender);
+
+/* Reads and writes a real value by id. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for an id outside the list. Cost: constant. */
+ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id, ema_real* value);
+ema_status_t ema_actuator_set(ema_actuator_t* actuator, ema_value_id_t id, ema_real value);
+
+#endif

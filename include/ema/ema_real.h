@@ -1,0 +1,22 @@
+/* The number type of the module: float on the target, double for analysis on the host. */
+#ifndef EMA_REAL_H
+#define EMA_REAL_H
+
+/* EMA_REAL64 = 1 builds the same sources in double precision. Both builds of a program must agree: it is set for the
+ * whole library and its users by the build, never per file. */
+#ifndef EMA_REAL64
+#define EMA_REAL64 0
+#endif
+
+#if EMA_REAL64
+typedef double ema_real;
+#define EMA_R(x) x
+#define EMA_REAL_EPSILON 2.220446049250313e-16
+#else
+typedef float ema_real;
+/* Turns a literal such as 0.5 into one of the module's type. */
+#define EMA_R(x) x##f
+#define EMA_REAL_EPSILON 1.1920929e-7f
+#endif
+
+#endif

@@ -1,0 +1,150 @@
+#include "ema_math.h"
+
+#include <float.h>
+#include <string.h>
+
+#if EMA_REAL64
+typedef uint64_t ema_bits_t;
+#define EMA_MANTISSA_BITS 52U
+#define EMA_EXPONENT_BIAS 1023
+#define EMA_EXPONENT_MASK 0x7ffU
+#define EMA_EXP_TERMS 14U
+#define EMA_LOG_TERMS 11U
+#define EMA_SIN_TERMS 9U
+#define EMA_REAL_MAX DBL_MAX
+#define EMA_EXP_HIGH 709.0
+#define EMA_EXP_LOW (-708.0)
+#define EMA_LN2_HIGH 0.693147180369123816490
+#define EMA_LN2_LOW 1.90821492927058770002e-10
+#else
+typedef uint32_t ema_bits_t;
+#define EMA_MANTISSA_BITS 23U
+#define EMA_EXPONENT_BIAS 127
+#define EMA_EXPONENT_MASK 0xffU
+#define EMA_EXP_TERMS 8U
+#define EMA_LOG_TERMS 5U
+#define EMA_SIN_TERMS 6U
+#define EMA_REAL_MAX FLT_MAX
+#define EMA_EXP_HIGH 88.0f
+#define EMA_EXP_LOW (-87.0f)
+#define EMA_LN2_HIGH 0.693359375f
+#define EMA_LN2_LOW (-2.12194440e-4f)
+#endif
+
+#define EMA_QUARTER_RAD EMA_R(1.5707963267948966)
+
+/* Two to the power k, k within the exponents of normal numbers. */
+static ema_real ema_power_of_two(int32_t k)
+{
+    const ema_bits_t bits = (ema_bits_t)((uint32_t)(k + EMA_EXPONENT_BIAS)) << EMA_MANTISSA_BITS;
+    ema_real value;
+    (void)memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+ema_real ema_floor(ema_real x)
+{
+    if (!(ema_abs(x) < EMA_R(2147483000.0))) {
+        return x;
+    }
+    const int32_t whole = (int32_t)x;
+    const ema_real back = (ema_real)whole;
+    return (back > x) ? (back - EMA_R(1.0)) : back;
+}
+
+ema_real ema_exp(ema_real x)
+{
+    if (x > EMA_EXP_HIGH) {
+        return EMA_REAL_MAX;
+    }
+    if (!(x > EMA_EXP_LOW)) {
+        return EMA_R(0.0);
+    }
+    const ema_real turns = ema_floor((x * EMA_R(1.4426950408889634)) + EMA_R(0.5));
+    const ema_real rest = (x - (turns * EMA_LN2_HIGH)) - (turns * EMA_LN2_LOW);
+    /* Taylor by Horner: |rest| <= ln2 / 2, so the first term left out is below half a unit in the last place */
+    ema_real sum = EMA_R(1.0);
+    for (uint32_t k = EMA_EXP_TERMS; k > 0U; --k) {
+        sum = EMA_R(1.0) + ((sum * rest) / (ema_real)k);
+    }
+    return sum * ema_power_of_two((int32_t)turns);
+}
+
+ema_real ema_log(ema_real x)
+{
+    ema_bits_t bits;
+    (void)memcpy(&bits, &x, sizeof bits);
+    int32_t exponent = (int32_t)((bits >> EMA_MANTISSA_BITS) & EMA_EXPONENT_MASK) - EMA_EXPONENT_BIAS;
+    bits = (bits & (((ema_bits_t)1 << EMA_MANTISSA_BITS) - (ema_bits_t)1)) | ((ema_bits_t)(uint32_t)EMA_EXPONENT_BIAS << EMA_MANTISSA_BITS);
+    ema_real mantissa;
+    (void)memcpy(&mantissa, &bits, sizeof mantissa);
+    if (mantissa > EMA_R(1.4142135623730951)) {
+        mantissa *= EMA_R(0.5);
+        exponent += 1;
+    }
+    /* log m = 2 atanh((m - 1) / (m + 1)) with |ratio| < 0.172 */
+    const ema_real ratio = (mantissa - EMA_R(1.0)) / (mantissa + EMA_R(1.0));
+    const ema_real square = ratio * ratio;
+    ema_real sum = EMA_R(0.0);
+    for (uint32_t k = EMA_LOG_TERMS; k > 0U; --k) {
+        sum = (sum * square) + (EMA_R(1.0) / (ema_real)((2U * k) - 1U));
+    }
+    const ema_real whole = (ema_real)exponent;
+    return (whole * EMA_LN2_HIGH) + ((whole * EMA_LN2_LOW) + (EMA_R(2.0) * ratio * sum));
+}
+
+/* Sine of x rad for |x| <= pi / 2, Taylor by Horner. */
+static ema_real ema_sin_quarter(ema_real x)
+{
+    const ema_real square = x * x;
+    ema_real sum = EMA_R(1.0);
+    for (uint32_t k = EMA_SIN_TERMS; k > 0U; --k) {
+        sum = EMA_R(1.0) - ((sum * square) / (ema_real)((2U * k) * ((2U * k) + 1U)));
+    }
+    return x * sum;
+}
+
+ema_real ema_sin_turn64(uint64_t phase)
+{
+    /* fold the second and third quarter back, so that the series sees at most a quarter turn */
+    int64_t signed_phase = (phase < (UINT64_C(1) << 63U)) ? (int64_t)phase : -(int64_t)(~phase) - 1;
+    const int64_t quarter = INT64_C(1) << 62U;
+    if (signed_phase > quarter) {
+        signed_phase = (INT64_MAX - signed_phase) + 1;
+    } else if (signed_phase < -quarter) {
+        signed_phase = -((INT64_MAX + signed_phase) + 1);
+    } else {
+        /* already within a quarter turn */
+    }
+    return ema_sin_quarter((ema_real)signed_phase * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18)));
+}
+
+uint64_t ema_turn64(ema_real x)
+{
+    const ema_real part = x - ema_floor(x);
+    /* in two halves: a single conversion of a number close to 1 could round up to 2^64 */
+    const ema_real scaled = part * EMA_R(4294967296.0);
+    const uint64_t high = (scaled < EMA_R(4294967295.0)) ? (uint64_t)scaled : UINT64_C(4294967295);
+    const ema_real rest = scaled - (ema_real)high;
+    const uint64_t low = (uint64_t)(ema_clamp(rest, EMA_R(0.0), EMA_R(0.99999994)) * EMA_R(4294967296.0));
+    return (high << 32U) | low;
+}
+
+ema_real ema_sin(ema_real x)
+{
+    const ema_real turns = x * EMA_R(0.15915494309189535);
+    ema_real part = turns - ema_floor(turns + EMA_R(0.5));
+    if (part > EMA_R(0.25)) {
+        part = EMA_R(0.5) - part;
+    } else if (part < EMA_R(-0.25)) {
+        part = EMA_R(-0.5) - part;
+    } else {
+        /* already within a quarter turn */
+    }
+    return ema_sin_quarter(part * EMA_R(6.283185307179586));
+}
+
+ema_real ema_cos(ema_real x)
+{
+    return ema_sin(x + EMA_QUARTER_RAD);
+}

@@ -1,0 +1,17 @@
+#include "ema/ema_status.h"
+
+const char* ema_status_text(ema_status_t status)
+{
+    const char* text = "unknown status";
+    switch (status) {
+#define EMA_STATUS_CASE(name, value, message) \
+    case name:                                \
+        text = (message);                     \
+        break;
+        EMA_STATUS_LIST(EMA_STATUS_CASE)
+#undef EMA_STATUS_CASE
+    default:
+        break;
+    }
+    return text;
+}

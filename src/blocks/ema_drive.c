@@ -1,0 +1,31 @@
+#include "ema_drive.h"
+
+#include "ema_limits.h"
+
+void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options)
+{
+    drive->current_mode = options->mode == 1;
+    drive->supply_V = params->supply_V;
+    drive->current_scale_A = params->current_scale_A;
+    drive->command_scale_V = params->command_scale_V;
+    drive->current_limit_A = ema_limit_or_none(params->current_limit_A);
+    drive->loop_s = params->current_loop_s;
+}
+
+ema_drive_output_t ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s)
+{
+    const ema_real reference_A = ema_clamp(output * drive->current_scale_A, -drive->current_limit_A, drive->current_limit_A);
+    ema_drive_output_t applied = {reference_A, EMA_R(0.0), true};
+    const ema_real emf_V = motor->back_emf_V_s_per_rad * speed_rad_s;
+    ema_real needed_V = (motor->resistance_ohm * reference_A) + emf_V;
+    if (drive->loop_s > EMA_R(0.0)) {
+        needed_V = (motor->resistance_ohm * current_A) + (motor->inductance_H * ((reference_A - current_A) / drive->loop_s)) + emf_V;
+        if (ema_abs(needed_V) > drive->supply_V) {
+            needed_V = (needed_V > EMA_R(0.0)) ? drive->supply_V : -drive->supply_V;
+            applied.input = needed_V;
+            applied.current_loop = false;
+        }
+    }
+    applied.voltage_V = (drive->command_scale_V > EMA_R(0.0)) ? (output * drive->command_scale_V) : needed_V;
+    return applied;
+}

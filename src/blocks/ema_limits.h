@@ -1,0 +1,15 @@
+/* A limit of zero in the data means that there is none. */
+#ifndef EMA_LIMITS_H
+#define EMA_LIMITS_H
+
+#include "ema/ema_real.h"
+
+/* Large enough never to bind, small enough that sums of it stay finite. */
+#define EMA_NO_LIMIT EMA_R(1.0e30)
+
+static inline ema_real ema_limit_or_none(ema_real limit)
+{
+    return (limit > EMA_R(0.0)) ? limit : EMA_NO_LIMIT;
+}
+
+#endif

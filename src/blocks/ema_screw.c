@@ -1,0 +1,22 @@
+#include "ema_screw.h"
+
+#include "ema_gearbox.h"
+
+void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const ema_params_t* params)
+{
+    const ema_real load_Nm = params->load_torque_Nm;
+    const ema_real loss_forward_Nm = ema_gearbox_loss(gearbox, load_Nm, EMA_R(1.0));
+    const ema_real loss_backward_Nm = ema_gearbox_loss(gearbox, load_Nm, EMA_R(-1.0));
+    screw->inverse_inertia_per_kgm2 = EMA_R(1.0) / params->inertia_kgm2;
+    screw->viscous_Nm_s_per_rad = params->viscous_Nm_s_per_rad;
+    screw->static_Nm = params->csj_Nm;
+    screw->dynamic_Nm = params->csj_Nm * params->dynamic_ratio;
+    screw->load_torque_Nm = load_Nm;
+    screw->forward_torque_Nm = -load_Nm - (screw->dynamic_Nm + loss_forward_Nm);
+    screw->backward_torque_Nm = -load_Nm + (screw->dynamic_Nm + loss_backward_Nm);
+    screw->hold_upper_Nm = load_Nm + (screw->static_Nm + loss_forward_Nm);
+    screw->hold_lower_Nm = load_Nm - (screw->static_Nm + loss_backward_Nm);
+    screw->stop_upper_rad = params->travel_mm / gearbox->lead_mm_per_rad;
+    screw->stop_lower_rad = -screw->stop_upper_rad;
+    screw->half_play_mm = EMA_R(0.5) * params->blk_mm;
+}

@@ -1,0 +1,41 @@
+/* Block 5: ball screw with dry friction, ends of travel and backlash. Equations: docs/DESIGN.md, "Ball screw". */
+#ifndef EMA_SCREW_H
+#define EMA_SCREW_H
+
+#include "ema/ema_model.h"
+#include "ema_math.h"
+
+void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const ema_params_t* params);
+
+/* Output of the play for the motor position `input_mm`: stays while inside, then follows at half its width. */
+static inline void ema_screw_play(const ema_screw_t* screw, ema_state_t* state, ema_real input_mm)
+{
+    const ema_real gap_mm = input_mm - state->play_mm;
+    state->play_side = 0;
+    if (gap_mm > screw->half_play_mm) {
+        state->play_mm = input_mm - screw->half_play_mm;
+        state->play_side = 1;
+    } else if (gap_mm < -screw->half_play_mm) {
+        state->play_mm = input_mm + screw->half_play_mm;
+        state->play_side = -1;
+    } else {
+        /* inside the play the rod rests */
+    }
+}
+
+/* Which way a shaft at rest goes under a net torque, for the levels of dry friction against each direction.
+ * At an end stop it can only leave inward. */
+static inline ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm, ema_real level_forward_Nm, ema_real level_backward_Nm)
+{
+    ema_motion_t motion = EMA_MOTION_STUCK;
+    if ((torque_Nm > level_forward_Nm) && (angle_rad < screw->stop_upper_rad)) {
+        motion = EMA_MOTION_FORWARD;
+    } else if ((torque_Nm < -level_backward_Nm) && (angle_rad > screw->stop_lower_rad)) {
+        motion = EMA_MOTION_BACKWARD;
+    } else {
+        /* held by dry friction or by the stop */
+    }
+    return motion;
+}
+
+#endif

@@ -1,0 +1,149 @@
+#include "ema_effect_sites.h"
+
+/* Bit of an effect in the sets of ema_active_t, and the place of its state. */
+enum {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_INDEX_##name,
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+    EMA_INDEX_COUNT
+};
+
+_Static_assert(EMA_INDEX_COUNT <= 32, "a set of effects is one word");
+
+#define EMA_BIT(name) (UINT32_C(1) << (uint32_t)EMA_INDEX_##name)
+
+/* The places of effects with state, one after the other. */
+typedef struct {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1];
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+} ema_memory_shape_t;
+
+#define EMA_MEMORY_PLACE(name) ((offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name)
+
+/* The first value of an effect is its size; the list's nominal for it is zero. */
+#define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name)
+
+ema_active_t ema_effects_active(const ema_effects_t* effects)
+{
+    ema_active_t active = {0U, 0U, 0U, 0U, 0U, false};
+    uint32_t parameter = 0U;
+#define EMA_SET_PARAMETER parameter
+#define EMA_SET_FRICTION active.friction
+#define EMA_SET_TORQUE active.torque
+#define EMA_SET_LOAD active.load
+#define EMA_SET_VOLTAGE active.voltage
+#define EMA_SET_TRANSMISSION active.transmission
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+    if (EMA_SIZE(effects, name) != EMA_R(0.0)) {                                            \
+        EMA_SET_##site |= EMA_BIT(name);                                                    \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+    (void)parameter;
+    active.any = (active.friction | active.torque | active.load | active.voltage | active.transmission) != 0U;
+    return active;
+}
+
+uint32_t ema_effects_substeps(const ema_effects_t* effects)
+{
+    uint32_t most = 1U;
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+    if ((EMA_SIZE(effects, name) != EMA_R(0.0)) && ((substeps##U) > most)) {                \
+        most = substeps##U;                                                                 \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+    return most;
+}
+
+void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
+{
+#define EMA_ADJUST(name)                                             \
+    if (EMA_SIZE(effects, name) != EMA_R(0.0)) {                     \
+        ema_effect_##name##_adjust(&effects->name, params);          \
+    }
+#define EMA_ADJUST_PARAMETER(name) EMA_ADJUST(name)
+#define EMA_ADJUST_TRANSMISSION(name) EMA_ADJUST(name)
+#define EMA_ADJUST_FRICTION(name)
+#define EMA_ADJUST_TORQUE(name)
+#define EMA_ADJUST_LOAD(name)
+#define EMA_ADJUST_VOLTAGE(name)
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ADJUST_##site(name)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+}
+
+ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
+{
+    ema_real change_Nm = EMA_R(0.0);
+#define EMA_CALL_FRICTION(name)                                                          \
+    if ((plant->active.friction & EMA_BIT(name)) != 0U) {                                \
+        change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);            \
+    }
+#define EMA_CALL_PARAMETER(name)
+#define EMA_CALL_TORQUE(name)
+#define EMA_CALL_LOAD(name)
+#define EMA_CALL_VOLTAGE(name)
+#define EMA_CALL_TRANSMISSION(name)
+#define EMA_EFFECT(name, site_name, memory, substeps, equation, source, look_alikes, parameters) EMA_CALL_##site_name(name)
+#include "ema/ema_effects.def"
+#undef EMA_CALL_FRICTION
+#define EMA_CALL_FRICTION(name)
+    return change_Nm;
+}
+
+ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
+{
+    ema_real torque_Nm = EMA_R(0.0);
+#undef EMA_CALL_TORQUE
+#define EMA_CALL_TORQUE(name)                                              \
+    if ((plant->active.torque & EMA_BIT(name)) != 0U) {                    \
+        torque_Nm += ema_effect_##name(&plant->effects.name, site);        \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_TORQUE
+#define EMA_CALL_TORQUE(name)
+    return torque_Nm;
+}
+
+ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
+{
+    ema_real load_Nm = EMA_R(0.0);
+#undef EMA_CALL_LOAD
+#define EMA_CALL_LOAD(name)                                              \
+    if ((plant->active.load & EMA_BIT(name)) != 0U) {                    \
+        load_Nm += ema_effect_##name(&plant->effects.name, site);        \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_LOAD
+#define EMA_CALL_LOAD(name)
+    return load_Nm;
+}
+
+ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
+{
+    ema_real voltage_V = EMA_R(0.0);
+#undef EMA_CALL_VOLTAGE
+#define EMA_CALL_VOLTAGE(name)                                              \
+    if ((plant->active.voltage & EMA_BIT(name)) != 0U) {                    \
+        voltage_V += ema_effect_##name(&plant->effects.name, site);         \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_VOLTAGE
+#define EMA_CALL_VOLTAGE(name)
+    return voltage_V;
+}
+
+ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory)
+{
+    ema_rod_t rod = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0)};
+#undef EMA_CALL_TRANSMISSION
+#define EMA_CALL_TRANSMISSION(name)                                                                  \
+    if ((plant->active.transmission & EMA_BIT(name)) != 0U) {                                        \
+        rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);        \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_TRANSMISSION
+    return rod;
+}

@@ -1,0 +1,63 @@
+/* Where optional effects act. Declared and dispatched from the rows of ema_effects.def alone: a new effect is one row and
+ * one file with the function of its site.
+ */
+#ifndef EMA_EFFECT_SITES_H
+#define EMA_EFFECT_SITES_H
+
+#include "ema/ema_model.h"
+
+/* What an effect may look at, all at the same instant. */
+typedef struct {
+    ema_real speed_rad_s; /* motor shaft */
+    ema_real angle_rad;
+    ema_real position_mm; /* motor position expressed at the rod */
+    ema_real current_A;
+    ema_real voltage_V;   /* applied by the drive */
+} ema_site_t;
+
+/* One integration step of what lies behind the play. */
+typedef struct {
+    ema_real play_start_mm; /* output of the play at the start and at the end of the step */
+    ema_real play_end_mm;
+    ema_real step_s;
+    ema_real lead_mm_per_rad;
+} ema_transmission_t;
+
+typedef struct {
+    ema_real rod_mm;             /* rod position at the end of the step */
+    ema_real reaction_start_Nm;  /* on the motor shaft */
+    ema_real reaction_end_Nm;
+} ema_rod_t;
+
+/* The function that an effect's file supplies, by site. */
+#define EMA_DECLARE_PARAMETER(name) void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
+#define EMA_DECLARE_FRICTION(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site, ema_real level_Nm);
+#define EMA_DECLARE_TORQUE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_LOAD(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_VOLTAGE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_TRANSMISSION(name)                                                             \
+    void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);    \
+    ema_rod_t ema_effect_##name(const ema_effect_##name##_t* effect, const ema_transmission_t* step, ema_real* memory);
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_DECLARE_##site(name)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+#undef EMA_DECLARE_PARAMETER
+#undef EMA_DECLARE_FRICTION
+#undef EMA_DECLARE_TORQUE
+#undef EMA_DECLARE_LOAD
+#undef EMA_DECLARE_VOLTAGE
+#undef EMA_DECLARE_TRANSMISSION
+
+/* Before the run: which effects differ from zero and act at which site; the substeps they need; and what those at site PARAMETER make of the parameters. */
+ema_active_t ema_effects_active(const ema_effects_t* effects);
+uint32_t ema_effects_substeps(const ema_effects_t* effects);
+void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
+
+/* While it runs: the sum over the active effects of a site. */
+ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm);
+ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site);
+ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site);
+ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site);
+ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory);
+
+#endif

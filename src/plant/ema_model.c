@@ -1,0 +1,139 @@
+#include "ema/ema_model.h"
+
+#include "ema_effect_sites.h"
+#include "ema_gearbox.h"
+#include "ema_motor.h"
+#include "ema_series.h"
+#include "ema_tick.h"
+
+/* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
+#define EMA_SUBSTEPS_MAX 64U
+
+/* Samples of the parabola that reads the feedback's delay, beyond the whole steps. */
+#define EMA_DELAY_STEPS_MAX EMA_R(12.0)
+
+static ema_circuit_t ema_circuit_of(ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
+{
+    ema_circuit_t circuit = {0};
+    if (time_constant_s > EMA_R(0.0)) {
+        circuit.rate_current = EMA_R(-1.0) / time_constant_s;
+        circuit.rate_voltage = gain / time_constant_s;
+    } else {
+        circuit.algebraic = true;
+        circuit.rate_voltage = gain;
+    }
+    circuit.rate_speed = -speed_per_input * circuit.rate_voltage;
+    return circuit;
+}
+
+/* Sum of the rates of the linear plant: a bound of its fastest motion. */
+static ema_real ema_fastest_per_s(const ema_plant_t* plant, const ema_circuit_t* circuit)
+{
+    const ema_real drag = plant->screw.viscous_Nm_s_per_rad * plant->screw.inverse_inertia_per_kgm2;
+    const ema_real coupling = ema_abs(plant->motor.torque_constant_Nm_per_A * circuit->rate_speed) * plant->screw.inverse_inertia_per_kgm2;
+    return circuit->algebraic ? (drag + coupling) : (drag + ema_sqrt(coupling) - circuit->rate_current);
+}
+
+static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options)
+{
+    plant->motor_circuit = ema_circuit_of(params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    plant->current_loop = ema_circuit_of(params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
+    ema_real fastest_per_s = ema_fastest_per_s(plant, &plant->motor_circuit);
+    if (plant->drive.current_mode) {
+        const ema_real loop_per_s = ema_fastest_per_s(plant, &plant->current_loop);
+        /* an ideal drive never applies the bus voltage itself */
+        fastest_per_s = (plant->drive.loop_s > EMA_R(0.0)) ? ema_max(fastest_per_s, loop_per_s) : loop_per_s;
+    }
+    const ema_real needed = (fastest_per_s * params->step_s) / EMA_SERIES_REACH;
+    if (!(needed <= (ema_real)EMA_SUBSTEPS_MAX)) {
+        return EMA_ERR_STIFF;
+    }
+    plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
+    const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(&plant->effects);
+    if (plant->substeps < wanted) {
+        plant->substeps = wanted;
+    }
+    plant->step_s = params->step_s;
+    plant->substep_s = params->step_s / (ema_real)plant->substeps;
+    plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A);
+    ema_circuit_prepare(&plant->motor_circuit, plant);
+    ema_circuit_prepare(&plant->current_loop, plant);
+    return EMA_OK;
+}
+
+static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* actuator, ema_real start_mm)
+{
+    ema_status_t status = ema_actuator_check(actuator, NULL);
+    if (status == EMA_OK) {
+        ema_actuator_t adjusted = *actuator;
+        ema_effects_adjust(&actuator->effects, &adjusted.params);
+        const ema_params_t* const params = &adjusted.params;
+        if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
+            || !(params->resistance_ohm > EMA_R(0.0))) {
+            status = EMA_ERR_RANGE;
+        } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * actuator->params.inertia_kgm2))) {
+            status = EMA_ERR_INERTIA;
+        } else {
+            plant->start_mm = start_mm;
+            plant->effects = actuator->effects;
+            plant->active = ema_effects_active(&actuator->effects);
+            ema_pid_prepare(&plant->pid, &adjusted);
+            ema_drive_prepare(&plant->drive, params, &actuator->options);
+            ema_motor_prepare(&plant->motor, params);
+            ema_gearbox_prepare(&plant->gearbox, params);
+            ema_screw_prepare(&plant->screw, &plant->gearbox, params);
+            ema_encoder_prepare(&plant->encoder, params, &actuator->options);
+            status = ema_motion_prepare(plant, params, &actuator->options);
+        }
+    }
+    return status;
+}
+
+void ema_model_restart(ema_model_t* model)
+{
+    const ema_plant_t* const plant = &model->plant;
+    const ema_state_t rest = {0};
+    ema_state_t* const state = &model->state;
+    *state = rest;
+    state->angle_rad = plant->start_mm / plant->gearbox.lead_mm_per_rad;
+    state->motor_mm = plant->start_mm;
+    state->play_mm = plant->start_mm;
+    state->rod_mm = plant->start_mm;
+    const ema_real seen_mm = plant->encoder.at_rod ? ema_encoder_rod(&plant->encoder, plant->start_mm) : plant->start_mm;
+    for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
+        state->delay_mm[k] = seen_mm;
+    }
+}
+
+ema_status_t ema_model_init(ema_model_t* model, const ema_actuator_t* actuator, ema_real start_mm)
+{
+    if ((model == NULL) || (actuator == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (!ema_is_finite(start_mm)) {
+        return EMA_ERR_NOT_FINITE;
+    }
+    ema_plant_t plant;
+    const ema_status_t status = ema_plant_prepare(&plant, actuator, start_mm);
+    if (status == EMA_OK) {
+        model->plant = plant;
+        ema_model_restart(model);
+    }
+    return status;
+}
+
+ema_status_t ema_model_step(ema_model_t* model, ema_real command_mm, ema_output_t* output)
+{
+    if (model == NULL) {
+        return EMA_ERR_NULL;
+    }
+    if (!ema_is_finite(command_mm)) {
+        return EMA_ERR_NOT_FINITE;
+    }
+    const ema_output_t row = ema_tick(&model->plant, &model->state, command_mm);
+    if (output != NULL) {
+        *output = row;
+    }
+    const bool finite = ema_is_finite(model->state.current_A) && ema_is_finite(model->state.speed_rad_s) && ema_is_finite(model->state.rod_mm);
+    return finite ? EMA_OK : EMA_ERR_DIVERGED;
+}

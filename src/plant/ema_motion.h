@@ -1,0 +1,68 @@
+/* Moves current, speed and angle of motor, gearbox and screw over one model step.
+ *
+ * Between events the plant is linear and its inputs are held, so a step is one product with prepared responses. A step in which
+ * something happens (reversal, break-away, end stop, saturation), or in which effects act, goes through ema_motion_located.
+ */
+#ifndef EMA_MOTION_H
+#define EMA_MOTION_H
+
+#include "ema_drive.h"
+#include "ema_screw.h"
+
+/* One integration step with effects or with events, which are located inside it. */
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied);
+
+static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s, ema_real input, ema_real torque_Nm)
+{
+    return (response->from_current * current_A) + (response->from_speed * speed_rad_s) + ((response->from_voltage * input) + (response->from_torque * torque_Nm));
+}
+
+/* One integration step in which nothing happens; false, and nothing changed, when something would. NaN answers false. */
+static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    const ema_real current_A = state->current_A;
+    bool plain;
+    if (state->motion != (int32_t)EMA_MOTION_STUCK) {
+        const bool forward = state->motion > 0;
+        const ema_real torque_Nm = forward ? plant->screw.forward_torque_Nm : plant->screw.backward_torque_Nm;
+        const ema_real speed_rad_s = state->speed_rad_s;
+        const ema_real next_A = ema_response_at(&circuit->current, current_A, speed_rad_s, applied->input, torque_Nm);
+        const ema_real next_rad_s = ema_response_at(&circuit->speed, current_A, speed_rad_s, applied->input, torque_Nm);
+        ema_real angle_rad = state->angle_rad;
+        ema_real low_rad = state->angle_low_rad;
+        ema_add_compensated(&angle_rad, &low_rad, ema_response_at(&circuit->angle, current_A, speed_rad_s, applied->input, torque_Nm));
+        plain = (forward ? (next_rad_s > EMA_R(0.0)) : (next_rad_s < EMA_R(0.0))) && (ema_abs(next_A) <= plant->linear_current_A)
+                && (angle_rad < plant->screw.stop_upper_rad) && (angle_rad > plant->screw.stop_lower_rad);
+        if (plain) {
+            state->current_A = next_A;
+            state->speed_rad_s = next_rad_s;
+            state->angle_rad = angle_rad;
+            state->angle_low_rad = low_rad;
+        }
+    } else {
+        const ema_real next_A = (circuit->stuck_from_current * current_A) + (circuit->stuck_from_voltage * applied->input);
+        const ema_real torque_Nm = plant->motor.torque_constant_Nm_per_A * next_A;
+        plain = (torque_Nm <= plant->screw.hold_upper_Nm) && (torque_Nm >= plant->screw.hold_lower_Nm) && (ema_abs(next_A) <= plant->linear_current_A);
+        if (plain) {
+            state->current_A = next_A;
+        }
+    }
+    return plain;
+}
+
+static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    for (uint32_t k = 0; k < plant->substeps; ++k) {
+        if (plant->active.any || !ema_motion_plain(plant, state, applied)) {
+            ema_motion_located(plant, state, applied);
+        }
+    }
+    state->motor_mm = (plant->gearbox.lead_mm_per_rad * state->angle_rad) + (plant->gearbox.lead_mm_per_rad * state->angle_low_rad);
+    ema_screw_play(&plant->screw, state, state->motor_mm);
+    if (plant->active.transmission == 0U) {
+        state->rod_mm = state->play_mm;
+    }
+}
+
+#endif
