@@ -1,0 +1,1 @@
+"""Tools around the onboard model of an electromechanical actuator."""

@@ -1,0 +1,340 @@
+"""The two lists that make an actuator, read from the C headers `ema_params.def` and `ema_effects.def`.
+
+Both lists are the single source of names, nominal values, ranges and texts; Python keeps no copy of them.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+_UNITS = (
+    ("Nm_s_per_rad", "Nm s/rad"),
+    ("V_s_per_rad", "V s/rad"),
+    ("Nm_per_mm", "Nm/mm"),
+    ("Nm_per_A", "Nm/A"),
+    ("per_m_s", "1/(m s)"),
+    ("s_per_m", "s/m"),
+    ("rad_s", "rad/s"),
+    ("kgm2", "kg m2"),
+    ("mm2s", "mm2 s"),
+    ("m_s", "m/s"),
+    ("per_m", "1/m"),
+    ("per_s", "1/s"),
+    ("percent", "%"),
+    ("degC", "degC"),
+    ("Nm", "Nm"),
+    ("mm", "mm"),
+    ("ohm", "ohm"),
+    ("rad", "rad"),
+    ("kg", "kg"),
+    ("V", "V"),
+    ("A", "A"),
+    ("H", "H"),
+    ("s", "s"),
+)
+
+
+class DefinitionError(ValueError):
+    """A list is missing or a row of it cannot be read; the message names file, row and what to do."""
+
+
+def unit_of(field: str) -> str:
+    """The unit that the suffix of `field` names, as printed text; empty for a plain number."""
+    for suffix, unit in _UNITS:
+        if field.endswith("_" + suffix):
+            return unit
+    return ""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One row of `ema_params.def`: a real number, or an option (`is_option`) that is a whole number or a choice."""
+
+    section: str
+    field: str
+    nominal: float
+    lower: float
+    upper: float
+    text: str
+    is_option: bool = False
+    choices: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Name in TOML and in Python: `section.field`."""
+        return f"{self.section}.{self.field}"
+
+    @property
+    def unit(self) -> str:
+        """Unit from the suffix of the field."""
+        return unit_of(self.field)
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """One EMA_P of an effect; the first of an effect is its size and its nominal value is the effect's zero."""
+
+    effect: str
+    field: str
+    nominal: float
+    lower: float
+    upper: float
+    text: str
+
+    @property
+    def name(self) -> str:
+        """Name in Python: `effect.field`."""
+        return f"{self.effect}.{self.field}"
+
+    @property
+    def unit(self) -> str:
+        """Unit from the suffix of the field."""
+        return unit_of(self.field)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One row of `ema_effects.def`."""
+
+    name: str
+    site: str
+    memory: int
+    substeps: int
+    equation: str
+    source: str
+    look_alikes: tuple[str, ...]
+    parameters: tuple[EffectParameter, ...]
+
+    @property
+    def size(self) -> EffectParameter:
+        """The parameter whose nominal value means that the effect is absent."""
+        return self.parameters[0]
+
+
+@dataclass(frozen=True)
+class Definitions:
+    """Both lists in the order of the files."""
+
+    parameters: tuple[Parameter, ...]
+    effects: tuple[Effect, ...]
+
+    @property
+    def reals(self) -> tuple[Parameter, ...]:
+        """The real parameters, in the order of the C structure."""
+        return tuple(row for row in self.parameters if not row.is_option)
+
+    @property
+    def options(self) -> tuple[Parameter, ...]:
+        """The options, in the order of the C structure."""
+        return tuple(row for row in self.parameters if row.is_option)
+
+    @property
+    def effect_values(self) -> tuple[EffectParameter, ...]:
+        """The values of all effects, in the order of the C structure."""
+        return tuple(value for effect in self.effects for value in effect.parameters)
+
+    @property
+    def ids(self) -> dict[str, int]:
+        """Name to the C library's id: real parameters, then effect values, then options."""
+        rows = (*self.reals, *self.effect_values, *self.options)
+        return {row.name: index for index, row in enumerate(rows)}
+
+    @property
+    def sections(self) -> dict[str, tuple[Parameter, ...]]:
+        """Section to its rows, in the order of the file."""
+        found: dict[str, list[Parameter]] = {}
+        for row in self.parameters:
+            found.setdefault(row.section, []).append(row)
+        return {section: tuple(rows) for section, rows in found.items()}
+
+    def find(self, name: str) -> Parameter | EffectParameter:
+        """The row called `section.field` or `effect.field`. Raises KeyError with a message that lists the nearest names."""
+        for row in (*self.parameters, *self.effect_values):
+            if row.name == name:
+                return row
+        first = name.split(".", 1)[0]
+        near = [row.name for row in (*self.parameters, *self.effect_values) if row.name.split(".", 1)[0] == first]
+        known = near or [*self.sections, *(effect.name for effect in self.effects)]
+        raise KeyError(f"{name}: no such value; use one of {', '.join(known)}")
+
+    def effect(self, name: str) -> Effect:
+        """The effect called `name`. Raises KeyError with a message that lists the effects."""
+        for row in self.effects:
+            if row.name == name:
+                return row
+        raise KeyError(f"{name}: no such effect; use one of {', '.join(row.name for row in self.effects)}")
+
+
+def definition_folder() -> Path:
+    """Folder that holds the two lists: EMA_DEFINITIONS, the repository around this file, or the package itself.
+
+    Raises DefinitionError when none of them does.
+    """
+    here = Path(__file__).resolve()
+    named = os.environ.get("EMA_DEFINITIONS")
+    places = [Path(named)] if named else [here.parents[2] / "include" / "ema", here.parent / "include"]
+    for place in places:
+        if (place / "ema_params.def").is_file() and (place / "ema_effects.def").is_file():
+            return place
+    raise DefinitionError(f"ema_params.def, ema_effects.def: not in {places[0]}: point EMA_DEFINITIONS at include/ema")
+
+
+_TOKEN = re.compile(
+    r"""\s*(?:(?P<string>"(?:[^"\\]|\\.)*")
+    |(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
+    |(?P<word>[A-Za-z_]\w*)
+    |(?P<mark>[(),]))""",
+    re.VERBOSE,
+)
+_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+
+
+def _tokens(text: str, path: Path) -> Iterator[tuple[str, str, int]]:
+    """Tokens (kind, text, row) of a list; comments are skipped but keep their line breaks."""
+    blank = _COMMENT.sub(lambda match: "\n" * match.group().count("\n"), text)
+    place = 0
+    while blank[place:].strip():
+        match = _TOKEN.match(blank, place)
+        row = blank.count("\n", 0, place) + 1
+        if match is None:
+            raise DefinitionError(f"{path.name}, row {row}: cannot read {blank[place:].strip()[:20]!r}: write EMA_... (a, b, ...)")
+        kind = str(match.lastgroup)
+        yield kind, match.group(kind), blank.count("\n", 0, match.start(kind)) + 1
+        place = match.end()
+    yield "end", "", blank.count("\n") + 1
+
+
+@dataclass(frozen=True)
+class _Call:
+    """A macro call: its arguments are strings, numbers, words, or lists of calls."""
+
+    name: str
+    row: int
+    arguments: tuple[object, ...]
+
+
+class _Reader:
+    """Recursive reader of macro calls."""
+
+    def __init__(self, text: str, path: Path) -> None:
+        self._path = path
+        self._tokens = list(_tokens(text, path))
+        self._place = 0
+
+    def _peek(self) -> tuple[str, str, int]:
+        return self._tokens[self._place]
+
+    def _next(self) -> tuple[str, str, int]:
+        token = self._tokens[self._place]
+        self._place += 1
+        return token
+
+    def _expect(self, mark: str) -> None:
+        kind, text, row = self._next()
+        if kind == "end" or text != mark:
+            raise DefinitionError(f"{self._path.name}, row {row}: {mark!r} expected, {text!r} found: close the row")
+
+    def calls(self) -> list[_Call]:
+        """All calls of the file."""
+        found = []
+        while self._peek()[0] != "end":
+            found.append(self._call())
+        return found
+
+    def _call(self) -> _Call:
+        kind, name, row = self._next()
+        if kind != "word":
+            raise DefinitionError(f"{self._path.name}, row {row}: {name!r} is not a macro's name: start the row with EMA_...")
+        self._expect("(")
+        arguments = [self._argument()]
+        while self._peek()[1] == "," and self._peek()[0] == "mark":
+            self._next()
+            arguments.append(self._argument())
+        self._expect(")")
+        return _Call(name, row, tuple(arguments))
+
+    def _argument(self) -> object:
+        kind, text, row = self._peek()
+        if kind == "string":
+            joined = ""
+            while self._peek()[0] == "string":
+                joined += self._next()[1][1:-1].replace('\\"', '"')
+            return joined
+        if kind == "number":
+            self._next()
+            return float(text)
+        if kind == "word" and self._tokens[self._place + 1][1] == "(":
+            inner = []
+            while self._peek()[0] == "word":
+                inner.append(self._call())
+            return tuple(inner)
+        if kind == "word":
+            self._next()
+            return text
+        raise DefinitionError(f"{self._path.name}, row {row}: an argument is missing before {text!r}: fill the row")
+
+
+def _typed(call: _Call, kinds: tuple[type, ...], path: Path) -> tuple[object, ...]:
+    """The arguments of `call` when they have the right number and kinds; else DefinitionError."""
+    right = len(call.arguments) == len(kinds) and all(
+        isinstance(argument, kind) for argument, kind in zip(call.arguments, kinds, strict=True)
+    )
+    if not right:
+        raise DefinitionError(f"{path.name}, row {call.row}: {call.name} needs {len(kinds)} arguments of its kind: see the head of the file")
+    return call.arguments
+
+
+def _parameters(path: Path) -> Iterator[Parameter]:
+    for call in _Reader(path.read_text(encoding="utf-8"), path).calls():
+        if call.name == "EMA_PARAM":
+            section, field, nominal, lower, upper, text = _typed(call, (str, str, float, float, float, str), path)
+            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text))  # type: ignore[arg-type]
+        elif call.name == "EMA_OPTION":
+            kinds = (str, str, float, float, float, str, str)
+            section, field, nominal, lower, upper, choices, text = _typed(call, kinds, path)
+            names = tuple(str(choices).split("|")) if choices else ()
+            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text), True, names)  # type: ignore[arg-type]
+        else:
+            raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_PARAM or EMA_OPTION: correct the name")
+
+
+def _effects(path: Path) -> Iterator[Effect]:
+    for call in _Reader(path.read_text(encoding="utf-8"), path).calls():
+        if call.name != "EMA_EFFECT":
+            raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_EFFECT: correct the name")
+        kinds = (str, str, float, float, str, str, str, tuple)
+        name, site, memory, substeps, equation, source, look_alikes, inner = _typed(call, kinds, path)
+        values = []
+        for part in inner:  # type: ignore[attr-defined]
+            field, nominal, lower, upper, text = _typed(part, (str, float, float, float, str), path)
+            values.append(EffectParameter(str(name), str(field), float(nominal), float(lower), float(upper), str(text)))  # type: ignore[arg-type]
+        others = tuple(other.strip() for other in str(look_alikes).split(",") if other.strip())
+        yield Effect(str(name), str(site), int(memory), int(substeps), str(equation), str(source), others, tuple(values))  # type: ignore[call-overload]
+
+
+@functools.cache
+def read_definitions(folder: Path) -> Definitions:
+    """Both lists from `folder`. Raises DefinitionError with file and row."""
+    parameters = tuple(_parameters(folder / "ema_params.def"))
+    effects = tuple(_effects(folder / "ema_effects.def"))
+    names = [row.name for row in parameters] + [value.name for effect in effects for value in effect.parameters]
+    for name in names:
+        if names.count(name) > 1:
+            raise DefinitionError(f"{name}: stands twice in the lists: rename one")
+    return Definitions(parameters, effects)
+
+
+def load_definitions() -> Definitions:
+    """Both lists from where `definition_folder` finds them."""
+    return read_definitions(definition_folder())
+
+
+def defaults() -> dict[str, float]:
+    """The reference actuator without effects: every `section.field` and `effect.field` at its nominal value."""
+    known = load_definitions()
+    return {row.name: row.nominal for row in (*known.parameters, *known.effect_values)}
