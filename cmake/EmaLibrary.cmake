@@ -23,6 +23,10 @@ foreach(target ema ema64)
         PRIVATE ${EMA_SOURCE_DIRS})
     # The desktop libraries contain these objects, and show only their own functions.
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden)
+    if(UNIX)
+        # Without optimisation the square root is a call.
+        target_link_libraries(${target} PUBLIC m)
+    endif()
 endforeach()
 target_compile_definitions(ema64 PUBLIC EMA_REAL64=1)
 if(CMAKE_C_COMPILER_ID STREQUAL "GNU" AND PROJECT_IS_TOP_LEVEL)

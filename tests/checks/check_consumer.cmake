@@ -1,0 +1,36 @@
+# Uses the module as another project would: as a folder and installed; and shows that value-changing flags are refused.
+# cmake -DSOURCE=project -DBUILD=its build -DWORK=scratch -DCOMPILER=cc -P check_consumer.cmake
+
+function(run)
+    execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+    if(NOT result EQUAL 0)
+        list(JOIN ARGN " " shown)
+        message("${output}")
+        message(FATAL_ERROR "consumer: this failed: ${shown}")
+    endif()
+endfunction()
+
+file(REMOVE_RECURSE "${WORK}")
+set(configure "${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}/consumer" "-DCMAKE_C_COMPILER=${COMPILER}")
+
+run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${WORK}/prefix" --config Release)
+run(${configure} -B "${WORK}/installed" "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
+run(${configure} -B "${WORK}/folder" "-DEMA_SOURCE=${SOURCE}")
+foreach(kind installed folder)
+    run("${CMAKE_COMMAND}" --build "${WORK}/${kind}")
+    foreach(bits 32 64)
+        file(GLOB program "${WORK}/${kind}/consumer${bits}" "${WORK}/${kind}/*/consumer${bits}")
+        run("${program}")
+    endforeach()
+endforeach()
+
+foreach(flag -ffast-math -Ofast -ffinite-math-only)
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -S "${SOURCE}" -B "${WORK}/refused" "-DCMAKE_C_COMPILER=${COMPILER}" "-DCMAKE_C_FLAGS=${flag}"
+                -DEMA_TESTS=OFF -DEMA_HOST=OFF
+        RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE message)
+    if(result EQUAL 0 OR NOT message MATCHES "The compiler flag ${flag}")
+        message(FATAL_ERROR "A configuration with ${flag} was not refused: ${message}")
+    endif()
+endforeach()
+message(STATUS "consumer: installed and as a folder, float32 and float64; value-changing flags refused")

@@ -1,0 +1,115 @@
+"""Holds the dependency rule: a file of src includes only its own level and lower ones, and nothing of port.
+
+A public header belongs to the level of the C file with its name; one without a C file passes on what it includes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from sources import c_files, finish, without_comments
+
+# Level -> levels whose headers it may see.
+ALLOWED = {
+    "base": {"base"},
+    "effects": {"base", "effects"},
+    "blocks": {"base", "effects", "blocks"},
+    "plant": {"base", "effects", "blocks", "plant"},
+    "signal": {"base", "signal"},
+    "search": {"base", "search"},
+    "ident": {"base", "effects", "blocks", "plant", "signal", "search", "ident"},
+    "session": {"base", "effects", "blocks", "plant", "signal", "search", "ident", "session"},
+}
+# What of the C library the module may use: types, limits, memory copies; square root behind one header.
+SYSTEM = {"stdint.h", "stddef.h", "stdbool.h", "float.h", "limits.h", "string.h"}
+SYSTEM_ONLY_IN = {"math.h": "src/base/ema_math.h"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
+
+
+def area(root: Path, path: Path) -> str:
+    """`include`, `src/<level>` or `port/<name>`."""
+    parts = path.relative_to(root).parts
+    return "include" if parts[0] == "include" else "/".join(parts[:2])
+
+
+def check(root: Path) -> tuple[list[str], int]:
+    """Problems, and the number of includes of the project's own headers that were looked at."""
+    files = c_files(root, "src", "include", "port")
+    level_of_stem = {path.stem: area(root, path).split("/")[1] for path in files
+                     if path.suffix == ".c" and area(root, path).startswith("src/")}
+    problems: list[str] = []
+    direct: dict[Path, list[Path]] = {}
+    looked_at = 0
+
+    def resolve(path: Path, name: str) -> Path | None:
+        beside = path.parent / name
+        candidates = [beside, root / "include" / name]
+        candidates += sorted((root / "src").glob(f"*/{name}")) + sorted((root / "port").glob(f"*/{name}"))
+        return next((candidate.resolve() for candidate in candidates if candidate.is_file()), None)
+
+    for path in files:
+        where = area(root, path)
+        shown = path.relative_to(root)
+        direct[path.resolve()] = []
+        if where.startswith("src/") and where.split("/")[1] not in ALLOWED:
+            problems.append(f"{shown}: src has no level {where.split('/')[1]}: move the file or extend ALLOWED in check_layers.py")
+            continue
+        text = without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
+        for match in INCLUDE.finditer(text):
+            line = text.count("\n", 0, match.start(1 if match.group(1) else 2)) + 1
+            own, system = match.group(1), match.group(2)
+            if system is not None:
+                if where.startswith("port/") or system in SYSTEM or SYSTEM_ONLY_IN.get(system) == str(shown):
+                    continue
+                problems.append(f"{shown}:{line}: <{system}> is not for the module: use what src/base offers, or move this to port")
+                continue
+            looked_at += 1
+            target = resolve(path, own)
+            if target is None:
+                problems.append(f"{shown}:{line}: {own} is no header of the project: correct the name")
+                continue
+            direct[path.resolve()].append(target)
+            there = area(root.resolve(), target)
+            if where == "include" and there != "include":
+                problems.append(f"{shown}:{line}: a public header includes {there}: move {own} to include/ema or hide it in a .c file")
+            elif where.startswith("src/") and there.startswith("port/"):
+                problems.append(f"{shown}:{line}: the module includes {there}: nothing in src may know a port")
+            elif where.startswith("port/") and there.startswith("src/"):
+                problems.append(f"{shown}:{line}: a port includes the private header {own}: use what include/ema offers")
+
+    def reach(path: Path, seen: set[Path]) -> set[Path]:
+        for target in direct.get(path, []):
+            if target not in seen:
+                seen.add(target)
+                reach(target, seen)
+        return seen
+
+    for path in files:
+        where = area(root, path)
+        if not where.startswith("src/") or where.split("/")[1] not in ALLOWED:
+            continue
+        level = where.split("/")[1]
+        for target in sorted(reach(path.resolve(), set())):
+            there = area(root.resolve(), target)
+            other = level_of_stem.get(target.stem) if there == "include" else there.split("/")[1]
+            if there.startswith("port/") or other is None or other in ALLOWED[level]:
+                continue
+            problems.append(f"{path.relative_to(root)}: level {level} sees {target.name} of level {other}:"
+                            " move the code up, or what it needs down")
+    return problems, looked_at
+
+
+def main() -> int:
+    """Entry point."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--root", type=Path, required=True)
+    problems, looked_at = check(parser.parse_args().root.resolve())
+    return finish("layers", problems, looked_at, "includes")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,306 @@
+"""Each check passes a good example, fails on each bad one with the line that names it, and fails on nothing."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import check_compiles
+import check_layers
+import check_symbols
+import check_units
+import check_words
+
+HERE = Path(__file__).parent
+COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+NM = shutil.which("nm")
+
+
+class Tree(unittest.TestCase):
+    """A small project in a temporary folder."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name).resolve()
+
+    def write(self, path: str, text: str) -> Path:
+        """Make one file of the project."""
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+        return file
+
+    def exit_code(self, script: str, *arguments: str) -> int:
+        """Run a check as ctest does."""
+        command = [sys.executable, str(HERE / script), *arguments]
+        return subprocess.run(command, capture_output=True, check=False).returncode
+
+
+class Layers(Tree):
+    """check_layers.py"""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write("include/ema/ema_real.h", "typedef float ema_real;\n")
+        self.write("include/ema/ema_model.h", '#include "ema/ema_real.h"\n')
+        self.write("include/ema/ema_search.h", '#include "ema/ema_real.h"\n')
+        self.write("src/base/ema_math.h", '#include <math.h>\n#include "ema/ema_real.h"\n')
+        self.write("src/blocks/ema_motor.h", '#include "ema_math.h"\n')
+        self.write("src/plant/ema_model.c", '#include "ema/ema_model.h"\n#include "ema_motor.h"\n#include <string.h>\n')
+        self.write("src/search/ema_search.c", '#include "ema/ema_search.h"\n#include "ema_math.h"\n')
+        self.write("src/ident/ema_ident.c", '#include "ema/ema_model.h"\n#include "ema/ema_search.h"\n')
+        self.write("port/host/main.c", '#include <stdio.h>\n#include "ema/ema_model.h"\n#include "csv.h"\n')
+        self.write("port/host/csv.h", "")
+
+    def problem(self) -> str:
+        """The one problem there is."""
+        problems, _ = check_layers.check(self.root)
+        self.assertEqual(len(problems), 1, problems)
+        return problems[0]
+
+    def test_good(self) -> None:
+        """The rule as it is meant."""
+        self.assertEqual(check_layers.check(self.root), ([], 12))
+        self.assertEqual(self.exit_code("check_layers.py", "--root", str(self.root)), 0)
+
+    def test_upward(self) -> None:
+        """A block that includes the plant's header."""
+        self.write("src/blocks/ema_pid.c", '#include "ema/ema_model.h"\n')
+        self.assertIn("src/blocks/ema_pid.c: level blocks sees ema_model.h of level plant", self.problem())
+        self.assertEqual(self.exit_code("check_layers.py", "--root", str(self.root)), 1)
+
+    def test_upward_through_another_header(self) -> None:
+        """The same behind a header that has no level of its own."""
+        self.write("include/ema/ema_all.h", '#include "ema/ema_model.h"\n')
+        self.write("src/effects/ema_friction.c", '#include "ema/ema_all.h"\n')
+        self.assertIn("level effects sees ema_model.h of level plant", self.problem())
+
+    def test_search_knows_no_actuator(self) -> None:
+        """Search depends on base alone."""
+        self.write("src/search/ema_anneal.c", '#include "ema_motor.h"\n')
+        self.assertIn("level search sees ema_motor.h of level blocks", self.problem())
+
+    def test_port_from_module(self) -> None:
+        """Nothing in src knows a port."""
+        self.write("src/base/ema_io.c", '#include "csv.h"\n')
+        self.assertIn("src/base/ema_io.c:1: the module includes port/host", self.problem())
+
+    def test_private_header_from_port(self) -> None:
+        """A port uses public headers."""
+        self.write("port/desk/desk.c", '\n#include "ema_motor.h"\n')
+        self.assertIn("port/desk/desk.c:2: a port includes the private header ema_motor.h", self.problem())
+
+    def test_private_header_from_public(self) -> None:
+        """A public header stands on public headers."""
+        self.write("include/ema/ema_extra.h", '#include "ema_math.h"\n')
+        self.assertIn("a public header includes src/base", self.problem())
+
+    def test_system_header(self) -> None:
+        """stdio in the module, and the square root outside its header."""
+        self.write("src/base/ema_log.c", "#include <stdio.h>\n")
+        self.assertIn("src/base/ema_log.c:1: <stdio.h> is not for the module", self.problem())
+        self.write("src/base/ema_log.c", "#include <math.h>\n")
+        self.assertIn("<math.h>", self.problem())
+
+    def test_unknown_header_and_level(self) -> None:
+        """A name that resolves nowhere, and a folder that the rule does not know."""
+        self.write("src/base/ema_odd.c", '#include "nowhere.h"\n')
+        self.assertIn("src/base/ema_odd.c:1: nowhere.h is no header of the project", self.problem())
+        (self.root / "src/base/ema_odd.c").unlink()
+        self.write("src/extra/ema_odd.c", "")
+        self.assertIn("src has no level extra", self.problem())
+
+    def test_comment_is_no_include(self) -> None:
+        """An include in a comment counts for nothing."""
+        self.write("src/base/ema_note.c", '/*\n#include "ema/ema_model.h"\n*/\n')
+        self.assertEqual(check_layers.check(self.root), ([], 12))
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_layers.py", "--root", str(self.root / "include")), 1)
+
+
+class Words(Tree):
+    """check_words.py"""
+
+    def module(self, text: str) -> list[str]:
+        """Problems of one file of the module."""
+        self.write("src/base/ema_x.c", text)
+        return check_words.check_module(self.root)[0]
+
+    def test_good(self) -> None:
+        """Comments, strings, fields, names of files and the float64 branch may hold any word."""
+        text = (
+            "#include <time.h>\n/* malloc, double */ // printf\nconst char* t = \"exp(x) on time\";\n"
+            "#if EMA_REAL64\ntypedef double ema_real;\n#else\ntypedef float ema_real;\n#endif\n"
+            "int f(const ema_s* s) { return s->time + s->log.exp + ema_exp(timer); }\n"
+        )
+        self.assertEqual(self.module(text), [])
+        self.assertEqual(self.exit_code("check_words.py", "--root", str(self.root)), 0)
+
+    def test_every_word(self) -> None:
+        """Each word of the list is found, with its line."""
+        for words in check_words.MODULE_WORDS:
+            for word in words.split():
+                problems = self.module(f"\nint y = {word}(x);\n")
+                self.assertEqual(len(problems), 1, word)
+                self.assertTrue(problems[0].startswith(f"src/base/ema_x.c:2: `{word}`"), problems[0])
+        self.assertEqual(self.exit_code("check_words.py", "--root", str(self.root)), 1)
+
+    def test_float32_branch(self) -> None:
+        """The branch that the float32 build sees, and what follows it, is read."""
+        self.assertEqual(len(self.module("#if EMA_REAL64\n#else\ndouble x;\n#endif\n")), 1)
+        self.assertEqual(len(self.module("#if EMA_REAL64\n#endif\ndouble x;\n")), 1)
+
+    def test_tree(self) -> None:
+        """Notes to oneself and paths of one machine, in any text file, but not in the build folder."""
+        self.write("docs/a.md", "fine\nTO" "DO later\n")
+        self.write("tools/a.py", "x = '/wo" "rk/main'\n")
+        self.write("build/a.py", "x = '/wo" "rk/main'\n")
+        problems = check_words.check_tree(self.root)
+        self.assertEqual([problem.split(": ")[0] for problem in problems], ["docs/a.md:2", "tools/a.py:1"])
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_words.py", "--root", str(self.root)), 1)
+
+
+class Symbols(Tree):
+    """check_symbols.py, on objects really compiled."""
+
+    def library(self, text: str) -> Path:
+        """A static library of one file."""
+        source = self.write("x.c", text)
+        unit, library = self.root / "x.o", self.root / "libx.a"
+        library.unlink(missing_ok=True)
+        subprocess.run([str(COMPILER), "-std=c11", "-O2", "-fno-builtin", "-c", str(source), "-o", str(unit)], check=True)
+        subprocess.run(["ar", "rc", str(library), str(unit)], check=True)
+        return library
+
+    def verdict(self, text: str) -> tuple[int, str]:
+        """Exit code and output of the check."""
+        command = [sys.executable, str(HERE / "check_symbols.py"), "--nm", str(NM), str(self.library(text))]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        return run.returncode, run.stdout + run.stderr
+
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux", "needs a compiler and nm")
+    def test_examples(self) -> None:
+        """Good code passes; a library call, a global and a hidden static fail, each by name."""
+        good = ("void* memcpy(void*, const void*, unsigned long);\nstatic const char* const names[2] = {\"a\", \"b\"};\n"
+                "const char* f(int i, int* p) { memcpy(p, &i, sizeof i); return names[i]; }\n")
+        self.assertEqual(self.verdict(good)[0], 0, self.verdict(good)[1])
+        bad = {
+            "void* malloc(unsigned long); void* f(void) { return malloc(3); }": "needs malloc",
+            "double exp(double); double f(double x) { return exp(x); }": "needs exp",
+            "float sqrtf(float); float f(float x) { return sqrtf(x); }": "needs sqrtf",
+            "int counter; int f(void) { return counter++; }": "counter lies in .bss",
+            "int level = 3; int f(void) { return level++; }": "level lies in .data",
+            "int f(void) { static int calls; return calls++; }": "lies in .bss",
+        }
+        for text, expected in bad.items():
+            code, output = self.verdict(text)
+            self.assertEqual(code, 1, text)
+            self.assertIn(expected, output)
+
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux", "needs a compiler and nm")
+    def test_nothing(self) -> None:
+        """A library without functions, and one that is not there."""
+        self.assertEqual(self.verdict("extern int x;\n")[0], 1)
+        self.assertEqual(self.exit_code("check_symbols.py", "--nm", str(NM), str(self.root / "none.a")), 1)
+
+    def test_problem_names_the_object(self) -> None:
+        """The message carries the member of the library."""
+        table = ("Symbols from libema.a[ema_pid.c.o]:\n\n"
+                 "ema_pid |0000| T | FUNC|0010| |.text\npow | | U | NOTYPE| | |*UND*\n")
+        self.assertEqual(check_symbols.check_table(table, "libema.a"),
+                         (["libema.a(ema_pid.c.o): needs pow: keep it out of src, or inline it"], 1))
+
+
+class Units(Tree):
+    """check_units.py"""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.names = self.write("names.txt", "# comment\nunit Nm\nunit rad_s\nplain gain factor\n")
+        self.write("include/ema/ema_a.h",
+                   "typedef struct { ema_real torque_Nm; ema_real gain; /* ema_real odd; */ int count; } a_t;\n"
+                   "ema_real f(ema_real x);\n")
+
+    def problems(self) -> list[str]:
+        """Problems of the project."""
+        return check_units.check(self.root, self.names)[0]
+
+    def test_good(self) -> None:
+        """Units, a listed name; comments, whole numbers and arguments do not count."""
+        self.assertEqual(check_units.check(self.root, self.names), ([], 2))
+
+    def test_bad_fields(self) -> None:
+        """A bare name, the second of two, an array, a pointer, a nested structure; the line is right."""
+        for field, name in (("ema_real torque;", "torque"), ("ema_real a_Nm, speed;", "speed"), ("float level[3];", "level"),
+                            ("const ema_real* table;", "table"), ("struct { int n; ema_real inner; } s;", "inner"),
+                            ("ema_real Nm;", "Nm")):
+            self.write("include/ema/ema_b.h", f"struct b {{\n    int n;\n    {field}\n}};\n")
+            self.assertEqual(len(self.problems()), 1, field)
+            self.assertTrue(self.problems()[0].startswith(f"include/ema/ema_b.h:3: `{name}` has no unit"), self.problems()[0])
+
+    def test_bad_rows(self) -> None:
+        """The rows of the lists are held to the same rule; macros in headers are not fields."""
+        self.write("include/ema/ema_p.def",
+                   'EMA_PARAM(motor, torque_Nm, 1.0, 0.0, 2.0, "t")\nEMA_PARAM(motor, speed, 1.0, 0.0, 2.0, "t")\n'
+                   'EMA_EFFECT(x, TORQUE, 0, 1, "e", "s", "l",\n   EMA_P(size, 0.0, 0.0, 1.0, "t") EMA_P(b_rad_s, -1.0, 0.0, 1.0, "t"))\n')
+        self.write("include/ema/ema_c.h", "typedef struct {\n#define EMA_P(field, n) ema_real field;\n#undef EMA_P\n} c_t;\n")
+        self.assertEqual([problem.split(" has")[0] for problem in self.problems()],
+                         ["include/ema/ema_p.def:2: `speed`", "include/ema/ema_p.def:4: `size`"])
+
+    def test_stale_and_broken_list(self) -> None:
+        """A name that nothing uses; a line without a reason."""
+        self.names.write_text("unit Nm\nplain gain factor\nplain gone factor\n", encoding="utf-8")
+        self.assertIn("names.txt: `gone` names nothing any more", self.problems()[0])
+        self.names.write_text("unit Nm\nplain gain\n", encoding="utf-8")
+        with self.assertRaisesRegex(ValueError, "names.txt:2"):
+            self.problems()
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_units.py", "--root", str(self.root / "none"), "--names", str(self.names)), 1)
+
+
+class Compiles(Tree):
+    """check_compiles.py"""
+
+    @unittest.skipUnless(COMPILER, "needs a compiler")
+    def test_headers(self) -> None:
+        """A header that leans on another one, and one without a guard."""
+        good = "#ifndef A_H\n#define A_H\n#include <stdint.h>\ntypedef struct { uint32_t n; } a_t;\n#endif\n"
+        self.write("include/ema/a.h", good)
+        self.assertEqual(check_compiles.check_headers(self.root, str(COMPILER)), ([], 1))
+        self.write("include/ema/b.h", "#ifndef B_H\n#define B_H\nuint32_t b(void);\n#endif\n")
+        problems, count = check_compiles.check_headers(self.root, str(COMPILER))
+        self.assertEqual((len(problems), count), (2, 2))
+        self.assertIn("include/ema/b.h alone, EMA_REAL64=0", problems[0])
+        self.write("include/ema/b.h", "typedef struct { int n; } b_t;\n")
+        self.assertEqual(len(check_compiles.check_headers(self.root, str(COMPILER))[0]), 2)
+
+    @unittest.skipUnless(any(shutil.which(name) for name in check_compiles.CLANGS), "needs clang")
+    def test_clang(self) -> None:
+        """A conversion of double to float that gcc lets pass without its own flag."""
+        clang = next(name for name in check_compiles.CLANGS if shutil.which(name))
+        self.write("src/base/a.c", "float a(float x);\nfloat a(float x) { return x * 0.5f; }\n")
+        self.assertEqual(check_compiles.check_clang(self.root, clang), ([], 1))
+        self.write("src/base/a.c", "float a(double x);\nfloat a(double x) { return x; }\n")
+        self.assertEqual(len(check_compiles.check_clang(self.root, clang)[0]), 2)
+        self.write("src/base/a.c", "double a(float x);\ndouble a(float x) { return x; }\n")
+        self.assertEqual(len(check_compiles.check_clang(self.root, clang)[0]), 2)
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_compiles.py", "headers", "--root", str(self.root)), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
