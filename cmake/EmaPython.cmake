@@ -14,25 +14,25 @@ endif()
 
 set(EMA_VENV "${CMAKE_BINARY_DIR}/venv")
 set(EMA_VENV_PYTHON "${EMA_VENV}/bin/python")
-# Stamps lie beside the environment: recreating it must not remove what the build compares.
+# The stamps lie in the environment, so that removing it makes it anew.
 foreach(kind run test)
     if(kind STREQUAL "run")
         set(lock "${CMAKE_CURRENT_SOURCE_DIR}/tools/requirements.txt")
         set(after "")
     else()
         set(lock "${CMAKE_CURRENT_SOURCE_DIR}/tools/requirements-test.txt")
-        set(after "${CMAKE_BINARY_DIR}/venv-run.stamp")
+        set(after "${EMA_VENV}/run.stamp")
     endif()
     add_custom_command(
-        OUTPUT "${CMAKE_BINARY_DIR}/venv-${kind}.stamp"
+        OUTPUT "${EMA_VENV}/${kind}.stamp"
         COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" --venv "${EMA_VENV}" --kind ${kind}
-                --lock "${lock}" --package "${CMAKE_CURRENT_SOURCE_DIR}/tools" --stamp "${CMAKE_BINARY_DIR}/venv-${kind}.stamp"
+                --lock "${lock}" --package "${CMAKE_CURRENT_SOURCE_DIR}/tools" --stamp "${EMA_VENV}/${kind}.stamp"
         DEPENDS "${lock}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" ${after}
         COMMENT "" USES_TERMINAL VERBATIM)
 endforeach()
-add_custom_target(venv ALL DEPENDS "${CMAKE_BINARY_DIR}/venv-run.stamp")
+add_custom_target(venv ALL DEPENDS "${EMA_VENV}/run.stamp")
 if(EMA_TESTS)
-    add_custom_target(venv_test ALL DEPENDS "${CMAKE_BINARY_DIR}/venv-test.stamp")
+    add_custom_target(venv_test ALL DEPENDS "${EMA_VENV}/test.stamp")
     add_dependencies(venv_test venv)
 endif()
 

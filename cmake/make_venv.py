@@ -24,7 +24,8 @@ def fingerprint(lock: Path, package: Path) -> str:
 
 def quiet_run(command: list[str], log: Path) -> bool:
     """Run a command with its output in a log file; True when it ended well."""
-    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
+    hidden = ("PYTHONPATH", "PYTHONHOME", "PIP_USER", "PIP_TARGET", "PIP_PREFIX")
+    environment = {name: value for name, value in os.environ.items() if name not in hidden}
     with log.open("ab") as out:
         return subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, env=environment, check=False).returncode == 0
 
@@ -33,7 +34,7 @@ def last_error(log: Path) -> str:
     """The last line in which pip says what went wrong."""
     lines = [line.strip() for line in log.read_text(errors="replace").splitlines() if line.strip()]
     errors = [line for line in lines if line.startswith("ERROR:")]
-    return (errors or lines or ["no output"])[-1]
+    return (errors or lines or ["no output"])[-1].removeprefix("ERROR: ")
 
 
 def link_package(venv_python: Path, package: Path) -> None:
@@ -55,10 +56,10 @@ def main() -> int:
     venv: Path = arguments.venv
     python = venv / "bin" / "python"
     wanted = fingerprint(arguments.lock, arguments.package)
-    mark = venv / f"ema-{arguments.kind}.sha256"
+    stamp: Path = arguments.stamp
 
-    if python.exists() and mark.exists() and mark.read_text(encoding="utf-8") == wanted:
-        arguments.stamp.touch()
+    if python.exists() and stamp.exists() and stamp.read_text(encoding="utf-8") == wanted:
+        stamp.touch()
         return 0
 
     log = venv.parent / f"venv-{arguments.kind}.log"
@@ -81,8 +82,7 @@ def main() -> int:
               f" then build again; details in {log}", file=sys.stderr)
         return 1
     link_package(python, arguments.package)
-    mark.write_text(wanted, encoding="utf-8")
-    arguments.stamp.touch()
+    stamp.write_text(wanted, encoding="utf-8")
     print(f"Python packages of {what}: ready after {time.monotonic() - start:.0f} s", flush=True)
     return 0
 
