@@ -1,0 +1,53 @@
+"""The optional effects: one module per row of `ema_effects.def`, found by its name.
+
+What a module must hold depends on its site; `effect` is the named tuple of its parameters, `point` a
+`ema_tools.reference.point.Point`.
+
+| site | functions |
+|---|---|
+| PARAMETER | `change_values(effect, values) -> dict` of the values that it changes |
+| FRICTION | `level_change_Nm(effect, level_Nm, point)` |
+| TORQUE | `torque_Nm(effect, point)` |
+| LOAD | `load_Nm(effect, point)`, against extension |
+| VOLTAGE | `voltage_change_V(effect, point)` |
+| TRANSMISSION | `shaft_inertia_kgm2`, `rest`, `reaction_Nm`, `rates`, `rod`, `fastest_rate_per_s`: see transmission_compliance |
+
+Functions of a moving site are decorated with `compiled`; PARAMETER ones are plain Python.
+"""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+from ema_tools.definitions import load_definitions
+
+SITE_FUNCTIONS = {
+    "PARAMETER": ("change_values",),
+    "FRICTION": ("level_change_Nm",),
+    "TORQUE": ("torque_Nm",),
+    "LOAD": ("load_Nm",),
+    "VOLTAGE": ("voltage_change_V",),
+    "TRANSMISSION": ("shaft_inertia_kgm2", "rest", "reaction_Nm", "rates", "rod", "fastest_rate_per_s"),
+}
+
+
+def module_of(name: str) -> ModuleType:
+    """The reference of the effect `name`.
+
+    Raises LookupError when the module or a function of its site is missing.
+    """
+    site = load_definitions().effect(name).site
+    path = f"{__name__}.{name}"
+    try:
+        module = importlib.import_module(path)
+    except ModuleNotFoundError as error:
+        if error.name != path:
+            raise
+        raise LookupError(f"{name}: ema_effects.def has it, reference/effects/{name}.py is missing: write it") from None
+    if site not in SITE_FUNCTIONS:
+        raise LookupError(f"{name}: site {site} is unknown: use one of {', '.join(SITE_FUNCTIONS)}")
+    for function in SITE_FUNCTIONS[site]:
+        if not hasattr(module, function):
+            raise LookupError(f"reference/effects/{name}.py: no {function}, which site {site} needs: write it")
+    return module

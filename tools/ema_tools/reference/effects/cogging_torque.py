@@ -1,0 +1,16 @@
+"""Torque of the magnets against the teeth: amplitude * sin(periods theta + phase).
+
+Source: D. C. Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 10.
+"""
+
+from typing import Any
+
+from ema_tools.reference.compiled import compiled
+from ema_tools.reference.elementary import sin
+from ema_tools.reference.point import Point
+
+
+@compiled
+def torque_Nm(effect: Any, point: Point) -> float:
+    """Torque on the shaft."""
+    return effect.amplitude_Nm * sin(effect.periods * point.angle_rad + effect.phase_rad)

@@ -1,0 +1,12 @@
+"""A spring at the rod: load torque stiffness * x, against displacement; linearised aerodynamic hinge moment."""
+
+from typing import Any
+
+from ema_tools.reference.compiled import compiled
+from ema_tools.reference.point import Point
+
+
+@compiled
+def load_Nm(effect: Any, point: Point) -> float:
+    """Torque against extension."""
+    return effect.stiffness_Nm_per_mm * point.motor_mm

@@ -1,0 +1,16 @@
+"""Friction falls with speed: level * (1 + rise exp(-(|w|/speed)^shape)).
+
+Source: H. Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998).
+"""
+
+from typing import Any
+
+from ema_tools.reference.compiled import compiled
+from ema_tools.reference.elementary import exp, power
+from ema_tools.reference.point import Point
+
+
+@compiled
+def level_change_Nm(effect: Any, level_Nm: float, point: Point) -> float:
+    """Change of the level of dry friction."""
+    return level_Nm * effect.rise * exp(-power(abs(point.speed_rad_s) / effect.speed_rad_s, effect.shape))

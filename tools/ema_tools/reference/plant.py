@@ -1,0 +1,217 @@
+"""The moving plant between two control instants: rates of its state, and the events that change its equations.
+
+Equations: docs/DESIGN.md, "One model step", parts 2 to 5. The state is an array: current, motor speed, motor angle, then
+the memory of the effects. `Mode` says which equations hold; `settled` finds it for a state, `has_passed` says that a state
+has left it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ema_tools.reference import drive, gearbox, motor, screw, sites
+from ema_tools.reference.compiled import compiled
+from ema_tools.reference.point import Point
+
+CURRENT = 0
+SPEED = 1
+ANGLE = 2
+
+
+class Mode(NamedTuple):
+    """Which equations hold.
+
+    `motion`: -1, 1 sliding, 0 at rest; `limit`: -1, 1 while the drive holds the current at its limit; `side`: -1, 1 while
+    the motor pushes the output of the play; `play_mm`: that output while nothing pushes it; `end`: -1, 1 at that end of
+    travel; `torque_saturation` and `load_positive`: the branches of torque and efficiency in use.
+    """
+
+    motion: int
+    limit: int
+    side: int
+    play_mm: float
+    end: int
+    torque_saturation: int
+    load_positive: bool
+
+
+class Plant(NamedTuple):
+    """What is constant while the plant moves; `part` is the actuator of `ema_tools.reference.actuator`."""
+
+    part: Any
+    lead_mm_per_rad: float
+    inertia_kgm2: float
+
+
+@compiled
+def _algebraic_current_A(plant: Plant, supply: drive.Supply, point: Point) -> float:
+    """Current of a winding without inductance, in balance with what effects take of the voltage (which falls with it)."""
+    part = plant.part
+    free = supply.voltage_V - part.motor.back_emf_V_s_per_rad * point.speed_rad_s
+    plain = Point(0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+    lower = (free + sites.voltage_change_V(part.effects, plain)) / part.motor.resistance_ohm
+    plain = Point(lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+    upper = (free + sites.voltage_change_V(part.effects, plain)) / part.motor.resistance_ohm
+    for _ in range(80):
+        if lower == upper:
+            break
+        middle = 0.5 * (lower + upper)
+        plain = Point(middle, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+        excess = free + sites.voltage_change_V(part.effects, plain) - part.motor.resistance_ohm * middle
+        if (excess > 0.0) == (lower < upper):
+            lower = middle
+        else:
+            upper = middle
+    return drive.limited(part.drive, 0.5 * (lower + upper))
+
+
+@compiled
+def has_current_state(plant: Plant, supply: drive.Supply) -> bool:
+    """Whether the current has a rate, or follows the voltage or its reference at once."""
+    if supply.law == drive.MOTOR_LAW:
+        return plant.part.motor.inductance_H > 0.0
+    return supply.law == drive.LOOP_LAW
+
+
+@compiled
+def point_of(plant: Plant, supply: drive.Supply, state: np.ndarray) -> Point:
+    """The state as effects see it, with the current in balance when it has no rate."""
+    angle = state[ANGLE]
+    point = Point(state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V)
+    if has_current_state(plant, supply):
+        return point
+    current = drive.limited(plant.part.drive, supply.reference_A)
+    if supply.law == drive.MOTOR_LAW:
+        current = _algebraic_current_A(plant, supply, point)
+    return Point(current, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+
+
+@compiled
+def _current_rate(plant: Plant, supply: drive.Supply, point: Point) -> float:
+    """Rate of a current that the drive does not hold at its limit."""
+    if supply.law == drive.LOOP_LAW:
+        return (supply.reference_A - point.current_A) / plant.part.drive.current_loop_s
+    voltage = supply.voltage_V + sites.voltage_change_V(plant.part.effects, point)
+    return motor.current_rate_A_per_s(plant.part.motor, voltage, point.current_A, point.speed_rad_s)
+
+
+@compiled
+def _load_Nm(plant: Plant, point: Point) -> float:
+    return plant.part.screw.load_torque_Nm + sites.extra_load_Nm(plant.part.effects, point)
+
+
+@compiled
+def play_output(plant: Plant, mode: Mode, point: Point) -> tuple[float, float]:
+    """Position in mm and speed in mm/s of the play's output."""
+    position = screw.play_output_mm(plant.part.screw, point.motor_mm, mode.play_mm, mode.side)
+    pushed = plant.part.screw.blk_mm == 0.0 or mode.side * mode.motion > 0
+    return position, plant.lead_mm_per_rad * point.speed_rad_s if pushed else 0.0
+
+
+@compiled
+def _active_torque_Nm(plant: Plant, mode: Mode, point: Point, state: np.ndarray, load_Nm: float) -> float:
+    """Every torque on the shaft but viscous and dry friction."""
+    play_mm, play_mm_s = play_output(plant, mode, point)
+    effects = plant.part.effects
+    reaction = sites.transmission_reaction_Nm(effects, state, play_mm, play_mm_s, 1e-3 * plant.lead_mm_per_rad)
+    return motor.torque_Nm(plant.part.motor, point.current_A) - load_Nm + sites.extra_torque_Nm(effects, point) + reaction
+
+
+@compiled
+def rates(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray, out: np.ndarray) -> None:
+    """Rates of the state, written to `out`."""
+    part = plant.part
+    point = point_of(plant, supply, state)
+    out[CURRENT] = 0.0
+    if mode.limit == 0 and has_current_state(plant, supply):
+        out[CURRENT] = _current_rate(plant, supply, point)
+    out[SPEED] = 0.0
+    out[ANGLE] = 0.0
+    if mode.motion != 0:
+        load = _load_Nm(plant, point)
+        level = part.screw.dynamic_ratio * part.screw.csj_Nm
+        friction = level + sites.friction_change_Nm(part.effects, level, point)
+        friction += gearbox.friction_Nm(part.gearbox, load, mode.motion)
+        active = _active_torque_Nm(plant, mode, point, state, load)
+        out[SPEED] = screw.acceleration_rad_s2(
+            part.screw, plant.inertia_kgm2, active, point.speed_rad_s, friction, mode.motion
+        )
+        out[ANGLE] = point.speed_rad_s
+    play_mm, play_mm_s = play_output(plant, mode, point)
+    sites.transmission_rates(part.effects, state, play_mm, play_mm_s, out)
+
+
+@compiled
+def _departure(plant: Plant, mode: Mode, point: Point, state: np.ndarray) -> int:
+    """Direction in which a resting shaft breaks away now, or 0."""
+    part = plant.part
+    load = _load_Nm(plant, point)
+    level = part.screw.csj_Nm
+    static = level + sites.friction_change_Nm(part.effects, level, point) + gearbox.friction_at_rest_Nm(part.gearbox, load)
+    active = _active_torque_Nm(plant, mode, point, state, load)
+    return screw.leaves_rest(active, static, mode.end)
+
+
+@compiled
+def _limit_of(plant: Plant, supply: drive.Supply, mode: Mode, point: Point) -> int:
+    """Whether the drive holds the current now: -1 or 1 at that limit, else 0."""
+    limit = plant.part.drive.current_limit_A
+    if limit == 0.0 or not has_current_state(plant, supply) or abs(point.current_A) < limit:
+        return 0
+    outward = 1 if point.current_A > 0.0 else -1
+    rate = _current_rate(plant, supply, point) * outward
+    if rate > 0.0 or (rate == 0.0 and mode.limit == outward):
+        return outward
+    return 0
+
+
+@compiled
+def has_passed(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray) -> bool:
+    """Whether the state lies behind an event, so that other equations hold than those of `mode`."""
+    point = point_of(plant, supply, state)
+    part = plant.part
+    if _limit_of(plant, supply, mode, point) != mode.limit:
+        return True
+    if motor.saturation(part.motor, point.current_A) != mode.torque_saturation:
+        return True
+    if (_load_Nm(plant, point) > 0.0) != mode.load_positive:
+        return True
+    if mode.motion == 0:
+        return _departure(plant, mode, point, state) != 0
+    if point.speed_rad_s * mode.motion < 0.0 or screw.hits_end(part.screw, point.motor_mm, mode.motion):
+        return True
+    return mode.side != mode.motion and screw.play_contact(part.screw, point.motor_mm, mode.play_mm, mode.motion)
+
+
+@compiled
+def settled(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray) -> Mode:
+    """The mode that holds from `state` on; a reversal or an end of travel stops the shaft in `state`."""
+    part = plant.part
+    point = point_of(plant, supply, state)
+    state[CURRENT] = point.current_A
+    limit = _limit_of(plant, supply, mode, point)
+    if limit != 0:
+        state[CURRENT] = limit * part.drive.current_limit_A
+    play_mm, _ = play_output(plant, mode, point)
+    side = mode.side
+    motion = mode.motion
+    end = mode.end
+    if motion != 0 and screw.hits_end(part.screw, point.motor_mm, motion):
+        state[ANGLE] = motion * part.screw.travel_mm / plant.lead_mm_per_rad
+        state[SPEED] = 0.0
+        end = motion
+        motion = 0
+    elif motion != 0 and state[SPEED] * motion < 0.0:
+        state[SPEED] = 0.0
+        motion = 0
+    point = point_of(plant, supply, state)
+    if motion == 0:
+        motion = _departure(plant, Mode(0, limit, side, play_mm, end, 0, False), point, state)
+    if motion != 0:
+        end = 0
+        if side != motion:
+            side = motion if screw.play_contact(part.screw, point.motor_mm, play_mm, motion) else 0
+    saturation = motor.saturation(part.motor, point.current_A)
+    return Mode(motion, limit, side, play_mm, end, saturation, _load_Nm(plant, point) > 0.0)

@@ -1,0 +1,15 @@
+"""Where the plant is: what an effect may look at."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Point(NamedTuple):
+    """State of motor and shaft; `motor_mm` is the angle expressed at the rod, `voltage_V` the drive's."""
+
+    current_A: float
+    speed_rad_s: float
+    angle_rad: float
+    motor_mm: float
+    voltage_V: float
