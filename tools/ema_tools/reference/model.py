@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,29 +18,12 @@ from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
 from ema_tools.reference.actuator import build, filled, is_active
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.effects import module_of
+from ema_tools.reference.recording import Recording
 
 __all__ = ["Recording", "defaults", "simulate"]
 
 _EVENTS_MAX = 200  # in one integration step; more means that the equations chatter
 _LARGEST_RATE_STEP = 0.2  # fastest rate times integration step, for an error of a step below 3e-6 of that part
-
-
-@dataclass(frozen=True)
-class Recording:
-    """One row per record period; every array has shape [rows]. Positions in mm as the sensors read them."""
-
-    time_s: np.ndarray
-    command_mm: np.ndarray
-    position_mm: np.ndarray
-    motor_position_mm: np.ndarray
-    current_A: np.ndarray
-    voltage_V: np.ndarray
-    speed_mm_s: np.ndarray
-
-    def e_int_mm2s(self, other: Recording) -> float:
-        """Integral of the squared difference of the rod positions, mm^2 s."""
-        period = self.time_s[1] - self.time_s[0]
-        return float(np.sum((self.position_mm - other.position_mm) ** 2) * period)
 
 
 @compiled

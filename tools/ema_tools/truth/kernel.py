@@ -1,0 +1,352 @@
+"""The loop of the truth plant: Heun's method in small steps, Coulomb friction by bisection or LuGre friction.
+
+`v` is the record of all values by name. State `s`: current A, motor speed rad/s, motor angle rad, rod mm, rod speed mm/s
+(the last two only behind a soft transmission), bristle deflection rad (LuGre).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ema_tools.reference.compiled import compiled
+from ema_tools.truth import effects
+
+COULOMB = 0
+LUGRE = 1
+_HALVINGS = 48
+
+
+@compiled
+def _clip(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
+
+
+@compiled
+def mm_per_rad(v: Any) -> float:
+    """Rod travel per motor angle."""
+    return v["screw.lead_mm"] / (2.0 * math.pi * v["gearbox.ratio"])
+
+
+@compiled
+def _level_Nm(v: Any, w: float, theta: float, direction: float, resting: bool) -> float:
+    """Level of dry friction; `direction` 0 takes the load as opposing."""
+    level = v["screw.csj_Nm"] * effects.friction_factor(v, w)
+    if not resting:
+        level *= v["screw.dynamic_ratio"]
+    eta = v["gearbox.efficiency"]
+    load = effects.load_Nm(v, mm_per_rad(v) * theta)
+    lost = 1.0 - eta if load * direction <= 0.0 and not resting else 1.0 / eta - 1.0
+    return level + lost * abs(load)
+
+
+@compiled
+def _pull_Nm(v: Any, i: float, theta: float, force_N: float) -> float:
+    """Torque that drives the shaft, without any friction."""
+    torque = v["motor.torque_constant_Nm_per_A"] * i
+    if v["motor.torque_limit_Nm"] > 0.0:
+        torque = _clip(torque, v["motor.torque_limit_Nm"])
+    n = mm_per_rad(v)
+    return torque + effects.shaft_torque_Nm(v, theta) - effects.load_Nm(v, n * theta) - 1e-3 * n * force_N
+
+
+@compiled
+def _static_current(v: Any, volt: float, w: float, guess: float) -> float:
+    """Current of a winding without inductance, by Newton's method with a difference quotient."""
+    r = effects.resistance_ohm(v)
+    i = guess
+    for _ in range(30):
+        error = volt + effects.lost_voltage_V(v, i) - v["motor.back_emf_V_s_per_rad"] * w - r * i
+        slope = (effects.lost_voltage_V(v, i + 1e-6) - effects.lost_voltage_V(v, i)) / 1e-6 - r
+        i -= error / slope
+        if abs(error) < 1e-13:
+            break
+    return i
+
+
+@compiled
+def _bounded(v: Any, i: float) -> float:
+    limit = v["drive.current_limit_A"]
+    return _clip(i, limit) if limit > 0.0 else i
+
+
+@compiled
+def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, out: np.ndarray) -> None:
+    """Rates of the state. `held`: voltage (law 0) or current reference (law 1); `moving`: direction of sliding, 0 at rest;
+    `push`: whether the motor moves the output of the play; s[6] holds that output while it does not."""
+    i = s[0]
+    w = s[1]
+    theta = s[2]
+    n = mm_per_rad(v)
+    if law == 0 and v["motor.inductance_H"] > 0.0:
+        volt = held + effects.lost_voltage_V(v, i)
+        back = v["motor.back_emf_V_s_per_rad"] * w
+        out[0] = (volt - effects.resistance_ohm(v) * i - back) / v["motor.inductance_H"]
+    elif law == 1 and v["drive.current_loop_s"] > 0.0:
+        out[0] = (held - i) / v["drive.current_loop_s"]
+    else:
+        out[0] = 0.0
+    y = s[6]
+    half = 0.5 * v["screw.blk_mm"]
+    y = min(max(y, n * theta - half), n * theta + half)
+    force = effects.transmission_compliance(v, y - s[3], (n * w if push != 0 else 0.0) - s[4])
+    mass = effects.rod_mass_kg(v)
+    inertia = v["screw.inertia_kgm2"] - mass * (1e-3 * n) ** 2
+    out[3] = s[4]
+    out[4] = 1e3 * force / mass if mass > 0.0 else 0.0
+    out[1] = 0.0
+    out[2] = 0.0
+    if moving != 0:
+        friction = moving * _level_Nm(v, w, theta, float(moving), False)
+        out[1] = (_pull_Nm(v, i, theta, force) - v["screw.viscous_Nm_s_per_rad"] * w - friction) / inertia
+        out[2] = w
+
+
+@compiled
+def _heun(
+    v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, dt: float, k: np.ndarray, out: np.ndarray
+) -> None:
+    """State after `dt`; `k` [2, n] is scratch."""
+    _slopes(v, s, law, held, moving, push, k[0])
+    for j in range(5):
+        out[j] = s[j] + dt * k[0, j]
+    out[0] = _current_after(v, law, held, out[0], out[1])
+    out[5] = s[5]
+    out[6] = s[6]
+    _slopes(v, out, law, held, moving, push, k[1])
+    for j in range(5):
+        out[j] = s[j] + 0.5 * dt * (k[0, j] + k[1, j])
+    out[0] = _current_after(v, law, held, out[0], out[1])
+
+
+@compiled
+def _current_after(v: Any, law: int, held: float, i: float, w: float) -> float:
+    """The current inside the drive's limits, and where it follows at once, its value."""
+    if law == 0 and v["motor.inductance_H"] == 0.0:
+        i = _static_current(v, held, w, i)
+    elif law == 1 and v["drive.current_loop_s"] == 0.0:
+        i = held
+    return _bounded(v, i)
+
+
+@compiled
+def _breaks_away(v: Any, s: np.ndarray) -> int:
+    """Direction in which a shaft at rest starts, or 0."""
+    n = mm_per_rad(v)
+    force = effects.transmission_compliance(v, s[6] - s[3], -s[4])
+    pull = _pull_Nm(v, s[0], s[2], force)
+    if abs(pull) <= _level_Nm(v, 0.0, s[2], 0.0, True):
+        return 0
+    start = 1 if pull > 0.0 else -1
+    if start * n * s[2] >= v["screw.travel_mm"] * (1.0 - 1e-15):
+        return 0
+    return start
+
+
+@compiled
+def _follow(v: Any, s: np.ndarray) -> None:
+    """Move the output of the play with the motor."""
+    x = mm_per_rad(v) * s[2]
+    half = 0.5 * v["screw.blk_mm"]
+    s[6] = min(max(s[6], x - half), x + half)
+
+
+@compiled
+def _pushes(v: Any, s: np.ndarray, moving: int) -> int:
+    """1 while the motor, sliding in that direction, moves the output of the play."""
+    gap = mm_per_rad(v) * s[2] - s[6]
+    return 1 if moving != 0 and gap * moving >= 0.5 * v["screw.blk_mm"] * (1.0 - 1e-12) else 0
+
+
+@compiled
+def _left_branch(v: Any, s: np.ndarray, moving: int) -> bool:
+    """Whether the shaft has turned back, passed an end of travel, or broken away from rest."""
+    if moving == 0:
+        return _breaks_away(v, s) != 0
+    return s[1] * moving < 0.0 or mm_per_rad(v) * s[2] * moving > v["screw.travel_mm"]
+
+
+@compiled
+def _coulomb(
+    v: Any, s: np.ndarray, law: int, held: float, moving: int, dt: float, k: np.ndarray, trial: np.ndarray
+) -> int:
+    """One integration step with Coulomb friction; reversals and break-away are found by halving the step."""
+    left = dt
+    if moving == 0:
+        moving = _breaks_away(v, s)
+    for _ in range(20):
+        push = _pushes(v, s, moving)
+        _heun(v, s, law, held, moving, push, left, k, trial)
+        if not _left_branch(v, trial, moving):
+            s[:] = trial
+            _follow(v, s)
+            return moving
+        part = left
+        width = left
+        for _ in range(_HALVINGS):
+            width *= 0.5
+            nearer = part - width
+            _heun(v, s, law, held, moving, push, nearer, k, trial)
+            if _left_branch(v, trial, moving):
+                part = nearer
+        _heun(v, s, law, held, moving, push, part, k, trial)
+        s[:] = trial
+        _follow(v, s)
+        left -= part
+        s[1] = 0.0
+        if moving != 0:
+            reach = v["screw.travel_mm"] / mm_per_rad(v)
+            s[2] = _clip(s[2], reach)
+        moving = _breaks_away(v, s)
+        if left <= 0.0:
+            return moving
+    return moving
+
+
+@compiled
+def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
+    """One integration step with LuGre friction: bristles implicit, the rest by Heun's method without friction."""
+    w = s[1]
+    direction = 1 if w > 0.0 else -1
+    steady = _level_Nm(v, w, s[2], float(direction), False)
+    resting = _level_Nm(v, 0.0, s[2], 0.0, True)
+    g = steady + (resting - steady) * math.exp(-((w / 0.02) ** 2))
+    stiffness = resting / presliding_rad
+    damping = 2.0 * math.sqrt(stiffness * v["screw.inertia_kgm2"]) * math.exp(-((w / 0.5) ** 2))
+    before = s[5]
+    push = _pushes(v, s, direction)
+    _slopes(v, s, law, held, direction, push, k[0])
+    free = k[0, 1] + direction * steady / v["screw.inertia_kgm2"]
+    bristle = (before + dt * w) / (1.0 + dt * abs(w) * stiffness / g)
+    rate = (bristle - before) / dt
+    speed = w + dt * (free - (stiffness * bristle + damping * rate) / v["screw.inertia_kgm2"])
+    middle = 0.5 * (w + speed)
+    trial[:] = s
+    trial[0] = s[0] + dt * k[0, 0]
+    trial[1] = middle
+    _slopes(v, trial, law, held, direction, push, k[1])
+    s[0] = _current_after(v, law, held, s[0] + 0.5 * dt * (k[0, 0] + k[1, 0]), speed)
+    s[3] += 0.5 * dt * (k[0, 3] + k[1, 3])
+    s[4] += 0.5 * dt * (k[0, 4] + k[1, 4])
+    s[1] = speed
+    s[2] += dt * middle
+    s[5] = bristle
+    reach = v["screw.travel_mm"] / mm_per_rad(v)
+    if abs(s[2]) > reach:
+        s[2] = _clip(s[2], reach)
+        s[1] = 0.0
+    _follow(v, s)
+    return direction if s[1] != 0.0 else 0
+
+
+@compiled
+def _control(v: Any, error: float, feedback: float, c: np.ndarray, period: float) -> float:
+    """Control law; `c`: integrator, last error, last feedback, last measure, whether it has run. Metres."""
+    first = c[4] == 0.0
+    mean = feedback if first or v["control.average_speed"] == 0.0 else 0.5 * (feedback + c[2])
+    speed = 0.0 if first else (mean - c[3]) / period
+    de = 0.0 if first else (error - c[1]) / period
+    if v["control.structure"] == 1.0:
+        asked = v["control.position_gain_per_s"] * error
+        if v["control.speed_limit_m_s"] > 0.0:
+            asked = _clip(asked, v["control.speed_limit_m_s"])
+        raw = v["control.speed_gain_s_per_m"] * (asked - speed) + c[0]
+        charge = v["control.speed_integral_per_m"] * (asked - speed)
+    else:
+        d = de if v["control.derivative"] == 0.0 else -speed
+        raw = v["control.kp_per_m"] * error + v["control.kd_s_per_m"] * d + c[0]
+        charge = v["control.ki_per_m_s"] * error
+    u = _clip(raw, v["control.output_limit"])
+    c[0] += period * (charge - v["control.anti_windup_per_s"] * (raw - u))
+    c[1] = error
+    c[2] = feedback
+    c[3] = mean
+    c[4] = 1.0
+    return u
+
+
+@compiled
+def _seen(v: Any, readings: np.ndarray, step: int) -> float:
+    """Feedback in mm: aged by a parabola through three readings, then rounded."""
+    age = effects.feedback_age_s(v) / v["timing.step_s"]
+    q = int(age)
+    f = age - q
+    a = readings[max(step - q, 0)]
+    if f > 0.0:
+        b = readings[max(step - q - 1, 0)]
+        c = readings[max(step - q - 2, 0)]
+        # Newton's form: the value f steps before the newest of three
+        a = a + f * (b - a) + 0.5 * f * (f - 1.0) * (c - 2.0 * b + a)
+    r = v["encoder.resolution_mm"]
+    return r * math.floor(a / r + 0.5) if r > 0.0 else a
+
+
+@compiled
+def run(
+    v: Any,
+    command_mm: np.ndarray,
+    start_mm: float,
+    law_of_friction: int,
+    presliding_rad: float,
+    parts: int,
+    noise_mm: np.ndarray,
+    rows: np.ndarray,
+) -> None:
+    """Simulate every step of `command_mm` [n] with `parts` integration steps each.
+
+    `noise_mm` [n] is added to the feedback sensor's reading; `rows` [5, n]: rod mm, motor mm, current A, voltage V, rod
+    speed mm/s at the start of each step.
+    """
+    s = np.zeros(7)
+    trial = np.zeros(7)
+    k = np.zeros((2, 7))
+    c = np.zeros(5)
+    readings = np.empty(command_mm.size)
+    n = mm_per_rad(v)
+    h = v["timing.step_s"]
+    every = int(v["control.every_steps"])
+    s[2] = start_mm / n
+    s[3] = start_mm
+    s[6] = start_mm
+    moving = 0
+    u = 0.0
+    soft = effects.rod_mass_kg(v) > 0.0
+    for step in range(command_mm.size):
+        x = n * s[2]
+        rod = s[3] if soft else s[6]
+        reading = rod * (1.0 + v["encoder.rod_gain_error"]) + v["encoder.rod_offset_mm"]
+        readings[step] = (reading if v["encoder.side"] == 1.0 else x) + noise_mm[step]
+        if step % every == 0:
+            seen = 1e-3 * _seen(v, readings, step)
+            u = _control(v, 1e-3 * command_mm[step] - seen, seen, c, every * h)
+        law = 0
+        held = u * v["drive.supply_V"]
+        shown = held
+        if v["drive.mode"] == 1.0:
+            law = 1
+            held = u * v["drive.current_scale_A"]
+            back = v["motor.back_emf_V_s_per_rad"] * s[1]
+            if v["drive.current_loop_s"] > 0.0:
+                rise = (held - s[0]) / v["drive.current_loop_s"]
+                shown = effects.resistance_ohm(v) * s[0] + v["motor.inductance_H"] * rise + back
+                if abs(shown) > v["drive.supply_V"]:
+                    law = 0
+                    held = _clip(shown, v["drive.supply_V"])
+                    shown = held
+            else:
+                shown = effects.resistance_ohm(v) * _bounded(v, held) + back
+            if v["drive.command_scale_V"] > 0.0:
+                shown = u * v["drive.command_scale_V"]
+        s[0] = _current_after(v, law, held, s[0], s[1])
+        rows[0, step] = reading
+        rows[1, step] = x
+        rows[2, step] = s[0]
+        rows[3, step] = shown
+        rows[4, step] = s[4] if soft else (n * s[1] if _pushes(v, s, moving) else 0.0)
+        for _ in range(parts):
+            if law_of_friction == COULOMB:
+                moving = _coulomb(v, s, law, held, moving, h / parts, k, trial)
+            else:
+                moving = _lugre(v, s, law, held, presliding_rad, h / parts, k, trial)
