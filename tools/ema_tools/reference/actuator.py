@@ -1,4 +1,4 @@
-"""An actuator as the blocks see it: one named tuple per section of `ema_params.def`, one per effect."""
+"""An actuator as the blocks see it: one structure per section of `ema_params.def`, one per effect."""
 
 from __future__ import annotations
 
@@ -7,21 +7,24 @@ from collections import namedtuple
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from ema_tools.definitions import Definitions, defaults, load_definitions
+from ema_tools.reference.compiled import HAS_NUMBA
 
 # The lists decide the fields, so the types are made from them.
 _DEFINITIONS: Definitions = load_definitions()
 _BLOCK_SECTIONS = ("control", "drive", "motor", "gearbox", "screw", "encoder", "timing")
-_SECTION_TYPES: dict[str, Any] = {
-    section: namedtuple(section.capitalize(), [row.field for row in _DEFINITIONS.sections[section]])  # type: ignore[misc]
-    for section in _BLOCK_SECTIONS
-}
-_EFFECT_TYPES: dict[str, Any] = {
-    effect.name: namedtuple(effect.name, [value.field for value in effect.parameters])  # type: ignore[misc]
-    for effect in _DEFINITIONS.effects
-}
-_Effects: Any = namedtuple("Effects", list(_EFFECT_TYPES))  # type: ignore[misc]
+_Effects: Any = namedtuple("Effects", [effect.name for effect in _DEFINITIONS.effects])  # type: ignore[misc]
 Actuator: Any = namedtuple("Actuator", [*_BLOCK_SECTIONS, "effects"])
+
+
+def _structure(fields: Mapping[str, float | int]) -> Any:
+    """Numbers by name as one value with attributes: a pointer to compiled code, a tuple to Python."""
+    if not HAS_NUMBA:
+        return namedtuple("Structure", fields)(**fields)  # type: ignore[misc]
+    kind = np.dtype([(name, np.int64 if isinstance(value, int) else np.float64) for name, value in fields.items()])
+    return np.rec.array([tuple(fields.values())], dtype=kind)[0]
 
 
 def filled(values: Mapping[str, float]) -> dict[str, float]:
@@ -46,14 +49,15 @@ def is_active(effect: str, values: Mapping[str, float]) -> bool:
 
 
 def build(values: Mapping[str, float]) -> Any:
-    """The named tuples of a complete set of values; options as whole numbers."""
+    """The structures of a complete set of values; options as whole numbers."""
     sections = []
     for section in _BLOCK_SECTIONS:
         rows = _DEFINITIONS.sections[section]
-        numbers = [int(values[row.name]) if row.is_option else float(values[row.name]) for row in rows]
-        sections.append(_SECTION_TYPES[section](*numbers))
+        sections.append(
+            _structure({row.field: int(values[row.name]) if row.is_option else float(values[row.name]) for row in rows})
+        )
     effects = [
-        _EFFECT_TYPES[effect.name](*(float(values[value.name]) for value in effect.parameters))
+        _structure({value.field: float(values[value.name]) for value in effect.parameters})
         for effect in _DEFINITIONS.effects
     ]
     return Actuator(*sections, _Effects(*effects))
