@@ -1,0 +1,55 @@
+/* How well a record determines the identified parameters: model runs side by side, one at the estimate and one beside it per parameter.
+ *
+ * With J the sensitivities of the weighted channels, the standard errors are sqrt(diag((J'J)^-1) s^2), s^2 the residual's mean square. Neighbouring residuals
+ * that are alike carry less information than their number says: with correlation rho of neighbours s^2 is widened by
+ * (1 + rho) / (1 - rho), the factor of a first-order autoregressive residual. White noise leaves rho near 0 and the errors as they are.
+ */
+#ifndef EMA_SENSITIVITY_H
+#define EMA_SENSITIVITY_H
+
+#include "ema/ema_model.h"
+#include "ema/ema_record.h"
+
+/* Parameters that are weighed at once: sets the memory. */
+#define EMA_IDENTIFIED_MAX 4U
+
+typedef struct {
+    ema_model_t model[1U + EMA_IDENTIFIED_MAX];
+    ema_output_t row_output[1U + EMA_IDENTIFIED_MAX];
+    const ema_record_t* record;
+    ema_real weight[EMA_CHANNEL_COUNT];
+    ema_real delta[EMA_IDENTIFIED_MAX];
+    ema_real normal[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX]; /* J'J */
+    ema_real position_square;   /* of the rod position's residual */
+    ema_real position_neighbours;
+    ema_real position_last_mm;
+    ema_real weighted_square;
+    ema_real command_mm;
+    uint32_t parameters;
+    uint32_t channels;
+    uint32_t every_steps;
+    uint32_t row;
+    uint32_t step_in_row;
+    uint32_t next_model;        /* whose turn it is */
+} ema_sensitivity_t;
+
+typedef struct {
+    ema_real std[EMA_IDENTIFIED_MAX]; /* in the parameters' units */
+    ema_real residual_rms_mm;
+    ema_real residual_correlation;
+    bool determined;                  /* false: the record does not tell the parameters apart, std is not set */
+} ema_sensitivity_result_t;
+
+/* Prepares the runs of `actuator` (at the estimate) with `count` values `ids` moved by `delta`, against `record`. Errors: those of ema_model_init. */
+ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
+                                   const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm);
+
+/* Makes at most `steps` model steps over all runs together; returns how many it made, 0 once it is done. Cost: that many model steps. */
+uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps);
+
+bool ema_sensitivity_done(const ema_sensitivity_t* self);
+
+/* Standard errors and residual, after the runs are done. Cost: one Cholesky solution of `count` unknowns. */
+void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result);
+
+#endif

@@ -1,0 +1,122 @@
+/* The whole module behind four calls: init, feed, run, result.
+ *
+ *     ema_session_init(&session, &config);
+ *     ema_session_feed(&session, &sample);                 at every recorded instant of the ground chirp
+ *     while (ema_session_run(&session, 200) == EMA_OK && ema_session_phase(&session) != EMA_PHASE_DONE) { }   in slices
+ *     ema_session_result(&session, &result);
+ *
+ * The session is one structure of the caller; with the record's buffer it is all the memory there is. It is a plain value apart from the
+ * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
+ */
+#ifndef EMA_SESSION_H
+#define EMA_SESSION_H
+
+#include "ema/ema_annealer.h"
+#include "ema/ema_objective.h"
+#include "ema/ema_sensitivity.h"
+
+/* Fewest rows that are identified from. */
+#define EMA_ROWS_MIN 100U
+
+/* One parameter to identify and its bounds; its healthy value is the actuator's and must not be zero. */
+typedef struct {
+    ema_value_id_t id;
+    ema_real lower;
+    ema_real upper;
+    ema_real min_shift_percent; /* smallest shift, in % of the healthy value, that is called a fault */
+} ema_identified_t;
+
+/* Constant during the session and must outlive it. */
+typedef struct {
+    const ema_actuator_t* actuator;  /* healthy */
+    ema_record_config_t record;
+    ema_real weight[EMA_CHANNEL_COUNT]; /* of the objective, by ema_channel_t */
+    ema_identified_t identified[EMA_IDENTIFIED_MAX];
+    uint32_t identified_count;
+    ema_annealer_config_t annealer;  /* dimension and start are set by the session */
+    bool start_at_healthy;           /* else at `annealer.start` */
+    bool abandon;                    /* give a run up once it exceeds what the annealer could use; changes no decision */
+} ema_session_config_t;
+
+typedef enum {
+    EMA_PHASE_FEEDING = 0,
+    EMA_PHASE_SEARCHING = 1,
+    EMA_PHASE_WEIGHING = 2, /* standard errors and adequacy at the best point */
+    EMA_PHASE_DONE = 3
+} ema_phase_t;
+
+typedef enum {
+    EMA_VERDICT_HEALTHY = 0,
+    EMA_VERDICT_FAULT = 1,
+    EMA_VERDICT_UNDECIDED = 2
+} ema_verdict_t;
+
+/* Why a verdict is undecided; a set of bits. */
+enum {
+    EMA_REASON_NOT_FINISHED = 1,   /* the session has not ended */
+    EMA_REASON_INADEQUATE = 2,     /* the residual is larger than the sensor noise explains: an effect is missing from the model */
+    EMA_REASON_AT_BOUND = 4,       /* an estimate lies on a bound of its search */
+    EMA_REASON_NOT_CONVERGED = 8,  /* the evaluations were used up while the cost still fell */
+    EMA_REASON_NEAR_THRESHOLD = 16,/* the shift cannot be told from its threshold with the stated confidence */
+    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters */
+    EMA_REASON_BELOW_HEALTHY = 64  /* a parameter fell by more than its threshold, which wear does not do */
+};
+
+typedef struct {
+    ema_real estimate;      /* in the parameter's own unit */
+    ema_real std;           /* standard error from the residual and the sensitivities */
+    ema_real shift_percent; /* (estimate - healthy) / healthy * 100 */
+    bool at_bound;
+} ema_estimate_t;
+
+typedef struct {
+    ema_estimate_t identified[EMA_IDENTIFIED_MAX]; /* in the order of the configuration */
+    uint32_t identified_count;
+    ema_real objective_before; /* at the healthy values */
+    ema_real objective_after;  /* at the best point */
+    ema_real residual_rms_mm;  /* of the rod position at the best point */
+    ema_real residual_correlation; /* of neighbouring rows: 0 is white */
+    uint32_t evaluations;      /* model runs: the search's, plus those before and after it */
+    uint64_t model_steps;      /* in all of them, counting only steps that were made */
+    ema_annealer_info_t search;
+    ema_random_t random;       /* final state of the random numbers: equal on every machine */
+    ema_outcome_t outcome;     /* why the search stopped */
+    ema_verdict_t verdict;
+    bool adequate;
+    uint32_t reasons;          /* EMA_REASON_ bits */
+} ema_result_t;
+
+typedef struct {
+    const ema_session_config_t* config;
+    ema_record_t record;
+    ema_annealer_t annealer;
+    ema_objective_t run;       /* the model run of the search */
+    ema_sensitivity_t weighing; /* the model runs at the end */
+    ema_real start_mm;
+    ema_real healthy_cost;
+    uint64_t model_steps;
+    uint32_t evaluations;
+    bool healthy_done;         /* the cost at the healthy values is known */
+    ema_phase_t phase;
+} ema_session_t;
+
+/* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone and the given record. */
+ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record);
+
+/* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check and ema_record_init; EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of
+ * parameters, an id or a healthy value outside its bounds. */
+ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
+
+/* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of ema_record_append. */
+ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample);
+
+/* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go on);
+ * those of ema_objective_start at the first call. Cost: `steps` model steps, and at the end of a model run what ema_annealer_tell costs. */
+ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
+
+ema_phase_t ema_session_phase(const ema_session_t* session);
+
+/* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL; EMA_ERR_ORDER before the first run. */
+ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
+
+#endif

@@ -1,0 +1,424 @@
+#include "ema_desk.h"
+
+#include <stdlib.h>
+
+#include "ema/ema_session.h"
+
+#define EMA_TEXT(x) #x
+
+static const ema_desk_row_t ema_value_rows[] = {
+#define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, text, "", nominal, lower, upper},
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
+#include "ema/ema_params.def"
+#undef EMA_PARAM
+#undef EMA_OPTION
+#define EMA_P(field, nominal, lower, upper, text) {NULL, #field, text, "", nominal, lower, upper},
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+#undef EMA_P
+};
+
+static const ema_desk_row_t ema_option_rows[] = {
+#define EMA_PARAM(section, field, nominal, lower, upper, text)
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {#section, #field, text, choices, nominal, lower, upper},
+#include "ema/ema_params.def"
+#undef EMA_PARAM
+#undef EMA_OPTION
+};
+
+/* The section of an effect's values is told by the effect itself: a row of the list cannot name its own effect. */
+static const char* const ema_effect_sections[] = {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) "effects." #name,
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+};
+
+static const ema_desk_effect_t ema_effect_rows[] = {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                                                        \
+    {#name, EMA_TEXT(site), equation, source, look_alikes, (int32_t)(EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))),       \
+     (int32_t)(sizeof(ema_effect_##name##_t) / sizeof(ema_real))},
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+};
+
+#define EMA_COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
+
+int32_t ema_desk_real_bits(void)
+{
+    return (int32_t)(8U * sizeof(ema_real));
+}
+
+int32_t ema_desk_value_count(void)
+{
+    return EMA_COUNT(ema_value_rows);
+}
+
+int32_t ema_desk_option_count(void)
+{
+    return EMA_COUNT(ema_option_rows);
+}
+
+int32_t ema_desk_effect_count(void)
+{
+    return EMA_COUNT(ema_effect_rows);
+}
+
+int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row)
+{
+    if (row == NULL) {
+        return EMA_ERR_NULL;
+    }
+    if ((index < 0) || (index >= EMA_COUNT(ema_effect_rows))) {
+        return EMA_ERR_RANGE;
+    }
+    *row = ema_effect_rows[index];
+    return EMA_OK;
+}
+
+int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row)
+{
+    if (row == NULL) {
+        return EMA_ERR_NULL;
+    }
+    if ((index < 0) || (index >= EMA_COUNT(ema_value_rows))) {
+        return EMA_ERR_RANGE;
+    }
+    *row = ema_value_rows[index];
+    for (int32_t k = 0; k < EMA_COUNT(ema_effect_rows); ++k) {
+        const int32_t first = ema_effect_rows[k].first_value;
+        if ((index >= first) && (index < (first + ema_effect_rows[k].value_count))) {
+            row->section = ema_effect_sections[k];
+        }
+    }
+    return EMA_OK;
+}
+
+int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row)
+{
+    if (row == NULL) {
+        return EMA_ERR_NULL;
+    }
+    if ((index < 0) || (index >= EMA_COUNT(ema_option_rows))) {
+        return EMA_ERR_RANGE;
+    }
+    *row = ema_option_rows[index];
+    return EMA_OK;
+}
+
+const char* ema_desk_status_text(int32_t status)
+{
+    return ema_status_text((ema_status_t)status);
+}
+
+static void ema_actuator_from(const double* values, const int32_t* options, ema_actuator_t* actuator)
+{
+    int32_t* const fields = (int32_t*)(void*)&actuator->options;
+    for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {
+        (void)ema_actuator_set(actuator, (ema_value_id_t)id, (ema_real)values[id]);
+    }
+    for (size_t index = 0; index < EMA_OPTION_COUNT; ++index) {
+        fields[index] = options[index];
+    }
+}
+
+int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* offender)
+{
+    if ((values == NULL) || (options == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    ema_actuator_t actuator;
+    ema_actuator_from(values, options, &actuator);
+    size_t bad = 0;
+    const ema_status_t status = ema_actuator_check(&actuator, &bad);
+    if ((status != EMA_OK) && (offender != NULL)) {
+        *offender = (int32_t)bad;
+    }
+    return status;
+}
+
+int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows, double start_mm, double* out, int32_t* crowded)
+{
+    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    ema_actuator_t actuator;
+    ema_model_t model;
+    ema_actuator_from(values, options, &actuator);
+    ema_status_t status = ema_model_init(&model, &actuator, (ema_real)start_mm);
+    const int32_t every = (status == EMA_OK) ? actuator.options.record_every_steps : 1;
+    for (int32_t row = 0; (status == EMA_OK) && (row < rows); ++row) {
+        for (int32_t k = 0; (status == EMA_OK) && (k < every); ++k) {
+            ema_output_t output;
+            status = ema_model_step(&model, (ema_real)command_mm[row], &output);
+            if (k == 0) {
+                const size_t at = (size_t)row;
+                const size_t count = (size_t)rows;
+                out[at] = (double)output.position_mm;
+                out[count + at] = (double)output.motor_position_mm;
+                out[(2U * count) + at] = (double)output.current_A;
+                out[(3U * count) + at] = (double)output.voltage_V;
+                out[(4U * count) + at] = (double)output.speed_mm_s;
+            }
+        }
+    }
+    if ((status == EMA_OK) && (crowded != NULL)) {
+        *crowded = (int32_t)model.state.crowded_steps;
+    }
+    return status;
+}
+
+int32_t ema_desk_command(int32_t kind, const double* numbers, double step_s, int32_t rows, double* command_mm)
+{
+    if ((numbers == NULL) || (command_mm == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if ((kind < 0) || (kind >= (int32_t)EMA_COMMAND_RECORD) || !(numbers[5] >= 0.0) || !(numbers[5] <= 1.0e6)) {
+        return EMA_ERR_RANGE;
+    }
+    ema_command_config_t config = {0};
+    config.kind = (ema_command_kind_t)kind;
+    config.amplitude_mm = (ema_real)numbers[0];
+    config.start_hz = (ema_real)numbers[1];
+    config.end_hz = (ema_real)numbers[2];
+    config.duration_s = (ema_real)numbers[3];
+    config.share = (ema_real)numbers[4];
+    config.count = (uint32_t)numbers[5];
+    config.time_s = (ema_real)numbers[6];
+    ema_command_t command;
+    const ema_status_t status = ema_command_init(&command, &config, (ema_real)step_s);
+    for (int32_t row = 0; (status == EMA_OK) && (row < rows); ++row) {
+        command_mm[row] = (double)ema_command_at(&command, (uint32_t)row);
+    }
+    return status;
+}
+
+static ema_sample_t ema_sample_from(const double* command_mm, const double* channels, int32_t row)
+{
+    ema_sample_t sample;
+    sample.command_mm = (ema_real)command_mm[row];
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        sample.channel[channel] = (ema_real)channels[((size_t)row * EMA_CHANNEL_COUNT) + channel];
+    }
+    return sample;
+}
+
+/* A buffer of reals, or of int16 scaled to the largest value of each column. */
+static ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm, const double* channels, const double* weight, int32_t rows, int32_t int16_record)
+{
+    const ema_record_config_t fresh = {0};
+    *config = fresh;
+    size_t stride = 1U;
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        config->keep[channel] = (channel == (uint32_t)EMA_CHANNEL_POSITION) || (weight[channel] > 0.0);
+        stride += config->keep[channel] ? 1U : 0U;
+    }
+    config->format = (int16_record != 0) ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
+    double largest[1U + EMA_CHANNEL_COUNT] = {1.0e-9, 1.0e-9, 1.0e-9, 1.0e-9, 1.0e-9};
+    for (int32_t row = 0; row < rows; ++row) {
+        for (uint32_t k = 0; k <= EMA_CHANNEL_COUNT; ++k) {
+            const double value = (k == 0U) ? command_mm[row] : channels[((size_t)row * EMA_CHANNEL_COUNT) + (k - 1U)];
+            const double size = (value < 0.0) ? -value : value;
+            largest[k] = (size > largest[k]) ? size : largest[k];
+        }
+    }
+    /* a margin of one part in a thousand, so that rounding never leaves the scale */
+    config->command_full_scale_mm = (ema_real)(largest[0] * 1.001);
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        config->full_scale[channel] = (ema_real)(largest[1U + channel] * 1.001);
+    }
+    config->buffer_bytes = (size_t)rows * stride * ((int16_record != 0) ? sizeof(int16_t) : sizeof(ema_real));
+    config->buffer = malloc(config->buffer_bytes);
+    return (config->buffer != NULL) ? EMA_OK : EMA_ERR_FULL;
+}
+
+int32_t ema_desk_objective(const double* values, const int32_t* options, const double* command_mm, const double* channels, const double* weight, int32_t rows, double start_mm,
+                           double* objective)
+{
+    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (weight == NULL) || (objective == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (rows < 1) {
+        return EMA_ERR_SHORT;
+    }
+    ema_actuator_t actuator;
+    ema_record_config_t config;
+    ema_record_t record;
+    ema_objective_t run;
+    ema_real weights[EMA_CHANNEL_COUNT];
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        weights[channel] = (ema_real)weight[channel];
+    }
+    ema_actuator_from(values, options, &actuator);
+    ema_status_t status = ema_record_config_from(&config, command_mm, channels, weight, rows, 0);
+    if (status == EMA_OK) {
+        status = ema_record_init(&record, &config);
+    }
+    for (int32_t row = 0; (status == EMA_OK) && (row < rows); ++row) {
+        const ema_sample_t sample = ema_sample_from(command_mm, channels, row);
+        status = ema_record_append(&record, &sample);
+    }
+    if (status == EMA_OK) {
+        status = ema_objective_start(&run, &actuator, &record, weights, (ema_real)start_mm, EMA_COST_MAX);
+    }
+    if (status == EMA_OK) {
+        (void)ema_objective_run(&run, (uint32_t)rows * (uint32_t)actuator.options.record_every_steps);
+        *objective = (double)ema_objective_value(&run);
+    }
+    free(config.buffer);
+    return status;
+}
+
+int32_t ema_desk_search_default(const double* values, const int32_t* options, ema_desk_search_t* search)
+{
+    if ((values == NULL) || (options == NULL) || (search == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    ema_actuator_t actuator;
+    const ema_record_config_t record = {0};
+    ema_session_config_t config;
+    const ema_desk_search_t fresh = {0};
+    ema_actuator_from(values, options, &actuator);
+    const ema_status_t status = ema_session_config_default(&config, &actuator, &record);
+    *search = fresh;
+    search->identified_count = (int32_t)config.identified_count;
+    for (uint32_t i = 0; i < config.identified_count; ++i) {
+        search->identified_id[i] = (int32_t)config.identified[i].id;
+        search->identified_lower[i] = (double)config.identified[i].lower;
+        search->identified_upper[i] = (double)config.identified[i].upper;
+        search->identified_min_shift_percent[i] = (double)config.identified[i].min_shift_percent;
+    }
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        search->weight[channel] = (double)config.weight[channel];
+    }
+    search->start_at_healthy = config.start_at_healthy ? 1 : 0;
+    search->abandon = config.abandon ? 1 : 0;
+    search->slice_steps = 1000;
+    search->evaluation_budget = (int32_t)config.annealer.evaluation_budget;
+    search->reanneal_interval = (int32_t)config.annealer.reanneal_interval;
+    search->initial_temperature = (double)config.annealer.initial_temperature;
+    search->cooling = (double)config.annealer.cooling;
+    search->function_tolerance = (double)config.annealer.function_tolerance;
+    search->seed = (int64_t)config.annealer.seed;
+    return status;
+}
+
+static ema_status_t ema_session_config_from(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record, const ema_desk_search_t* search)
+{
+    ema_status_t status = ema_session_config_default(config, actuator, record);
+    if ((status == EMA_OK) && ((search->identified_count < 1) || (search->identified_count > (int32_t)EMA_IDENTIFIED_MAX) || (search->slice_steps < 1))) {
+        status = EMA_ERR_RANGE;
+    }
+    if (status == EMA_OK) {
+        config->identified_count = (uint32_t)search->identified_count;
+        config->annealer.stall_evaluations = (config->annealer.stall_evaluations / 2U) * config->identified_count;
+        for (uint32_t i = 0; (status == EMA_OK) && (i < config->identified_count); ++i) {
+            const ema_real lower = (ema_real)search->identified_lower[i];
+            const ema_real upper = (ema_real)search->identified_upper[i];
+            const ema_identified_t identified = {(ema_value_id_t)search->identified_id[i], lower, upper, (ema_real)search->identified_min_shift_percent[i]};
+            config->identified[i] = identified;
+            config->annealer.start[i] = ((ema_real)search->start[i] - lower) / (upper - lower);
+            if ((search->identified_id[i] < 0) || (search->identified_id[i] >= (int32_t)EMA_VALUE_COUNT)) {
+                status = EMA_ERR_RANGE;
+            }
+        }
+        for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+            config->weight[channel] = (ema_real)search->weight[channel];
+        }
+        config->start_at_healthy = search->start_at_healthy != 0;
+        config->abandon = search->abandon != 0;
+        config->annealer.evaluation_budget = (uint32_t)search->evaluation_budget;
+        config->annealer.reanneal_interval = (uint32_t)search->reanneal_interval;
+        config->annealer.initial_temperature = (ema_real)search->initial_temperature;
+        config->annealer.cooling = (ema_real)search->cooling;
+        config->annealer.function_tolerance = (ema_real)search->function_tolerance;
+        config->annealer.seed = (uint64_t)search->seed;
+    }
+    return status;
+}
+
+static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
+{
+    const ema_desk_result_t fresh = {0};
+    *to = fresh;
+    for (uint32_t i = 0; i < from->identified_count; ++i) {
+        to->estimate[i] = (double)from->identified[i].estimate;
+        to->std[i] = (double)from->identified[i].std;
+        to->shift_percent[i] = (double)from->identified[i].shift_percent;
+        to->at_bound[i] = from->identified[i].at_bound ? 1 : 0;
+    }
+    to->objective_before = (double)from->objective_before;
+    to->objective_after = (double)from->objective_after;
+    to->residual_rms_mm = (double)from->residual_rms_mm;
+    to->residual_correlation = (double)from->residual_correlation;
+    to->model_steps = (int64_t)from->model_steps;
+    to->evaluations = (int32_t)from->evaluations;
+    to->accepted = (int32_t)from->search.accepted;
+    to->accepted_uphill = (int32_t)from->search.accepted_uphill;
+    to->outcome = (int32_t)from->outcome;
+    to->verdict = (int32_t)from->verdict;
+    to->adequate = from->adequate ? 1 : 0;
+    to->reasons = (int32_t)from->reasons;
+    to->random_state = from->random.state;
+}
+
+int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm, const double* channels, int32_t rows, const ema_desk_search_t* search,
+                          ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row)
+{
+    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (search == NULL) || (result == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (rows < (int32_t)EMA_ROWS_MIN) {
+        return EMA_ERR_SHORT;
+    }
+    ema_actuator_t actuator;
+    ema_record_config_t record;
+    ema_session_config_t config;
+    ema_session_t session;
+    ema_actuator_from(values, options, &actuator);
+    ema_status_t status = ema_record_config_from(&record, command_mm, channels, search->weight, rows, search->int16_record);
+    if (status == EMA_OK) {
+        status = ema_session_config_from(&config, &actuator, &record, search);
+    }
+    if (status == EMA_OK) {
+        status = ema_session_init(&session, &config);
+    }
+    for (int32_t row = 0; (status == EMA_OK) && (row < rows); ++row) {
+        const ema_sample_t sample = ema_sample_from(command_mm, channels, row);
+        status = ema_session_feed(&session, &sample);
+        if ((status != EMA_OK) && (bad_row != NULL)) {
+            *bad_row = row;
+        }
+    }
+    uint32_t told = 0U;
+    bool stopped = false;
+    while ((status == EMA_OK) && !stopped && (ema_session_phase(&session) != EMA_PHASE_DONE)) {
+        status = ema_session_run(&session, (uint32_t)search->slice_steps);
+        if ((status == EMA_OK) && (progress != NULL) && (session.annealer.info.evaluations > told)) {
+            told = session.annealer.info.evaluations;
+            stopped = progress((int32_t)told, (double)session.annealer.last_cost, (double)session.annealer.best.cost, context) != 0;
+        }
+    }
+    if (status == EMA_OK) {
+        ema_result_t onboard;
+        status = ema_session_result(&session, &onboard);
+        if (status == EMA_OK) {
+            ema_result_to(&onboard, result);
+        }
+    }
+    free(record.buffer);
+    return status;
+}
+
+int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits)
+{
+    if (bits == NULL) {
+        return EMA_ERR_NULL;
+    }
+    ema_random_t random;
+    ema_random_init(&random, (uint64_t)seed, (uint64_t)stream);
+    for (int32_t k = 0; k < count; ++k) {
+        bits[k] = ema_random_u32(&random);
+    }
+    return EMA_OK;
+}

@@ -1,0 +1,86 @@
+#include "ema/ema_objective.h"
+
+#include "ema_math.h"
+#include "ema_record_row.h"
+#include "ema_tick.h"
+
+ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
+                                 ema_real start_mm, ema_real limit)
+{
+    if ((objective == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (record->count < 1U) {
+        return EMA_ERR_SHORT;
+    }
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        if (!(weight[channel] >= EMA_R(0.0)) || ((weight[channel] > EMA_R(0.0)) && (record->place[channel] < 0))) {
+            return EMA_ERR_RANGE;
+        }
+    }
+    const ema_status_t status = ema_model_init(&objective->model, actuator, start_mm);
+    if (status == EMA_OK) {
+        objective->record = record;
+        objective->every_steps = (uint32_t)actuator->options.record_every_steps;
+        objective->period_s = actuator->params.step_s * (ema_real)objective->every_steps;
+        for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+            objective->weight[channel] = weight[channel];
+        }
+        objective->row = 0U;
+        objective->step_in_row = 0U;
+        objective->limit = limit;
+        objective->sum = EMA_R(0.0);
+        objective->sum_low = EMA_R(0.0);
+        objective->command_mm = EMA_R(0.0);
+        objective->state = EMA_OBJECTIVE_RUNNING;
+    }
+    return status;
+}
+
+/* Squared error of one row, weighted over the channels. */
+static inline ema_real ema_objective_row(const ema_objective_t* objective, const ema_output_t* simulated)
+{
+    const ema_record_t* const record = objective->record;
+    const ema_real values[EMA_CHANNEL_COUNT] = {simulated->position_mm, simulated->motor_position_mm, simulated->current_A, simulated->voltage_V};
+    ema_real sum = EMA_R(0.0);
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        if (objective->weight[channel] > EMA_R(0.0)) {
+            const ema_real error = ema_record_value(record, objective->row, (uint32_t)record->place[channel]) - values[channel];
+            sum += objective->weight[channel] * (error * error);
+        }
+    }
+    return sum;
+}
+
+ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t steps)
+{
+    for (uint32_t k = 0; (k < steps) && (objective->state == EMA_OBJECTIVE_RUNNING); ++k) {
+        ema_state_t* const state = &objective->model.state;
+        if ((objective->step_in_row == 0U) || (objective->record->command != NULL)) {
+            objective->command_mm = ema_record_command(objective->record, objective->row, state->step);
+        }
+        const ema_output_t simulated = ema_tick(&objective->model.plant, state, objective->command_mm);
+        if (objective->step_in_row == 0U) {
+            ema_add_compensated(&objective->sum, &objective->sum_low, ema_objective_row(objective, &simulated) * objective->period_s);
+            if (!(objective->sum <= objective->limit)) {
+                const bool finite = ema_is_finite(objective->sum);
+                objective->sum = finite ? objective->sum : EMA_COST_MAX;
+                objective->state = finite ? EMA_OBJECTIVE_EXCEEDED : EMA_OBJECTIVE_DIVERGED;
+            }
+        }
+        ++objective->step_in_row;
+        if (objective->step_in_row == objective->every_steps) {
+            objective->step_in_row = 0U;
+            ++objective->row;
+            if ((objective->row == objective->record->count) && (objective->state == EMA_OBJECTIVE_RUNNING)) {
+                objective->state = EMA_OBJECTIVE_DONE;
+            }
+        }
+    }
+    return objective->state;
+}
+
+ema_real ema_objective_value(const ema_objective_t* objective)
+{
+    return objective->sum;
+}

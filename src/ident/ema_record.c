@@ -1,0 +1,97 @@
+#include "ema_record_row.h"
+
+#include "ema_math.h"
+
+#define EMA_INT16_FULL EMA_R(32767.0)
+
+ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config)
+{
+    if ((record == NULL) || (config == NULL) || (config->buffer == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    ema_record_t made = {0};
+    made.buffer = config->buffer;
+    made.command = config->command;
+    made.format = config->format;
+    bool scales = true;
+    if (config->command == NULL) {
+        made.unit[0] = config->command_full_scale_mm / EMA_INT16_FULL;
+        scales = config->command_full_scale_mm > EMA_R(0.0);
+        made.stride = 1U;
+    }
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        made.place[channel] = -1;
+        if ((channel == (uint32_t)EMA_CHANNEL_POSITION) || config->keep[channel]) {
+            made.place[channel] = (int8_t)made.stride;
+            made.unit[made.stride] = config->full_scale[channel] / EMA_INT16_FULL;
+            scales = scales && (config->full_scale[channel] > EMA_R(0.0));
+            ++made.stride;
+        }
+    }
+    const size_t value_bytes = (config->format == EMA_RECORD_INT16) ? sizeof(int16_t) : sizeof(ema_real);
+    const size_t rows = config->buffer_bytes / (value_bytes * made.stride);
+    if ((rows < 1U) || ((config->format == EMA_RECORD_INT16) && !scales)) {
+        return EMA_ERR_RANGE;
+    }
+    made.capacity = (rows < (size_t)INT32_MAX) ? (uint32_t)rows : (uint32_t)INT32_MAX;
+    *record = made;
+    return EMA_OK;
+}
+
+/* The value at `place` of a row, in the order in which rows are stored. */
+static ema_real ema_sample_value(const ema_record_t* record, const ema_sample_t* sample, uint32_t place)
+{
+    ema_real value = sample->command_mm;
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        if (record->place[channel] == (int8_t)place) {
+            value = sample->channel[channel];
+        }
+    }
+    return value;
+}
+
+ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
+{
+    if ((record == NULL) || (sample == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (record->count >= record->capacity) {
+        return EMA_ERR_FULL;
+    }
+    const bool scaled = record->format == EMA_RECORD_INT16;
+    for (uint32_t place = 0; place < record->stride; ++place) {
+        const ema_real value = ema_sample_value(record, sample, place);
+        if (!ema_is_finite(value)) {
+            return EMA_ERR_NOT_FINITE;
+        }
+        if (scaled && (ema_abs(value) > (record->unit[place] * EMA_INT16_FULL))) {
+            return EMA_ERR_SCALE;
+        }
+    }
+    const size_t start = (size_t)record->count * record->stride;
+    for (uint32_t place = 0; place < record->stride; ++place) {
+        const ema_real value = ema_sample_value(record, sample, place);
+        if (scaled) {
+            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_floor((value / record->unit[place]) + EMA_R(0.5));
+        } else {
+            ((ema_real*)record->buffer)[start + place] = value;
+        }
+    }
+    ++record->count;
+    return EMA_OK;
+}
+
+ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t every_steps, ema_sample_t* sample)
+{
+    if ((record == NULL) || (sample == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (row >= record->count) {
+        return EMA_ERR_RANGE;
+    }
+    sample->command_mm = ema_record_command(record, row, row * every_steps);
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        sample->channel[channel] = (record->place[channel] < 0) ? EMA_R(0.0) : ema_record_value(record, row, (uint32_t)record->place[channel]);
+    }
+    return EMA_OK;
+}

@@ -1,0 +1,20 @@
+/* Reading a record's rows inside the loops that run the model. */
+#ifndef EMA_RECORD_ROW_H
+#define EMA_RECORD_ROW_H
+
+#include "ema/ema_record.h"
+
+/* Value at place `place` of row `row`. */
+static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row, uint32_t place)
+{
+    const size_t at = ((size_t)row * record->stride) + place;
+    return (record->format == EMA_RECORD_INT16) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place]) : ((const ema_real*)record->buffer)[at];
+}
+
+/* Command of model step `step` in row `row`. */
+static inline ema_real ema_record_command(const ema_record_t* record, uint32_t row, uint32_t step)
+{
+    return (record->command != NULL) ? ema_command_at(record->command, step) : ema_record_value(record, row, 0U);
+}
+
+#endif

@@ -1,0 +1,137 @@
+#include "ema/ema_sensitivity.h"
+
+#include "ema_linear.h"
+#include "ema_math.h"
+#include "ema_record_row.h"
+#include "ema_tick.h"
+
+/* A residual that repeats itself entirely would make the standard errors infinite. */
+#define EMA_CORRELATION_MAX EMA_R(0.999)
+
+ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
+                                   const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm)
+{
+    const ema_sensitivity_t fresh = {0};
+    *self = fresh;
+    self->record = record;
+    self->parameters = count;
+    self->every_steps = (uint32_t)actuator->options.record_every_steps;
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        self->weight[channel] = weight[channel];
+        self->channels += (weight[channel] > EMA_R(0.0)) ? 1U : 0U;
+    }
+    ema_status_t status = ema_model_init(&self->model[0], actuator, start_mm);
+    for (uint32_t k = 0; (status == EMA_OK) && (k < count); ++k) {
+        ema_actuator_t beside = *actuator;
+        ema_real value = EMA_R(0.0);
+        status = ema_actuator_get(actuator, ids[k], &value);
+        if (status == EMA_OK) {
+            self->delta[k] = delta[k];
+            status = ema_actuator_set(&beside, ids[k], value + delta[k]);
+        }
+        if (status == EMA_OK) {
+            status = ema_model_init(&self->model[1U + k], &beside, start_mm);
+        }
+    }
+    return status;
+}
+
+static ema_real ema_channel_of(const ema_output_t* output, uint32_t channel)
+{
+    const ema_real values[EMA_CHANNEL_COUNT] = {output->position_mm, output->motor_position_mm, output->current_A, output->voltage_V};
+    return values[channel];
+}
+
+/* Adds one row to the sums once every run has passed it. */
+static void ema_sensitivity_row(ema_sensitivity_t* self)
+{
+    const ema_real residual_mm = ema_record_value(self->record, self->row, (uint32_t)self->record->place[EMA_CHANNEL_POSITION]) - self->row_output[0].position_mm;
+    self->position_square += residual_mm * residual_mm;
+    self->position_neighbours += residual_mm * self->position_last_mm;
+    self->position_last_mm = residual_mm;
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        if (self->weight[channel] > EMA_R(0.0)) {
+            const ema_real base = ema_channel_of(&self->row_output[0], channel);
+            const ema_real residual = ema_record_value(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
+            ema_real slope[EMA_IDENTIFIED_MAX];
+            self->weighted_square += self->weight[channel] * residual * residual;
+            for (uint32_t i = 0; i < self->parameters; ++i) {
+                slope[i] = (ema_channel_of(&self->row_output[1U + i], channel) - base) / self->delta[i];
+                for (uint32_t j = 0; j <= i; ++j) {
+                    self->normal[i][j] += self->weight[channel] * slope[i] * slope[j];
+                }
+            }
+        }
+    }
+}
+
+bool ema_sensitivity_done(const ema_sensitivity_t* self)
+{
+    return self->row >= self->record->count;
+}
+
+uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
+{
+    uint32_t made = 0U;
+    while ((made < steps) && !ema_sensitivity_done(self)) {
+        ema_model_t* const model = &self->model[self->next_model];
+        if ((self->next_model == 0U) && ((self->step_in_row == 0U) || (self->record->command != NULL))) {
+            self->command_mm = ema_record_command(self->record, self->row, model->state.step);
+        }
+        const ema_output_t output = ema_tick(&model->plant, &model->state, self->command_mm);
+        if (self->step_in_row == 0U) {
+            self->row_output[self->next_model] = output;
+        }
+        ++made;
+        ++self->next_model;
+        if (self->next_model > self->parameters) {
+            self->next_model = 0U;
+            if (self->step_in_row == 0U) {
+                ema_sensitivity_row(self);
+            }
+            ++self->step_in_row;
+            if (self->step_in_row == self->every_steps) {
+                self->step_in_row = 0U;
+                ++self->row;
+            }
+        }
+    }
+    return made;
+}
+
+void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result)
+{
+    const uint32_t count = self->parameters;
+    const ema_real rows = (ema_real)self->row;
+    result->residual_rms_mm = ema_sqrt(self->position_square / rows);
+    result->residual_correlation = (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
+
+    /* unit diagonal: the parameters have different units */
+    ema_real factor[EMA_IDENTIFIED_MAX * EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+    ema_real length[EMA_IDENTIFIED_MAX];
+    result->determined = true;
+    for (uint32_t i = 0; i < count; ++i) {
+        length[i] = ema_sqrt(self->normal[i][i]);
+        result->determined = result->determined && (length[i] > EMA_R(0.0)) && ema_is_finite(length[i]);
+    }
+    for (uint32_t i = 0; result->determined && (i < count); ++i) {
+        for (uint32_t j = 0; j <= i; ++j) {
+            factor[(i * EMA_IDENTIFIED_MAX) + j] = self->normal[i][j] / (length[i] * length[j]);
+        }
+    }
+    result->determined = result->determined && ema_cholesky(factor, count, EMA_IDENTIFIED_MAX);
+
+    const ema_real widen = ema_clamp(result->residual_correlation, EMA_R(0.0), EMA_CORRELATION_MAX);
+    const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));
+    const ema_real variance = (self->weighted_square / freedom) * ((EMA_R(1.0) + widen) / (EMA_R(1.0) - widen));
+    for (uint32_t i = 0; i < count; ++i) {
+        ema_real column[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+        result->std[i] = EMA_R(0.0);
+        if (result->determined) {
+            column[i] = EMA_R(1.0);
+            ema_solve_lower(factor, count, EMA_IDENTIFIED_MAX, column);
+            ema_solve_upper(factor, count, EMA_IDENTIFIED_MAX, column);
+            result->std[i] = ema_sqrt(column[i] * variance) / length[i];
+        }
+    }
+}

@@ -1,0 +1,235 @@
+#include "ema/ema_annealer.h"
+
+#include "ema_math.h"
+#include "ema_quadratic.h"
+
+#include <stddef.h>
+
+/* Step adaptation: at an acceptance rate of 0.44 growth and shrinkage balance. */
+#define EMA_STEP_GROW EMA_R(1.75)
+#define EMA_STEP_SHRINK EMA_R(0.644)
+#define EMA_STEP_MIN EMA_R(1.0e-6)
+
+/* Share of candidates that the quadratic proposes once it exists. */
+#define EMA_QUADRATIC_SHARE EMA_R(0.8)
+
+/* Share of the walk's candidates that are drawn from the whole range of their coordinate: the way out of a plateau. */
+#define EMA_JUMP_SHARE EMA_R(0.15)
+
+/* Candidates per dimension that are drawn from the whole box before the walk begins: a start on a plateau does no harm. */
+#define EMA_SCOUTS_PER_DIMENSION 4U
+
+/* Larger than any cost: no limit yet. */
+#define EMA_NO_COST EMA_R(3.0e38)
+
+static bool ema_inside(ema_real value, ema_real lower, ema_real upper)
+{
+    return (value >= lower) && (value <= upper);
+}
+
+static bool ema_config_valid(const ema_annealer_config_t* config)
+{
+    bool valid = (config->dimension >= 1U) && (config->dimension <= EMA_ANNEALER_DIMENSION_MAX) && ema_inside(config->first_step, EMA_STEP_MIN, EMA_R(1.0))
+                 && ema_inside(config->initial_temperature, EMA_R(1.0e-30), EMA_R(1.0e30)) && (config->cooling > EMA_R(0.0)) && (config->cooling < EMA_R(1.0))
+                 && ema_inside(config->function_tolerance, EMA_R(0.0), EMA_R(1.0e30)) && (config->stall_evaluations >= 1U) && (config->evaluation_budget >= 1U);
+    for (uint32_t i = 0; valid && (i < config->dimension); ++i) {
+        valid = ema_inside(config->start[i], EMA_R(0.0), EMA_R(1.0));
+    }
+    return valid;
+}
+
+/* Points kept: enough to average over, few enough to stay near the best. */
+static uint32_t ema_points_wanted(uint32_t dimension)
+{
+    const uint32_t unknowns = ema_quadratic_unknowns(dimension);
+    const uint32_t wanted = (2U * unknowns) + 2U;
+    return (wanted < EMA_ANNEALER_POINTS_MAX) ? wanted : EMA_ANNEALER_POINTS_MAX;
+}
+
+/* Folds a coordinate back into the box as a mirror would. */
+static ema_real ema_reflect(ema_real x)
+{
+    ema_real folded = x - (EMA_R(2.0) * ema_floor(EMA_R(0.5) * x));
+    if (folded > EMA_R(1.0)) {
+        folded = EMA_R(2.0) - folded;
+    }
+    return ema_clamp(folded, EMA_R(0.0), EMA_R(1.0));
+}
+
+static uint32_t ema_worst_point(const ema_annealer_t* annealer)
+{
+    uint32_t worst = 0U;
+    for (uint32_t p = 1; p < annealer->point_count; ++p) {
+        if (annealer->points[p].cost > annealer->points[worst].cost) {
+            worst = p;
+        }
+    }
+    return worst;
+}
+
+static void ema_annealer_propose(ema_annealer_t* annealer)
+{
+    const uint32_t dimension = annealer->config.dimension;
+    ema_random_t* const random = &annealer->random;
+    const ema_real source = ema_random_uniform(random);
+    const bool scouting = annealer->info.evaluations <= (EMA_SCOUTS_PER_DIMENSION * dimension);
+    ema_quadratic_t quadratic;
+    annealer->walked = false;
+    if (scouting) {
+        for (uint32_t i = 0; i < dimension; ++i) {
+            annealer->candidate.x[i] = ema_random_uniform(random);
+        }
+    } else if (!((source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(&quadratic, annealer))) {
+        const uint32_t i = annealer->coordinate;
+        const bool jump = ema_random_uniform(random) < EMA_JUMP_SHARE;
+        const ema_real draw = jump ? ema_random_uniform(random) : (annealer->current.x[i] + (annealer->step[i] * ema_random_normal(random)));
+        annealer->candidate = annealer->current;
+        annealer->candidate.x[i] = ema_reflect(draw);
+        annealer->walked = !jump;
+    } else {
+        ema_quadratic_draw(&quadratic, annealer, random, annealer->candidate.x);
+        for (uint32_t i = 0; i < dimension; ++i) {
+            annealer->candidate.x[i] = ema_clamp(annealer->candidate.x[i], EMA_R(0.0), EMA_R(1.0));
+        }
+        ++annealer->info.from_quadratic;
+    }
+    /* -log(u) > 0: with u drawn now, what will be accepted is known before the evaluation */
+    annealer->accept_limit = annealer->current.cost - (annealer->temperature * ema_log(ema_random_uniform(random)));
+    const bool filling = annealer->point_count < ema_points_wanted(dimension);
+    const ema_real wanted = filling ? EMA_NO_COST : annealer->points[ema_worst_point(annealer)].cost;
+    annealer->limit = ema_max(annealer->accept_limit, wanted);
+}
+
+/* Keeps the point if it is among the best. */
+static void ema_annealer_keep(ema_annealer_t* annealer)
+{
+    uint32_t place = annealer->point_count;
+    if (annealer->point_count < ema_points_wanted(annealer->config.dimension)) {
+        ++annealer->point_count;
+    } else {
+        place = ema_worst_point(annealer);
+        if (!(annealer->candidate.cost < annealer->points[place].cost)) {
+            return;
+        }
+    }
+    annealer->points[place] = annealer->candidate;
+}
+
+static void ema_annealer_reanneal(ema_annealer_t* annealer)
+{
+    const ema_real spread = annealer->points[ema_worst_point(annealer)].cost - annealer->best.cost;
+    annealer->temperature = ema_max(annealer->temperature, spread);
+    for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
+        annealer->step[i] = ema_min(annealer->step[i] * EMA_R(4.0), annealer->config.first_step);
+    }
+    annealer->accepted_since = 0U;
+    ++annealer->info.reannealed;
+}
+
+static void ema_annealer_decide(ema_annealer_t* annealer)
+{
+    const bool accepted = annealer->candidate.cost <= annealer->accept_limit;
+    if (annealer->walked) {
+        ema_real* const step = &annealer->step[annealer->coordinate];
+        *step = ema_clamp(*step * (accepted ? EMA_STEP_GROW : EMA_STEP_SHRINK), EMA_STEP_MIN, EMA_R(1.0));
+        annealer->coordinate = (annealer->coordinate + 1U) % annealer->config.dimension;
+    }
+    if (accepted) {
+        annealer->info.accepted_uphill += (annealer->candidate.cost > annealer->current.cost) ? 1U : 0U;
+        annealer->current = annealer->candidate;
+        ++annealer->info.accepted;
+        ++annealer->accepted_since;
+    }
+    if (annealer->candidate.cost < annealer->best.cost) {
+        annealer->best = annealer->candidate;
+    }
+}
+
+static ema_outcome_t ema_annealer_judge(ema_annealer_t* annealer)
+{
+    const ema_annealer_config_t* const config = &annealer->config;
+    ema_outcome_t outcome = EMA_OUTCOME_ACTIVE;
+    const bool cold = annealer->temperature <= config->function_tolerance;
+    if ((annealer->stall_cost - annealer->best.cost) > config->function_tolerance) {
+        annealer->stall_cost = annealer->best.cost;
+        annealer->stall_start = annealer->info.evaluations;
+    } else if (cold && ((annealer->info.evaluations - annealer->stall_start) >= config->stall_evaluations)) {
+        outcome = EMA_OUTCOME_TOLERANCE;
+    } else {
+        /* still inside the window */
+    }
+    if ((outcome == EMA_OUTCOME_ACTIVE) && (config->accept_limit > 0U) && (annealer->info.accepted >= config->accept_limit)) {
+        outcome = EMA_OUTCOME_COUNT;
+    }
+    if ((outcome == EMA_OUTCOME_ACTIVE) && (annealer->info.evaluations >= config->evaluation_budget)) {
+        outcome = EMA_OUTCOME_BUDGET;
+    }
+    return outcome;
+}
+
+ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_config_t* config)
+{
+    if ((annealer == NULL) || (config == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (!ema_config_valid(config)) {
+        return EMA_ERR_RANGE;
+    }
+    const ema_annealer_t fresh = {0};
+    *annealer = fresh;
+    annealer->config = *config;
+    ema_random_init(&annealer->random, config->seed, UINT64_C(54));
+    for (uint32_t i = 0; i < config->dimension; ++i) {
+        annealer->candidate.x[i] = config->start[i];
+        annealer->step[i] = config->first_step;
+    }
+    annealer->current = annealer->candidate;
+    annealer->current.cost = EMA_NO_COST;
+    annealer->best = annealer->current;
+    annealer->stall_cost = EMA_NO_COST;
+    annealer->temperature = config->initial_temperature;
+    annealer->limit = EMA_NO_COST;
+    annealer->accept_limit = EMA_NO_COST;
+    annealer->outcome = EMA_OUTCOME_ACTIVE;
+    return EMA_OK;
+}
+
+const ema_real* ema_annealer_candidate(const ema_annealer_t* annealer)
+{
+    return annealer->candidate.x;
+}
+
+ema_real ema_annealer_limit(const ema_annealer_t* annealer)
+{
+    return annealer->limit;
+}
+
+void ema_annealer_tell(ema_annealer_t* annealer, ema_real cost)
+{
+    if (annealer->outcome != EMA_OUTCOME_ACTIVE) {
+        return;
+    }
+    ++annealer->info.evaluations;
+    annealer->last_cost = cost;
+    const bool finite = ema_is_finite(cost);
+    annealer->info.not_finite += finite ? 0U : 1U;
+    /* a cost above the limit counts the same however far above it is */
+    annealer->candidate.cost = (finite && (cost <= annealer->limit)) ? cost : EMA_NO_COST;
+    ema_annealer_decide(annealer);
+    if (annealer->candidate.cost < EMA_NO_COST) {
+        ema_annealer_keep(annealer);
+    }
+    annealer->temperature *= annealer->config.cooling;
+    if ((annealer->config.reanneal_interval > 0U) && (annealer->accepted_since >= annealer->config.reanneal_interval)) {
+        ema_annealer_reanneal(annealer);
+    }
+    annealer->outcome = ema_annealer_judge(annealer);
+    if (annealer->outcome == EMA_OUTCOME_ACTIVE) {
+        ema_annealer_propose(annealer);
+    }
+}
+
+ema_outcome_t ema_annealer_outcome(const ema_annealer_t* annealer)
+{
+    return annealer->outcome;
+}

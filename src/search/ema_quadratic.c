@@ -1,0 +1,166 @@
+#include "ema_quadratic.h"
+
+#include "ema_linear.h"
+#include "ema_math.h"
+
+/* Full quadratic in 4 dimensions: 15 unknowns; separable in 8: 17. */
+#define EMA_UNKNOWNS_MAX 17U
+#define EMA_FULL_DIMENSION_MAX 4U
+
+/* Tries to bend a saddle into a bowl: none, then 1 % of the largest curvature times 5 each time. */
+#define EMA_LIFTS 5U
+
+/* How far from the best point, in spreads of the points, a minimum is believed. */
+#define EMA_REACH EMA_R(3.0)
+
+/* Share of the costs' spread that is added to every cost's distance from the best: keeps the weight of the best points finite. */
+#define EMA_WEIGHT_FLOOR EMA_R(0.02)
+
+uint32_t ema_quadratic_unknowns(uint32_t dimension)
+{
+    return (dimension <= EMA_FULL_DIMENSION_MAX) ? (((dimension + 1U) * (dimension + 2U)) / 2U) : ((2U * dimension) + 1U);
+}
+
+/* Terms of the quadratic at z: 1, z_i, then products. */
+static void ema_quadratic_terms(uint32_t dimension, const ema_real* z, ema_real* terms)
+{
+    uint32_t at = 0U;
+    terms[at] = EMA_R(1.0);
+    ++at;
+    for (uint32_t i = 0; i < dimension; ++i) {
+        terms[at] = z[i];
+        ++at;
+    }
+    for (uint32_t i = 0; i < dimension; ++i) {
+        const uint32_t last = (dimension <= EMA_FULL_DIMENSION_MAX) ? dimension : (i + 1U);
+        for (uint32_t j = i; j < last; ++j) {
+            terms[at] = z[i] * z[j];
+            ++at;
+        }
+    }
+}
+
+/* Cholesky factor of the curvature, which is bent upwards as little as makes it a bowl. */
+static bool ema_curvature_factor(ema_quadratic_t* quadratic, uint32_t dimension)
+{
+    ema_real most = EMA_R(0.0);
+    for (uint32_t i = 0; i < dimension; ++i) {
+        for (uint32_t j = 0; j <= i; ++j) {
+            most = ema_max(most, ema_abs(quadratic->factor[i][j]));
+        }
+    }
+    ema_real lift = EMA_R(0.0);
+    bool bowl = false;
+    for (uint32_t k = 0; (k < EMA_LIFTS) && !bowl; ++k) {
+        ema_quadratic_t trial = *quadratic;
+        for (uint32_t i = 0; i < dimension; ++i) {
+            trial.factor[i][i] += lift;
+        }
+        bowl = ema_cholesky(&trial.factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX);
+        if (bowl) {
+            *quadratic = trial;
+        }
+        lift = (k == 0U) ? (EMA_R(0.01) * most) : (EMA_R(5.0) * lift);
+    }
+    return bowl;
+}
+
+bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* annealer)
+{
+    const uint32_t dimension = annealer->config.dimension;
+    const uint32_t unknowns = ema_quadratic_unknowns(dimension);
+    if (annealer->point_count < (unknowns + 1U)) {
+        return false;
+    }
+    const ema_annealer_point_t* const best = &annealer->best;
+    ema_real spread = EMA_R(0.0);
+    for (uint32_t i = 0; i < dimension; ++i) {
+        quadratic->scale[i] = EMA_R(0.0);
+    }
+    for (uint32_t p = 0; p < annealer->point_count; ++p) {
+        spread = ema_max(spread, annealer->points[p].cost - best->cost);
+        for (uint32_t i = 0; i < dimension; ++i) {
+            quadratic->scale[i] = ema_max(quadratic->scale[i], ema_abs(annealer->points[p].x[i] - best->x[i]));
+        }
+    }
+    bool spans = spread > EMA_R(0.0);
+    for (uint32_t i = 0; i < dimension; ++i) {
+        spans = spans && (quadratic->scale[i] > EMA_R(0.0));
+    }
+    if (!spans) {
+        return false;
+    }
+
+    ema_real normal[EMA_UNKNOWNS_MAX * EMA_UNKNOWNS_MAX] = {EMA_R(0.0)};
+    ema_real right[EMA_UNKNOWNS_MAX] = {EMA_R(0.0)};
+    for (uint32_t p = 0; p < annealer->point_count; ++p) {
+        ema_real z[EMA_ANNEALER_DIMENSION_MAX];
+        ema_real terms[EMA_UNKNOWNS_MAX];
+        for (uint32_t i = 0; i < dimension; ++i) {
+            z[i] = (annealer->points[p].x[i] - best->x[i]) / quadratic->scale[i];
+        }
+        ema_quadratic_terms(dimension, z, terms);
+        const ema_real above = (annealer->points[p].cost - best->cost) / spread;
+        const ema_real weight = EMA_R(1.0) / (above + EMA_WEIGHT_FLOOR);
+        const ema_real square = weight * weight;
+        for (uint32_t a = 0; a < unknowns; ++a) {
+            right[a] += square * terms[a] * above;
+            for (uint32_t b = 0; b <= a; ++b) {
+                normal[(a * EMA_UNKNOWNS_MAX) + b] += square * terms[a] * terms[b];
+            }
+        }
+    }
+    if (!ema_cholesky(normal, unknowns, EMA_UNKNOWNS_MAX)) {
+        return false;
+    }
+    ema_solve_lower(normal, unknowns, EMA_UNKNOWNS_MAX, right);
+    ema_solve_upper(normal, unknowns, EMA_UNKNOWNS_MAX, right);
+
+    /* curvature in units of the cost */
+    uint32_t at = 1U + dimension;
+    for (uint32_t i = 0; i < dimension; ++i) {
+        for (uint32_t j = 0; j < dimension; ++j) {
+            quadratic->factor[i][j] = EMA_R(0.0);
+        }
+    }
+    for (uint32_t i = 0; i < dimension; ++i) {
+        const uint32_t last = (dimension <= EMA_FULL_DIMENSION_MAX) ? dimension : (i + 1U);
+        for (uint32_t j = i; j < last; ++j) {
+            quadratic->factor[j][i] = right[at] * spread * ((i == j) ? EMA_R(2.0) : EMA_R(1.0));
+            ++at;
+        }
+    }
+    if (!ema_curvature_factor(quadratic, dimension)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < dimension; ++i) {
+        quadratic->lowest[i] = -right[1U + i] * spread;
+    }
+    ema_solve_lower(&quadratic->factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX, quadratic->lowest);
+    ema_solve_upper(&quadratic->factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX, quadratic->lowest);
+    /* a minimum beyond the reach is approached along its direction */
+    ema_real far = EMA_REACH;
+    for (uint32_t i = 0; i < dimension; ++i) {
+        far = ema_max(far, ema_abs(quadratic->lowest[i]));
+    }
+    for (uint32_t i = 0; i < dimension; ++i) {
+        quadratic->lowest[i] *= EMA_REACH / far;
+    }
+    return true;
+}
+
+void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random, ema_real* x)
+{
+    const uint32_t dimension = annealer->config.dimension;
+    const ema_real width = ema_sqrt(annealer->temperature);
+    ema_real z[EMA_ANNEALER_DIMENSION_MAX];
+    for (uint32_t i = 0; i < dimension; ++i) {
+        z[i] = width * ema_random_normal(random);
+    }
+    ema_solve_upper(&quadratic->factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX, z);
+    for (uint32_t i = 0; i < dimension; ++i) {
+        /* a draw wider than the points themselves would leave the region where the quadratic holds */
+        const ema_real away = quadratic->lowest[i] + ema_clamp(z[i], -EMA_REACH, EMA_REACH);
+        x[i] = annealer->best.x[i] + (quadratic->scale[i] * away);
+    }
+}

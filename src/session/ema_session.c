@@ -1,0 +1,271 @@
+#include "ema/ema_session.h"
+
+#include <stddef.h>
+
+#include "ema_math.h"
+#include "ema_verdict.h"
+
+/* Step of the sensitivities, as a share of the healthy value: large against rounding, small against the parameter. */
+#define EMA_DELTA_SHARE EMA_R(0.01)
+
+/* An estimate this close to a bound, as a share of the search range, lies on it. */
+#define EMA_BOUND_SHARE EMA_R(5.0e-4)
+
+/* First step of the annealer's walk and length of its stall window per parameter. */
+#define EMA_FIRST_STEP EMA_R(0.2)
+#define EMA_STALL_PER_PARAMETER 20U
+
+/* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
+#define EMA_START_NOISE EMA_R(4.0)
+
+ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record)
+{
+    if ((config == NULL) || (actuator == NULL) || (record == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    const ema_params_t* const params = &actuator->params;
+    const ema_session_config_t fresh = {0};
+    *config = fresh;
+    config->actuator = actuator;
+    config->record = *record;
+    config->weight[EMA_CHANNEL_POSITION] = EMA_R(1.0);
+    config->identified_count = 2U;
+    const ema_identified_t csj = {EMA_VALUE_ID(csj_Nm), params->csj_lower_Nm, params->csj_upper_Nm, params->csj_min_shift_percent};
+    const ema_identified_t blk = {EMA_VALUE_ID(blk_mm), params->blk_lower_mm, params->blk_upper_mm, params->blk_min_shift_percent};
+    config->identified[0] = csj;
+    config->identified[1] = blk;
+    config->annealer.first_step = EMA_FIRST_STEP;
+    config->annealer.initial_temperature = params->initial_temperature_mm2s;
+    config->annealer.cooling = params->cooling;
+    config->annealer.function_tolerance = params->function_tolerance_mm2s;
+    config->annealer.stall_evaluations = EMA_STALL_PER_PARAMETER * config->identified_count;
+    config->annealer.reanneal_interval = (uint32_t)actuator->options.reanneal_interval;
+    config->annealer.evaluation_budget = (uint32_t)actuator->options.evaluation_budget;
+    config->annealer.seed = (uint64_t)(uint32_t)actuator->options.seed;
+    config->start_at_healthy = true;
+    config->abandon = true;
+    return EMA_OK;
+}
+
+/* The actuator with the identified values at a point of the unit box. */
+static ema_actuator_t ema_actuator_at(const ema_session_config_t* config, const ema_real* x)
+{
+    ema_actuator_t actuator = *config->actuator;
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const ema_identified_t* const identified = &config->identified[i];
+        (void)ema_actuator_set(&actuator, identified->id, identified->lower + (x[i] * (identified->upper - identified->lower)));
+    }
+    return actuator;
+}
+
+static ema_status_t ema_identified_check(const ema_session_config_t* config, ema_annealer_config_t* annealer)
+{
+    if ((config->identified_count < 1U) || (config->identified_count > EMA_IDENTIFIED_MAX)) {
+        return EMA_ERR_RANGE;
+    }
+    annealer->dimension = config->identified_count;
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const ema_identified_t* const identified = &config->identified[i];
+        ema_real healthy = EMA_R(0.0);
+        if (!(identified->lower < identified->upper)) {
+            return EMA_ERR_BOUNDS;
+        }
+        if (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK) {
+            return EMA_ERR_RANGE;
+        }
+        if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0)) || !(identified->min_shift_percent >= EMA_R(0.0))) {
+            return EMA_ERR_RANGE;
+        }
+        if (config->start_at_healthy) {
+            annealer->start[i] = ema_clamp((healthy - identified->lower) / (identified->upper - identified->lower), EMA_R(0.0), EMA_R(1.0));
+        }
+    }
+    return EMA_OK;
+}
+
+ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config)
+{
+    if ((session == NULL) || (config == NULL) || (config->actuator == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    ema_status_t status = ema_actuator_check(config->actuator, NULL);
+    ema_annealer_config_t annealer = config->annealer;
+    if (status == EMA_OK) {
+        status = ema_identified_check(config, &annealer);
+    }
+    ema_record_t record;
+    if (status == EMA_OK) {
+        status = ema_record_init(&record, &config->record);
+    }
+    if (status == EMA_OK) {
+        const ema_session_t fresh = {0};
+        *session = fresh;
+        session->config = config;
+        session->record = record;
+        session->phase = EMA_PHASE_FEEDING;
+        status = ema_annealer_init(&session->annealer, &annealer);
+    }
+    return status;
+}
+
+ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample)
+{
+    if ((session == NULL) || (sample == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    return (session->phase == EMA_PHASE_FEEDING) ? ema_record_append(&session->record, sample) : EMA_ERR_ORDER;
+}
+
+/* Where the rod rests before the record: at the command when the first sample agrees with it within play and noise. */
+static ema_real ema_start_of(const ema_session_t* session)
+{
+    const ema_params_t* const params = &session->config->actuator->params;
+    ema_sample_t first;
+    (void)ema_record_read(&session->record, 0U, 1U, &first);
+    const ema_real apart_mm = ema_abs(first.channel[EMA_CHANNEL_POSITION] - first.command_mm);
+    const ema_real doubt_mm = (EMA_R(0.5) * params->blk_upper_mm) + (EMA_START_NOISE * params->position_noise_mm);
+    return (apart_mm <= doubt_mm) ? first.command_mm : first.channel[EMA_CHANNEL_POSITION];
+}
+
+/* Starts the next model run of the search: first at the healthy values, then at the annealer's candidates. */
+static ema_status_t ema_search_start(ema_session_t* session)
+{
+    const ema_session_config_t* const config = session->config;
+    const ema_actuator_t candidate = session->healthy_done ? ema_actuator_at(config, ema_annealer_candidate(&session->annealer)) : *config->actuator;
+    const ema_real limit = (config->abandon && session->healthy_done) ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX) : EMA_COST_MAX;
+    return ema_objective_start(&session->run, &candidate, &session->record, config->weight, session->start_mm, limit);
+}
+
+static ema_status_t ema_weighing_start(ema_session_t* session)
+{
+    const ema_session_config_t* const config = session->config;
+    const ema_actuator_t estimate = ema_actuator_at(config, session->annealer.best.x);
+    ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
+    ema_real delta[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const ema_identified_t* const identified = &config->identified[i];
+        ema_real healthy = EMA_R(0.0);
+        ema_real value = EMA_R(0.0);
+        ids[i] = identified->id;
+        (void)ema_actuator_get(config->actuator, identified->id, &healthy);
+        (void)ema_actuator_get(&estimate, identified->id, &value);
+        delta[i] = EMA_DELTA_SHARE * ema_abs(healthy);
+        if ((value + delta[i]) > identified->upper) {
+            delta[i] = -delta[i];
+        }
+    }
+    return ema_sensitivity_start(&session->weighing, &estimate, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+}
+
+/* A model run has ended: its cost goes to the annealer, and the next run, or the weighing, begins. */
+static ema_status_t ema_search_advance(ema_session_t* session)
+{
+    const ema_real cost = ema_objective_value(&session->run);
+    ++session->evaluations;
+    if (!session->healthy_done) {
+        session->healthy_done = true;
+        session->healthy_cost = cost;
+        if (session->config->start_at_healthy) {
+            ema_annealer_tell(&session->annealer, cost);
+        }
+    } else {
+        ema_annealer_tell(&session->annealer, cost);
+    }
+    ema_status_t status;
+    if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
+        status = ema_search_start(session);
+    } else {
+        status = ema_weighing_start(session);
+        session->phase = EMA_PHASE_WEIGHING;
+    }
+    return status;
+}
+
+ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
+{
+    if (session == NULL) {
+        return EMA_ERR_NULL;
+    }
+    ema_status_t status = EMA_OK;
+    if (session->phase == EMA_PHASE_FEEDING) {
+        if (session->record.count < EMA_ROWS_MIN) {
+            return EMA_ERR_SHORT;
+        }
+        session->start_mm = ema_start_of(session);
+        status = ema_search_start(session);
+        if (status == EMA_OK) {
+            session->phase = EMA_PHASE_SEARCHING;
+        }
+    }
+    uint32_t left = steps;
+    while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_SEARCHING)) {
+        const uint32_t before = session->run.model.state.step;
+        const ema_objective_state_t state = ema_objective_run(&session->run, left);
+        const uint32_t made = session->run.model.state.step - before;
+        left -= made;
+        session->model_steps += made;
+        if (state != EMA_OBJECTIVE_RUNNING) {
+            status = ema_search_advance(session);
+        }
+    }
+    while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_WEIGHING)) {
+        const uint32_t made = ema_sensitivity_run(&session->weighing, left);
+        left -= made;
+        session->model_steps += made;
+        if (ema_sensitivity_done(&session->weighing)) {
+            session->evaluations += 1U + session->config->identified_count;
+            session->phase = EMA_PHASE_DONE;
+        }
+    }
+    return status;
+}
+
+ema_phase_t ema_session_phase(const ema_session_t* session)
+{
+    return session->phase;
+}
+
+ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result)
+{
+    if ((session == NULL) || (result == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (session->phase == EMA_PHASE_FEEDING) {
+        return EMA_ERR_ORDER;
+    }
+    const ema_session_config_t* const config = session->config;
+    const ema_result_t fresh = {0};
+    *result = fresh;
+    ema_sensitivity_result_t weighed = {0};
+    if (session->phase == EMA_PHASE_DONE) {
+        ema_sensitivity_result(&session->weighing, &weighed);
+    }
+    result->identified_count = config->identified_count;
+    const ema_actuator_t best = ema_actuator_at(config, session->annealer.best.x);
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        ema_estimate_t* const estimate = &result->identified[i];
+        const ema_real x = session->annealer.best.x[i];
+        ema_real healthy = EMA_R(1.0);
+        (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
+        (void)ema_actuator_get(&best, config->identified[i].id, &estimate->estimate);
+        estimate->std = weighed.std[i];
+        estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
+        estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
+    }
+    result->objective_before = session->healthy_cost;
+    result->objective_after = session->annealer.best.cost;
+    result->residual_rms_mm = weighed.residual_rms_mm;
+    result->residual_correlation = weighed.residual_correlation;
+    result->evaluations = session->evaluations;
+    result->model_steps = session->model_steps;
+    result->search = session->annealer.info;
+    result->random = session->annealer.random;
+    result->outcome = ema_annealer_outcome(&session->annealer);
+    if (session->phase == EMA_PHASE_DONE) {
+        ema_verdict_judge(config, weighed.determined, result);
+    } else {
+        result->verdict = EMA_VERDICT_UNDECIDED;
+        result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;
+    }
+    return EMA_OK;
+}

@@ -1,0 +1,49 @@
+#include "ema_verdict.h"
+
+#include "ema_math.h"
+
+/* Reasons that one parameter's estimate gives; `fault` is set when it is surely beyond its threshold. */
+static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate, ema_real healthy, ema_real confidence, bool* fault)
+{
+    uint32_t reasons = estimate->at_bound ? (uint32_t)EMA_REASON_AT_BOUND : 0U;
+    const ema_real doubt_percent = (confidence * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
+    const ema_real threshold_percent = identified->min_shift_percent;
+    if (doubt_percent > EMA_R(100.0)) {
+        reasons |= (uint32_t)EMA_REASON_NOT_SENSITIVE;
+    } else if (estimate->shift_percent > (threshold_percent + doubt_percent)) {
+        *fault = true;
+    } else if (estimate->shift_percent < -(threshold_percent + doubt_percent)) {
+        reasons |= (uint32_t)EMA_REASON_BELOW_HEALTHY;
+    } else if (ema_abs(estimate->shift_percent) > (threshold_percent - doubt_percent)) {
+        reasons |= (uint32_t)EMA_REASON_NEAR_THRESHOLD;
+    } else {
+        /* surely inside the threshold */
+    }
+    return reasons;
+}
+
+void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_result_t* result)
+{
+    const ema_params_t* const params = &config->actuator->params;
+    bool fault = false;
+    uint32_t reasons = determined ? 0U : (uint32_t)EMA_REASON_NOT_SENSITIVE;
+    uint32_t near_threshold = 0U;
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        ema_real healthy = EMA_R(1.0);
+        (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
+        const uint32_t found = ema_estimate_reasons(&config->identified[i], &result->identified[i], healthy, params->confidence_std, &fault);
+        near_threshold |= found & (uint32_t)EMA_REASON_NEAR_THRESHOLD;
+        reasons |= found & ~(uint32_t)EMA_REASON_NEAR_THRESHOLD;
+    }
+    /* next to a sure fault, another parameter's doubt changes nothing */
+    reasons |= fault ? 0U : near_threshold;
+    result->adequate = result->residual_rms_mm <= (params->adequacy_ratio * params->position_noise_mm);
+    reasons |= result->adequate ? 0U : (uint32_t)EMA_REASON_INADEQUATE;
+    reasons |= (result->outcome == EMA_OUTCOME_BUDGET) ? (uint32_t)EMA_REASON_NOT_CONVERGED : 0U;
+    result->reasons = reasons;
+    if (reasons != 0U) {
+        result->verdict = EMA_VERDICT_UNDECIDED;
+    } else {
+        result->verdict = fault ? EMA_VERDICT_FAULT : EMA_VERDICT_HEALTHY;
+    }
+}
