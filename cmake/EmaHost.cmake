@@ -2,6 +2,8 @@
 
 file(GLOB ema_host_sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/port/host/*.c")
 file(GLOB ema_desk_sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/port/desk/*.c")
+# The libraries read recordings with the very parser of the program.
+file(GLOB ema_csv_sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/port/host/ema_csv*.c")
 
 if(ema_host_sources)
     add_executable(ema_identify ${ema_host_sources})
@@ -11,7 +13,7 @@ endif()
 
 if(ema_desk_sources)
     foreach(bits 32 64)
-        add_library(ema_desk${bits} SHARED ${ema_desk_sources} port/host/ema_csv.c)
+        add_library(ema_desk${bits} SHARED ${ema_desk_sources} ${ema_csv_sources})
         ema_compile(ema_desk${bits})
         target_include_directories(ema_desk${bits} PRIVATE port/host)
     endforeach()
