@@ -1,0 +1,14 @@
+"""What goes wrong because of an input: one line that names the offender and says what to do next."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """A bad input: the message is one line with file, row and field where they exist, and the next step.
+
+    The command line prints it and ends with exit code 1.
+    """
+
+
+class MissingSignal(ValueError):
+    """A result cannot be had because a signal is not recorded; the message is the reason."""
