@@ -67,22 +67,22 @@ int32_t ema_desk_effect_count(void)
 int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row)
 {
     if (row == NULL) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     if ((index < 0) || (index >= EMA_COUNT(ema_effect_rows))) {
-        return EMA_ERR_RANGE;
+        return (int32_t)EMA_ERR_RANGE;
     }
     *row = ema_effect_rows[index];
-    return EMA_OK;
+    return (int32_t)EMA_OK;
 }
 
 int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row)
 {
     if (row == NULL) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     if ((index < 0) || (index >= EMA_COUNT(ema_value_rows))) {
-        return EMA_ERR_RANGE;
+        return (int32_t)EMA_ERR_RANGE;
     }
     *row = ema_value_rows[index];
     for (int32_t k = 0; k < EMA_COUNT(ema_effect_rows); ++k) {
@@ -91,19 +91,19 @@ int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row)
             row->section = ema_effect_sections[k];
         }
     }
-    return EMA_OK;
+    return (int32_t)EMA_OK;
 }
 
 int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row)
 {
     if (row == NULL) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     if ((index < 0) || (index >= EMA_COUNT(ema_option_rows))) {
-        return EMA_ERR_RANGE;
+        return (int32_t)EMA_ERR_RANGE;
     }
     *row = ema_option_rows[index];
-    return EMA_OK;
+    return (int32_t)EMA_OK;
 }
 
 const char* ema_desk_status_text(int32_t status)
@@ -125,7 +125,7 @@ static void ema_actuator_from(const double* values, const int32_t* options, ema_
 int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* offender)
 {
     if ((values == NULL) || (options == NULL)) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     ema_actuator_t actuator;
     ema_actuator_from(values, options, &actuator);
@@ -134,13 +134,13 @@ int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* of
     if ((status != EMA_OK) && (offender != NULL)) {
         *offender = (int32_t)bad;
     }
-    return status;
+    return (int32_t)status;
 }
 
 int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows, double start_mm, double* out, int32_t* crowded)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     ema_actuator_t actuator;
     ema_model_t model;
@@ -165,16 +165,16 @@ int32_t ema_desk_simulate(const double* values, const int32_t* options, const do
     if ((status == EMA_OK) && (crowded != NULL)) {
         *crowded = (int32_t)model.state.crowded_steps;
     }
-    return status;
+    return (int32_t)status;
 }
 
 int32_t ema_desk_command(int32_t kind, const double* numbers, double step_s, int32_t rows, double* command_mm)
 {
     if ((numbers == NULL) || (command_mm == NULL)) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     if ((kind < 0) || (kind >= (int32_t)EMA_COMMAND_RECORD) || !(numbers[5] >= 0.0) || !(numbers[5] <= 1.0e6)) {
-        return EMA_ERR_RANGE;
+        return (int32_t)EMA_ERR_RANGE;
     }
     ema_command_config_t config = {0};
     config.kind = (ema_command_kind_t)kind;
@@ -190,7 +190,7 @@ int32_t ema_desk_command(int32_t kind, const double* numbers, double step_s, int
     for (int32_t row = 0; (status == EMA_OK) && (row < rows); ++row) {
         command_mm[row] = (double)ema_command_at(&command, (uint32_t)row);
     }
-    return status;
+    return (int32_t)status;
 }
 
 static ema_sample_t ema_sample_from(const double* command_mm, const double* channels, int32_t row)
@@ -272,7 +272,7 @@ int32_t ema_desk_objective(const double* values, const int32_t* options, const d
 int32_t ema_desk_search_default(const double* values, const int32_t* options, ema_desk_search_t* search)
 {
     if ((values == NULL) || (options == NULL) || (search == NULL)) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     ema_actuator_t actuator;
     const ema_record_config_t record = {0};
@@ -300,7 +300,7 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
     search->cooling = (double)config.annealer.cooling;
     search->function_tolerance = (double)config.annealer.function_tolerance;
     search->seed = (int64_t)config.annealer.seed;
-    return status;
+    return (int32_t)status;
 }
 
 static ema_status_t ema_session_config_from(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record, const ema_desk_search_t* search)
@@ -366,10 +366,10 @@ int32_t ema_desk_identify(const double* values, const int32_t* options, const do
                           ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (search == NULL) || (result == NULL)) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     if (rows < (int32_t)EMA_ROWS_MIN) {
-        return EMA_ERR_SHORT;
+        return (int32_t)EMA_ERR_SHORT;
     }
     ema_actuator_t actuator;
     ema_record_config_t record;
@@ -407,18 +407,18 @@ int32_t ema_desk_identify(const double* values, const int32_t* options, const do
         }
     }
     free(record.buffer);
-    return status;
+    return (int32_t)status;
 }
 
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits)
 {
     if (bits == NULL) {
-        return EMA_ERR_NULL;
+        return (int32_t)EMA_ERR_NULL;
     }
     ema_random_t random;
     ema_random_init(&random, (uint64_t)seed, (uint64_t)stream);
     for (int32_t k = 0; k < count; ++k) {
         bits[k] = ema_random_u32(&random);
     }
-    return EMA_OK;
+    return (int32_t)EMA_OK;
 }

@@ -2,7 +2,7 @@
 #ifndef EMA_DRIVE_H
 #define EMA_DRIVE_H
 
-#include "ema/ema_model.h"
+#include "ema/ema_plant.h"
 #include "ema_math.h"
 
 void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options);

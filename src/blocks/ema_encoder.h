@@ -2,7 +2,7 @@
 #ifndef EMA_ENCODER_H
 #define EMA_ENCODER_H
 
-#include "ema/ema_model.h"
+#include "ema/ema_plant.h"
 #include "ema_math.h"
 
 void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, const ema_options_t* options);

@@ -2,7 +2,7 @@
 #ifndef EMA_GEARBOX_H
 #define EMA_GEARBOX_H
 
-#include "ema/ema_model.h"
+#include "ema/ema_plant.h"
 #include "ema_math.h"
 
 void ema_gearbox_prepare(ema_gearbox_t* gearbox, const ema_params_t* params);

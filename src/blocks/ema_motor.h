@@ -2,7 +2,7 @@
 #ifndef EMA_MOTOR_H
 #define EMA_MOTOR_H
 
-#include "ema/ema_model.h"
+#include "ema/ema_plant.h"
 #include "ema_math.h"
 
 void ema_motor_prepare(ema_motor_t* motor, const ema_params_t* params);

@@ -2,7 +2,7 @@
 #ifndef EMA_PID_H
 #define EMA_PID_H
 
-#include "ema/ema_model.h"
+#include "ema/ema_plant.h"
 #include "ema_math.h"
 
 void ema_pid_prepare(ema_pid_t* pid, const ema_actuator_t* actuator);

@@ -137,7 +137,7 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 
 ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory)
 {
-    ema_rod_t rod = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0)};
+    ema_rod_t rod = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
 #undef EMA_CALL_TRANSMISSION
 #define EMA_CALL_TRANSMISSION(name)                                                                  \
     if ((plant->active.transmission & EMA_BIT(name)) != 0U) {                                        \

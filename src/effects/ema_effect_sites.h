@@ -4,7 +4,7 @@
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
 
-#include "ema/ema_model.h"
+#include "ema/ema_plant.h"
 
 /* What an effect may look at, all at the same instant. */
 typedef struct {
@@ -24,7 +24,8 @@ typedef struct {
 } ema_transmission_t;
 
 typedef struct {
-    ema_real rod_mm;             /* rod position at the end of the step */
+    ema_real rod_mm;             /* rod position and speed at the end of the step */
+    ema_real rod_speed_mm_s;
     ema_real reaction_start_Nm;  /* on the motor shaft */
     ema_real reaction_end_Nm;
 } ema_rod_t;

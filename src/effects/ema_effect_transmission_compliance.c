@@ -37,6 +37,7 @@ ema_rod_t ema_effect_transmission_compliance(const ema_effect_transmission_compl
     const ema_real torque_per_acceleration = effect->mass_kg * step->lead_mm_per_rad * EMA_R(1.0e-6);
     const ema_rod_t rod = {
         step->play_end_mm - stretch_end_mm,
+        memory[1],
         -torque_per_acceleration * ((square_per_s2 * stretch_mm) + (EMA_R(2.0) * decay_per_s * rate_mm_s)),
         -torque_per_acceleration * ((square_per_s2 * stretch_end_mm) + (EMA_R(2.0) * decay_per_s * rate_end_mm_s)),
     };

@@ -55,7 +55,8 @@ static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* p
     }
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
-    plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A);
+    plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
+    plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
     ema_circuit_prepare(&plant->motor_circuit, plant);
     ema_circuit_prepare(&plant->current_loop, plant);
     return EMA_OK;

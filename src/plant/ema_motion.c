@@ -2,7 +2,6 @@
 
 #include "ema_effect_sites.h"
 #include "ema_gearbox.h"
-#include "ema_limits.h"
 #include "ema_math.h"
 #include "ema_motor.h"
 #include "ema_series.h"
@@ -10,9 +9,9 @@
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
-/* What acts on the shaft beside the motor's linear torque, and what holds it at rest. */
+/* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
 typedef struct {
-    ema_real input;          /* of the circuit */
+    ema_real input;             /* of the circuit */
     ema_real torque_Nm;
     ema_real level_forward_Nm;  /* dry friction at rest against each direction */
     ema_real level_backward_Nm;
@@ -24,6 +23,15 @@ typedef struct {
     ema_real speed_rad_s;
     ema_real angle_rad;
 } ema_point_t;
+
+/* A span of the motion without events: what its ends are. */
+typedef struct {
+    ema_point_t start;
+    ema_point_t end;
+    ema_forces_t forces;      /* at the start */
+    ema_real input_rise;
+    ema_real torque_rise_Nm;
+} ema_segment_t;
 
 static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm, ema_real direction)
 {
@@ -48,7 +56,7 @@ static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_drive_outp
     if (plant->active.load != 0U) {
         load_Nm += ema_site_load(plant, &site);
     }
-    forces.torque_Nm = ema_motor_torque(&plant->motor, point->current_A) - (plant->motor.torque_constant_Nm_per_A * point->current_A) - load_Nm;
+    forces.torque_Nm = -load_Nm;
     if (plant->active.torque != 0U) {
         forces.torque_Nm += ema_site_torque(plant, &site);
     }
@@ -79,69 +87,124 @@ static ema_rod_t ema_transmission_trial(const ema_plant_t* plant, const ema_stat
     return ema_site_transmission(plant, &step, memory);
 }
 
-/* The drive holds a current that reached its limit while the voltage drives it outward. */
-static bool ema_current_held(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input)
+/* Opens a segment: the forces at its start, held over it until its end is known. */
+static ema_segment_t ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
 {
+    ema_segment_t segment;
+    segment.start.current_A = state->current_A;
+    segment.start.speed_rad_s = state->speed_rad_s;
+    segment.start.angle_rad = state->angle_rad;
+    segment.end = segment.start;
+    segment.forces = ema_forces_at(plant, applied, state->motion, &segment.start);
+    segment.input_rise = EMA_R(0.0);
+    segment.torque_rise_Nm = EMA_R(0.0);
+    if (plant->active.transmission != 0U) {
+        segment.forces.torque_Nm += ema_transmission_trial(plant, state, state->play_mm, span_s).reaction_start_Nm;
+    }
+    return segment;
+}
+
+/* Lets the forces rise evenly to those at the predicted end. */
+static void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
+{
+    const ema_forces_t last = ema_forces_at(plant, applied, state->motion, &segment->end);
+    ema_forces_t first = segment->forces;
+    segment->input_rise = last.input - first.input;
+    if (plant->active.transmission != 0U) {
+        first = ema_forces_at(plant, applied, state->motion, &segment->start);
+        const ema_rod_t rod = ema_transmission_trial(plant, state, ema_play_at(plant, state, segment->end.angle_rad), span_s);
+        segment->forces.torque_Nm = first.torque_Nm + rod.reaction_start_Nm;
+        segment->torque_rise_Nm = (last.torque_Nm + rod.reaction_end_Nm) - segment->forces.torque_Nm;
+    } else {
+        segment->torque_rise_Nm = last.torque_Nm - first.torque_Nm;
+    }
+}
+
+static ema_real ema_response_rise(const ema_response_t* response, const ema_segment_t* segment)
+{
+    return ema_response_at(response, segment->start.current_A, segment->start.speed_rad_s, segment->forces.input, segment->forces.torque_Nm)
+           + ((response->from_voltage_rise * segment->input_rise) + (response->from_torque_rise * segment->torque_rise_Nm));
+}
+
+/* End of an integration step from the prepared responses; `turn_rad` is the angle moved. */
+static void ema_segment_respond(const ema_circuit_t* circuit, int32_t motion, ema_segment_t* segment, ema_real* turn_rad)
+{
+    *turn_rad = EMA_R(0.0);
+    if (motion != 0) {
+        *turn_rad = ema_response_rise(&circuit->angle, segment);
+        segment->end.current_A = ema_response_rise(&circuit->current, segment);
+        segment->end.speed_rad_s = ema_response_rise(&circuit->speed, segment);
+        segment->end.angle_rad = segment->start.angle_rad + *turn_rad;
+    } else {
+        segment->end.current_A = (circuit->stuck_from_current * segment->start.current_A) + (circuit->stuck_from_voltage * segment->forces.input)
+                                 + (circuit->stuck_from_voltage_rise * segment->input_rise);
+    }
+}
+
+/* One integration step with effects but without an event; false, and nothing changed, when something would happen. */
+static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    if (!(ema_abs(state->current_A) <= plant->linear_current_A)) {
+        return false;
+    }
+    ema_real turn_rad;
+    ema_segment_t segment = ema_segment_open(plant, state, applied, plant->substep_s);
+    ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
+    ema_segment_correct(plant, state, applied, plant->substep_s, &segment);
+    ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
+
+    bool smooth = ema_abs(segment.end.current_A) <= plant->linear_current_A;
+    if (state->motion != 0) {
+        smooth = smooth && (((ema_real)state->motion * segment.end.speed_rad_s) > EMA_R(0.0)) && (segment.end.angle_rad < plant->screw.stop_upper_rad)
+                 && (segment.end.angle_rad > plant->screw.stop_lower_rad);
+    } else {
+        const ema_real gain = plant->motor.torque_constant_Nm_per_A;
+        const ema_real first_Nm = segment.forces.torque_Nm + (gain * segment.start.current_A);
+        const ema_real last_Nm = segment.forces.torque_Nm + segment.torque_rise_Nm + (gain * segment.end.current_A);
+        smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment.forces.level_forward_Nm) && (ema_min(first_Nm, last_Nm) >= -segment.forces.level_backward_Nm);
+    }
+    if (smooth) {
+        state->current_A = segment.end.current_A;
+        state->speed_rad_s = segment.end.speed_rad_s;
+        ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
+    }
+    return smooth;
+}
+
+/* What the current does over a segment that is located. */
+typedef struct {
+    bool held;                 /* the drive holds it at its limit */
+    ema_real rate;             /* of the free circuit at the start, A/s */
+    ema_real saturated_Nm;     /* motor torque while it is saturated, else zero */
+} ema_regime_t;
+
+static ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input)
+{
+    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
+    const ema_real current_A = state->current_A;
     const ema_real limit_A = plant->drive.current_limit_A;
     if (circuit->algebraic) {
-        return ema_abs((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input)) > limit_A;
+        regime.held = ema_abs((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input)) > limit_A;
+    } else {
+        regime.rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
+        regime.held = ((current_A >= limit_A) && (regime.rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (regime.rate < EMA_R(0.0)));
     }
-    const ema_real rate = (circuit->rate_current * state->current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
-    return ((state->current_A >= limit_A) && (rate > EMA_R(0.0))) || ((state->current_A <= -limit_A) && (rate < EMA_R(0.0)));
-}
-
-static ema_point_t ema_point_of(const ema_series_t* series, const ema_state_t* state, ema_real at)
-{
-    const ema_point_t point = {ema_series_at(series->current_A, at), ema_series_at(series->speed_rad_s, at), state->angle_rad + ema_series_at(series->angle_rad, at)};
-    return point;
-}
-
-/* Series over the span with effects taken at its start and at its predicted end. */
-static ema_forces_t ema_predict(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, const ema_circuit_t* circuit, ema_real span_s, ema_series_t* series)
-{
-    const ema_point_t start = {state->current_A, state->speed_rad_s, state->angle_rad};
-    ema_forces_t forces = ema_forces_at(plant, applied, state->motion, &start);
-    const bool held = ema_current_held(plant, circuit, state, forces.input);
-    ema_span_t span = {state->current_A, state->speed_rad_s, forces.input, EMA_R(0.0), forces.torque_Nm, EMA_R(0.0), span_s, state->motion == 0, held};
-    if (held && circuit->algebraic) {
-        span.current_A = ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * forces.input), -plant->drive.current_limit_A, plant->drive.current_limit_A);
+    /* on the bound itself the direction decides */
+    const ema_real size_A = ema_abs(current_A);
+    const bool outward = (regime.rate * current_A) > EMA_R(0.0);
+    if ((size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && outward)) {
+        regime.saturated_Nm = (current_A > EMA_R(0.0)) ? plant->motor.torque_limit_Nm : -plant->motor.torque_limit_Nm;
     }
-    if (plant->active.transmission != 0U) {
-        span.torque_Nm += ema_transmission_trial(plant, state, state->play_mm, span_s).reaction_start_Nm;
-    }
-    ema_series_build(series, plant, circuit, &span);
-    const ema_point_t end = ema_point_of(series, state, EMA_R(1.0));
-    const bool saturates = (ema_abs(end.current_A) > plant->linear_current_A) || (ema_abs(start.current_A) > plant->linear_current_A);
-    if (plant->active.any || saturates) {
-        const ema_forces_t last = ema_forces_at(plant, applied, state->motion, &end);
-        span.input_rise = last.input - forces.input;
-        span.torque_Nm = forces.torque_Nm;
-        span.torque_rise_Nm = last.torque_Nm - forces.torque_Nm;
-        if (plant->active.transmission != 0U) {
-            const ema_rod_t rod = ema_transmission_trial(plant, state, ema_play_at(plant, state, end.angle_rad), span_s);
-            span.torque_Nm += rod.reaction_start_Nm;
-            span.torque_rise_Nm += rod.reaction_end_Nm - rod.reaction_start_Nm;
-        }
-        ema_series_build(series, plant, circuit, &span);
-    }
-    forces.torque_Nm = span.torque_Nm;
-    /* at rest the terms of the torque are those of the current: they say when it breaks away */
-    if (state->motion == 0) {
-        for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
-            series->speed_rad_s[k] = plant->motor.torque_constant_Nm_per_A * series->current_A[k];
-        }
-        series->speed_rad_s[0] += span.torque_Nm;
-        series->speed_rad_s[1] += span.torque_rise_Nm;
-    }
-    return forces;
+    return regime;
 }
 
 typedef enum {
     EMA_EVENT_NONE,
-    EMA_EVENT_REST,    /* the speed reaches zero */
-    EMA_EVENT_STOP,    /* an end of travel */
-    EMA_EVENT_LIMIT,   /* the current reaches its limit */
-    EMA_EVENT_FORWARD, /* the torque leaves what dry friction holds */
+    EMA_EVENT_REST,     /* the speed reaches zero */
+    EMA_EVENT_STOP,     /* an end of travel */
+    EMA_EVENT_CURRENT,  /* the current reaches a limit of drive or torque */
+    EMA_EVENT_RELEASE,  /* the drive need not hold the current any longer */
+    EMA_EVENT_FORWARD,  /* the torque leaves what dry friction holds */
     EMA_EVENT_BACKWARD
 } ema_event_kind_t;
 
@@ -150,6 +213,45 @@ typedef struct {
     ema_real at;      /* fraction of the span */
     ema_real value;   /* of the quantity that reached its bound */
 } ema_event_t;
+
+/* A span as a series, and what was assumed for it. */
+typedef struct {
+    ema_series_t series;
+    ema_segment_t segment;
+    ema_regime_t regime;
+} ema_located_t;
+
+static void ema_located_build(const ema_plant_t* plant, const ema_state_t* state, const ema_circuit_t* circuit, ema_real span_s, ema_located_t* located)
+{
+    const ema_segment_t* const segment = &located->segment;
+    const bool saturated = located->regime.saturated_Nm != EMA_R(0.0);
+    ema_span_t span;
+    span.current_A = state->current_A;
+    span.speed_rad_s = state->speed_rad_s;
+    span.input = segment->forces.input;
+    span.input_rise = segment->input_rise;
+    span.torque_Nm = segment->forces.torque_Nm + located->regime.saturated_Nm;
+    span.torque_rise_Nm = segment->torque_rise_Nm;
+    span.span_s = span_s;
+    span.torque_gain_Nm_per_A = saturated ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;
+    span.at_rest = state->motion == 0;
+    span.current_held = located->regime.held;
+    if (span.current_held && circuit->algebraic) {
+        span.current_A = ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * span.input), -plant->drive.current_limit_A, plant->drive.current_limit_A);
+    }
+    ema_series_build(&located->series, plant, circuit, &span);
+    located->segment.end.current_A = ema_series_at(located->series.current_A, EMA_R(1.0));
+    located->segment.end.speed_rad_s = ema_series_at(located->series.speed_rad_s, EMA_R(1.0));
+    located->segment.end.angle_rad = state->angle_rad + ema_series_at(located->series.angle_rad, EMA_R(1.0));
+    /* at rest the terms of the speed are free to hold those of the torque, which say when the shaft breaks away */
+    if (span.at_rest) {
+        for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
+            located->series.speed_rad_s[k] = span.torque_gain_Nm_per_A * located->series.current_A[k];
+        }
+        located->series.speed_rad_s[0] += span.torque_Nm;
+        located->series.speed_rad_s[1] += span.torque_rise_Nm;
+    }
+}
 
 /* Takes the earlier of the known event and the crossing of `bound` by a series that has crossed it at the end of the span. */
 static void ema_event_take(ema_event_t* event, ema_event_kind_t kind, ema_real* terms, ema_real bound, ema_real from)
@@ -165,49 +267,94 @@ static void ema_event_take(ema_event_t* event, ema_event_kind_t kind, ema_real* 
     }
 }
 
-static ema_event_t ema_event_find(const ema_plant_t* plant, const ema_state_t* state, const ema_forces_t* forces, ema_series_t* series)
+/* Crossings of +-bound by the current, from inside or from outside. */
+static void ema_event_current(ema_event_t* event, ema_located_t* located, ema_real bound_A, bool outside)
+{
+    const ema_real end_A = located->segment.end.current_A;
+    const ema_real start_A = located->series.current_A[0];
+    if (outside) {
+        const ema_real side_A = (start_A > EMA_R(0.0)) ? bound_A : -bound_A;
+        if ((end_A * side_A) < (bound_A * bound_A)) {
+            ema_event_take(event, EMA_EVENT_CURRENT, located->series.current_A, side_A, EMA_R(0.0));
+        }
+    } else if ((ema_abs(end_A) > bound_A) && (ema_abs(start_A) < bound_A)) {
+        ema_event_take(event, EMA_EVENT_CURRENT, located->series.current_A, (end_A > EMA_R(0.0)) ? bound_A : -bound_A, EMA_R(0.0));
+    } else {
+        /* stays inside */
+    }
+}
+
+/* A held current is let go when the circuit on its own would bring it inward. */
+static void ema_event_release(ema_event_t* event, const ema_circuit_t* circuit, const ema_state_t* state, const ema_located_t* located)
+{
+    ema_real terms[EMA_SERIES_TERMS + 1U];
+    for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
+        terms[k] = (state->motion == 0) ? EMA_R(0.0) : (circuit->rate_speed * located->series.speed_rad_s[k]);
+    }
+    const ema_real held_A = located->series.current_A[0];
+    terms[0] += (circuit->rate_current * held_A) + (circuit->rate_voltage * located->segment.forces.input);
+    terms[1] += circuit->rate_voltage * located->segment.input_rise;
+    if (circuit->algebraic) {
+        terms[0] -= held_A;
+    }
+    if (((ema_series_at(terms, EMA_R(1.0)) * held_A) < EMA_R(0.0)) && ((terms[0] * held_A) > EMA_R(0.0))) {
+        ema_event_take(event, EMA_EVENT_RELEASE, terms, EMA_R(0.0), EMA_R(0.0));
+    }
+}
+
+static void ema_event_at_rest(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, ema_located_t* located)
+{
+    const ema_forces_t* const forces = &located->segment.forces;
+    ema_real* const torque_Nm = located->series.speed_rad_s;
+    /* a current that follows the voltage at once can break away at the very start */
+    const ema_motion_t at_start = ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm[0], forces->level_forward_Nm, forces->level_backward_Nm);
+    const ema_motion_t at_end = ema_screw_break_away(&plant->screw, state->angle_rad, ema_series_at(torque_Nm, EMA_R(1.0)), forces->level_forward_Nm, forces->level_backward_Nm);
+    if (at_start != EMA_MOTION_STUCK) {
+        event->kind = (at_start == EMA_MOTION_FORWARD) ? EMA_EVENT_FORWARD : EMA_EVENT_BACKWARD;
+        event->at = EMA_R(0.0);
+    } else if (at_end == EMA_MOTION_FORWARD) {
+        ema_event_take(event, EMA_EVENT_FORWARD, torque_Nm, forces->level_forward_Nm, EMA_R(0.0));
+    } else if (at_end == EMA_MOTION_BACKWARD) {
+        ema_event_take(event, EMA_EVENT_BACKWARD, torque_Nm, -forces->level_backward_Nm, EMA_R(0.0));
+    } else {
+        /* held over the whole span */
+    }
+}
+
+static void ema_event_sliding(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, ema_located_t* located)
+{
+    const ema_real direction = (ema_real)state->motion;
+    ema_real* const speed_rad_s = located->series.speed_rad_s;
+    const ema_real from = (state->speed_rad_s == EMA_R(0.0)) ? EMA_ROOT_FROM : EMA_R(0.0);
+    if (!((direction * located->segment.end.speed_rad_s) > EMA_R(0.0))) {
+        if ((direction * ema_series_at(speed_rad_s, from)) > EMA_R(0.0)) {
+            ema_event_take(event, EMA_EVENT_REST, speed_rad_s, EMA_R(0.0), from);
+        } else if ((event->kind == EMA_EVENT_NONE) || (from < event->at)) {
+            event->kind = EMA_EVENT_REST;
+            event->at = from;
+        } else {
+            /* something else comes first */
+        }
+    }
+    const ema_real stop_rad = (state->motion > 0) ? plant->screw.stop_upper_rad : plant->screw.stop_lower_rad;
+    if ((direction * (located->segment.end.angle_rad - stop_rad)) >= EMA_R(0.0)) {
+        ema_event_take(event, EMA_EVENT_STOP, located->series.angle_rad, stop_rad - state->angle_rad, EMA_R(0.0));
+    }
+}
+
+static ema_event_t ema_event_find(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_located_t* located)
 {
     ema_event_t event = {EMA_EVENT_NONE, EMA_R(1.0), EMA_R(0.0)};
-    const ema_real end_A = ema_series_at(series->current_A, EMA_R(1.0));
-    const ema_real limit_A = plant->drive.current_limit_A;
-    if ((ema_abs(end_A) > limit_A) && (ema_abs(series->current_A[0]) < limit_A)) {
-        ema_event_take(&event, EMA_EVENT_LIMIT, series->current_A, (end_A > EMA_R(0.0)) ? limit_A : -limit_A, EMA_R(0.0));
+    if (located->regime.held) {
+        ema_event_release(&event, circuit, state, located);
+    } else {
+        ema_event_current(&event, located, plant->drive.current_limit_A, false);
+        ema_event_current(&event, located, plant->torque_limit_A, located->regime.saturated_Nm != EMA_R(0.0));
     }
     if (state->motion == 0) {
-        /* a current that follows the voltage at once can break away at the very start */
-        const ema_motion_t at_start = ema_screw_break_away(&plant->screw, state->angle_rad, series->speed_rad_s[0], forces->level_forward_Nm, forces->level_backward_Nm);
-        const ema_motion_t at_end = ema_screw_break_away(&plant->screw, state->angle_rad, ema_series_at(series->speed_rad_s, EMA_R(1.0)), forces->level_forward_Nm, forces->level_backward_Nm);
-        if (at_start != EMA_MOTION_STUCK) {
-            event.kind = (at_start == EMA_MOTION_FORWARD) ? EMA_EVENT_FORWARD : EMA_EVENT_BACKWARD;
-            event.at = EMA_R(0.0);
-        } else if (at_end == EMA_MOTION_FORWARD) {
-            ema_event_take(&event, EMA_EVENT_FORWARD, series->speed_rad_s, forces->level_forward_Nm, EMA_R(0.0));
-        } else if (at_end == EMA_MOTION_BACKWARD) {
-            ema_event_take(&event, EMA_EVENT_BACKWARD, series->speed_rad_s, -forces->level_backward_Nm, EMA_R(0.0));
-        } else {
-            /* held over the whole span */
-        }
+        ema_event_at_rest(&event, plant, state, located);
     } else {
-        const ema_real direction = (ema_real)state->motion;
-        const ema_real from = (state->speed_rad_s == EMA_R(0.0)) ? EMA_ROOT_FROM : EMA_R(0.0);
-        if (!((direction * ema_series_at(series->speed_rad_s, EMA_R(1.0))) > EMA_R(0.0))) {
-            if ((direction * ema_series_at(series->speed_rad_s, from)) > EMA_R(0.0)) {
-                ema_event_take(&event, EMA_EVENT_REST, series->speed_rad_s, EMA_R(0.0), from);
-            } else {
-                event.kind = EMA_EVENT_REST;
-                event.at = from;
-            }
-        }
-        const ema_real end_rad = state->angle_rad + ema_series_at(series->angle_rad, EMA_R(1.0));
-        if (end_rad >= plant->screw.stop_upper_rad) {
-            ema_event_take(&event, EMA_EVENT_STOP, series->angle_rad, plant->screw.stop_upper_rad - state->angle_rad, EMA_R(0.0));
-            event.value = (event.kind == EMA_EVENT_STOP) ? plant->screw.stop_upper_rad : event.value;
-        } else if (end_rad <= plant->screw.stop_lower_rad) {
-            ema_event_take(&event, EMA_EVENT_STOP, series->angle_rad, plant->screw.stop_lower_rad - state->angle_rad, EMA_R(0.0));
-            event.value = (event.kind == EMA_EVENT_STOP) ? plant->screw.stop_lower_rad : event.value;
-        } else {
-            /* inside the travel */
-        }
+        ema_event_sliding(&event, plant, state, located);
     }
     return event;
 }
@@ -222,26 +369,31 @@ static void ema_motion_to(ema_state_t* state, const ema_series_t* series, ema_re
     }
 }
 
+/* The speed is zero: dry friction holds the shaft, or it reverses at once. */
+static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    /* a turning point is the extreme that the play sees */
+    ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
+    state->speed_rad_s = EMA_R(0.0);
+    const ema_point_t here = {state->current_A, EMA_R(0.0), state->angle_rad};
+    const ema_forces_t forces = ema_forces_at(plant, applied, 0, &here);
+    const ema_real torque_Nm = forces.torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
+    state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces.level_forward_Nm, forces.level_backward_Nm);
+}
+
 static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, const ema_event_t* event)
 {
     switch (event->kind) {
-    case EMA_EVENT_REST: {
-        /* a turning point is the extreme that the play sees */
-        ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        state->speed_rad_s = EMA_R(0.0);
-        const ema_point_t here = {state->current_A, EMA_R(0.0), state->angle_rad};
-        const ema_forces_t forces = ema_forces_at(plant, applied, 0, &here);
-        const ema_real torque_Nm = forces.torque_Nm + (plant->motor.torque_constant_Nm_per_A * state->current_A);
-        state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces.level_forward_Nm, forces.level_backward_Nm);
+    case EMA_EVENT_REST:
+        ema_motion_rest(plant, state, applied);
         break;
-    }
     case EMA_EVENT_STOP:
-        state->angle_rad = event->value;
+        state->angle_rad = (state->motion > 0) ? plant->screw.stop_upper_rad : plant->screw.stop_lower_rad;
         state->angle_low_rad = EMA_R(0.0);
         state->speed_rad_s = EMA_R(0.0);
         state->motion = (int32_t)EMA_MOTION_STUCK;
         break;
-    case EMA_EVENT_LIMIT:
+    case EMA_EVENT_CURRENT:
         state->current_A = event->value;
         break;
     case EMA_EVENT_FORWARD:
@@ -250,28 +402,34 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
     case EMA_EVENT_BACKWARD:
         state->motion = (int32_t)EMA_MOTION_BACKWARD;
         break;
+    case EMA_EVENT_RELEASE:
     case EMA_EVENT_NONE:
     default:
         break;
     }
 }
 
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+/* One integration step with its events, each located. */
+static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
-    const ema_real play_start_mm = state->play_mm;
     ema_real left_s = plant->substep_s;
     uint32_t events = 0U;
     bool done = false;
     while (!done && (events < EMA_EVENTS_MAX)) {
-        ema_series_t series;
-        const ema_forces_t forces = ema_predict(plant, state, applied, circuit, left_s, &series);
-        const ema_event_t event = ema_event_find(plant, state, &forces, &series);
-        ema_motion_to(state, &series, event.at);
+        ema_located_t located;
+        located.segment = ema_segment_open(plant, state, applied, left_s);
+        located.regime = ema_regime_of(plant, circuit, state, located.segment.forces.input);
+        ema_located_build(plant, state, circuit, left_s, &located);
+        if (plant->active.any) {
+            ema_segment_correct(plant, state, applied, left_s, &located.segment);
+            ema_located_build(plant, state, circuit, left_s, &located);
+        }
+        const ema_event_t event = ema_event_find(plant, circuit, state, &located);
+        ema_motion_to(state, &located.series, event.at);
+        ema_event_apply(plant, state, applied, &event);
         if (event.kind == EMA_EVENT_NONE) {
             done = true;
         } else {
-            ema_event_apply(plant, state, applied, &event);
             left_s -= left_s * event.at;
             ++events;
             done = !(left_s > EMA_R(0.0));
@@ -282,9 +440,20 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_
         state->motion = (int32_t)EMA_MOTION_STUCK;
         ++state->crowded_steps;
     }
+}
+
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    const ema_real play_start_mm = state->play_mm;
+    if (!plant->active.any || !ema_motion_smooth(plant, circuit, state, applied)) {
+        ema_motion_events(plant, circuit, state, applied);
+    }
     if (plant->active.transmission != 0U) {
         ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
         const ema_transmission_t step = {play_start_mm, state->play_mm, plant->substep_s, plant->gearbox.lead_mm_per_rad};
-        state->rod_mm = ema_site_transmission(plant, &step, state->effect_memory).rod_mm;
+        const ema_rod_t rod = ema_site_transmission(plant, &step, state->effect_memory);
+        state->rod_mm = rod.rod_mm;
+        state->rod_speed_mm_s = rod.rod_speed_mm_s;
     }
 }

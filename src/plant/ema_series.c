@@ -5,6 +5,15 @@
 /* Bracketing steps of the root search; Illinois' rule gains a digit or more in each. */
 #define EMA_ROOT_STEPS 14U
 
+static const ema_real ema_share[EMA_SERIES_TERMS] = {
+    EMA_R(1.0), EMA_R(0.5), EMA_R(0.3333333333333333), EMA_R(0.25), EMA_R(0.2), EMA_R(0.16666666666666666), EMA_R(0.14285714285714285), EMA_R(0.125),
+    EMA_R(0.1111111111111111), EMA_R(0.1), EMA_R(0.09090909090909091), EMA_R(0.08333333333333333), EMA_R(0.07692307692307693), EMA_R(0.07142857142857142),
+#if EMA_REAL64
+    EMA_R(0.06666666666666667), EMA_R(0.0625), EMA_R(0.058823529411764705), EMA_R(0.05555555555555555), EMA_R(0.05263157894736842), EMA_R(0.05),
+    EMA_R(0.047619047619047616), EMA_R(0.045454545454545456), EMA_R(0.043478260869565216), EMA_R(0.041666666666666664),
+#endif
+};
+
 void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_span_t* span)
 {
     const bool follows = circuit->algebraic && !span->current_held;
@@ -16,12 +25,12 @@ void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_
     ema_real input_next = span->input_rise;
     ema_real torque_next_Nm = span->torque_rise_Nm;
     for (uint32_t k = 0; k < EMA_SERIES_TERMS; ++k) {
-        const ema_real share_s = span->span_s / (ema_real)(k + 1U);
+        const ema_real share_s = span->span_s * ema_share[k];
         const ema_real current_A = series->current_A[k];
         const ema_real speed_rad_s = series->speed_rad_s[k];
         ema_real acceleration_rad_s2 = EMA_R(0.0);
         if (!span->at_rest) {
-            acceleration_rad_s2 = ((plant->motor.torque_constant_Nm_per_A * current_A) - (plant->screw.viscous_Nm_s_per_rad * speed_rad_s) + torque_Nm)
+            acceleration_rad_s2 = ((span->torque_gain_Nm_per_A * current_A) - (plant->screw.viscous_Nm_s_per_rad * speed_rad_s) + torque_Nm)
                                   * plant->screw.inverse_inertia_per_kgm2;
         }
         series->angle_rad[k + 1U] = share_s * speed_rad_s;
@@ -94,7 +103,7 @@ static void ema_circuit_column(const ema_plant_t* plant, const ema_circuit_t* ci
 
 void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant)
 {
-    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), plant->substep_s, false, false};
+    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), plant->substep_s, plant->motor.torque_constant_Nm_per_A, false, false};
     ema_response_t* const current = &circuit->current;
     ema_response_t* const speed = &circuit->speed;
     ema_response_t* const angle = &circuit->angle;
@@ -124,4 +133,7 @@ void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant)
     span.current_A = EMA_R(0.0);
     span.input = EMA_R(1.0);
     ema_circuit_column(plant, circuit, &span, &circuit->stuck_from_voltage, &unused, &unused);
+    span.input = EMA_R(0.0);
+    span.input_rise = EMA_R(1.0);
+    ema_circuit_column(plant, circuit, &span, &circuit->stuck_from_voltage_rise, &unused, &unused);
 }

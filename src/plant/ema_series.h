@@ -29,6 +29,7 @@ typedef struct {
     ema_real torque_Nm;    /* on the shaft beside the motor's */
     ema_real torque_rise_Nm;
     ema_real span_s;
+    ema_real torque_gain_Nm_per_A; /* of the current; zero while the motor's torque is saturated */
     bool at_rest;          /* the shaft does not move */
     bool current_held;     /* the drive holds the current */
 } ema_span_t;

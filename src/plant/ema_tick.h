@@ -30,6 +30,9 @@ static inline ema_output_t ema_tick(const ema_plant_t* plant, ema_state_t* state
     row.voltage_V = applied.voltage_V;
     const bool carried = ((ema_real)state->play_side * state->speed_rad_s) > EMA_R(0.0);
     row.speed_mm_s = carried ? (plant->gearbox.lead_mm_per_rad * state->speed_rad_s) : EMA_R(0.0);
+    if (plant->active.transmission != 0U) {
+        row.speed_mm_s = state->rod_speed_mm_s;
+    }
     ema_motion_step(plant, state, &applied);
     ++state->step;
     return row;

@@ -1,0 +1,188 @@
+/* What a model is made of: the state that changes while it runs, and the six blocks prepared from an actuator.
+ *
+ * Plain structures; ema_model.h says what is done with them. Equations: docs/DESIGN.md.
+ */
+#ifndef EMA_PLANT_H
+#define EMA_PLANT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ema/ema_actuator.h"
+
+/* Samples of feedback that the encoder keeps for its delay; a power of two. */
+#define EMA_DELAY_SAMPLES 16U
+
+/* Reversals, break-aways, saturations and end stops that are located in one integration step. */
+#define EMA_EVENTS_MAX 8U
+
+/* Reals of state of all effects together, at least one so that the array exists. */
+enum {
+    EMA_EFFECT_MEMORY_COUNT = 0
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) +(memory)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+};
+
+typedef enum {
+    EMA_MOTION_BACKWARD = -1,
+    EMA_MOTION_STUCK = 0,
+    EMA_MOTION_FORWARD = 1
+} ema_motion_t;
+
+/* Everything that changes while the model runs: a plain value without pointers. A copy is a checkpoint; writing it back resumes,
+ * on the same or on another model of the same actuator. */
+typedef struct {
+    ema_real current_A;
+    ema_real speed_rad_s;      /* at the motor shaft */
+    ema_real angle_rad;        /* of the motor */
+    ema_real angle_low_rad;    /* what angle_rad cannot hold */
+    ema_real motor_mm;         /* the same expressed at the rod */
+    ema_real play_mm;          /* output of the play */
+    ema_real rod_mm;           /* behind what lies after the play */
+    ema_real rod_speed_mm_s;   /* of a rod that does not simply follow the play */
+    ema_real integral;         /* of the control law, in output units */
+    ema_real previous_error_m;
+    ema_real previous_feedback_mm;
+    ema_real previous_measure_mm;
+    ema_real output;           /* held between control instants */
+    ema_real effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    ema_real delay_mm[EMA_DELAY_SAMPLES];
+    uint32_t step;
+    uint32_t crowded_steps;    /* steps with more events than are located; the last of them stopped the shaft */
+    int32_t motion;            /* an ema_motion_t */
+    int32_t play_side;         /* -1 or 1 in contact, 0 inside the play */
+} ema_state_t;
+
+/* What one step shows: positions, current and speed at its start, the voltage applied from then on. */
+typedef struct {
+    ema_real position_mm;       /* rod, as the rod sensor reads it */
+    ema_real motor_position_mm; /* motor encoder expressed at the rod */
+    ema_real current_A;
+    ema_real voltage_V;
+    ema_real speed_mm_s;        /* rod; zero while it rests in the play */
+} ema_output_t;
+
+/* Exact response of current, speed and angle over one integration step: to themselves, to a constant and to a rising input. */
+typedef struct {
+    ema_real from_current;
+    ema_real from_speed;
+    ema_real from_voltage;
+    ema_real from_torque;
+    ema_real from_voltage_rise;
+    ema_real from_torque_rise;
+} ema_response_t;
+
+/* One electrical law: lag di/dt = a_i i + a_w w + a_v v, or algebraic i = a_w w + a_v v. */
+typedef struct {
+    bool algebraic;
+    ema_real rate_current;
+    ema_real rate_speed;
+    ema_real rate_voltage;
+    ema_response_t current;
+    ema_response_t speed;
+    ema_response_t angle;
+    ema_real stuck_from_current; /* at rest: the current is its own and the voltage's response alone */
+    ema_real stuck_from_voltage;
+    ema_real stuck_from_voltage_rise;
+} ema_circuit_t;
+
+/* The six blocks, prepared from an actuator: constant while the model runs. */
+typedef struct {
+    ema_real period_s;
+    ema_real rate_hz;
+    ema_real kp_per_m;
+    ema_real ki_per_m_s;
+    ema_real kd_s_per_m;
+    ema_real anti_windup_per_s;
+    ema_real output_limit;
+    ema_real position_gain_per_s;
+    ema_real speed_gain_s_per_m;
+    ema_real speed_integral_per_m;
+    ema_real speed_limit_m_s; /* largest finite number when there is none */
+    uint32_t every_steps;
+    bool cascade;
+    bool derivative_on_speed;
+    bool average_speed;
+    bool plain; /* proportional and integral action only */
+} ema_pid_t;
+
+typedef struct {
+    bool current_mode;
+    ema_real supply_V;
+    ema_real current_scale_A;
+    ema_real command_scale_V;
+    ema_real current_limit_A; /* largest finite number when there is none */
+    ema_real loop_s;
+} ema_drive_t;
+
+typedef struct {
+    ema_real torque_constant_Nm_per_A;
+    ema_real back_emf_V_s_per_rad;
+    ema_real resistance_ohm;
+    ema_real inductance_H;
+    ema_real torque_limit_Nm; /* largest finite number when there is none */
+} ema_motor_t;
+
+typedef struct {
+    ema_real lead_mm_per_rad; /* rod travel per motor angle */
+    ema_real loss_opposing;   /* dry friction per load torque that opposes the motion */
+    ema_real loss_aiding;     /* and per load torque that aids it */
+} ema_gearbox_t;
+
+typedef struct {
+    ema_real inverse_inertia_per_kgm2;
+    ema_real viscous_Nm_s_per_rad;
+    ema_real static_Nm;
+    ema_real dynamic_Nm;
+    ema_real load_torque_Nm;
+    ema_real forward_torque_Nm;  /* constant torque on the shaft while it slides forward: load and dry friction */
+    ema_real backward_torque_Nm;
+    ema_real hold_lower_Nm;      /* motor torques between these two leave a shaft at rest where it is */
+    ema_real hold_upper_Nm;
+    ema_real stop_lower_rad;
+    ema_real stop_upper_rad;
+    ema_real half_play_mm;
+} ema_screw_t;
+
+typedef struct {
+    bool at_rod;
+    bool plain; /* no delay and no resolution */
+    ema_real rod_gain;
+    ema_real rod_offset_mm;
+    ema_real resolution_mm;
+    ema_real steps_per_mm;
+    uint32_t delay_steps;
+    ema_real delay_part;
+} ema_encoder_t;
+
+/* Which effects act while the model runs: one bit per row of ema_effects.def, one set per site. */
+typedef struct {
+    uint32_t torque;
+    uint32_t friction;
+    uint32_t load;
+    uint32_t voltage;
+    uint32_t transmission;
+    bool any;
+} ema_active_t;
+
+typedef struct {
+    ema_pid_t pid;
+    ema_drive_t drive;
+    ema_motor_t motor;
+    ema_gearbox_t gearbox;
+    ema_screw_t screw;
+    ema_encoder_t encoder;
+    ema_active_t active;
+    ema_effects_t effects;
+    ema_circuit_t motor_circuit;
+    ema_circuit_t current_loop;
+    ema_real linear_current_A; /* below it neither the drive nor the motor's torque saturates */
+    ema_real torque_limit_A;   /* current at which the motor's torque saturates */
+    ema_real start_mm;
+    ema_real step_s;
+    ema_real substep_s;
+    uint32_t substeps;
+} ema_plant_t;
+
+#endif
