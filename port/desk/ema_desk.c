@@ -266,7 +266,7 @@ int32_t ema_desk_objective(const double* values, const int32_t* options, const d
         *objective = (double)ema_objective_value(&run);
     }
     free(config.buffer);
-    return status;
+    return (int32_t)status;
 }
 
 int32_t ema_desk_search_default(const double* values, const int32_t* options, ema_desk_search_t* search)
