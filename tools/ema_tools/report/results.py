@@ -1,0 +1,306 @@
+"""Reads result files: what the page takes from the JSON of `ema identify` and `ema compare`, checked field by field."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ema_tools.cases import CASES, Case
+from ema_tools.errors import InputError
+from ema_tools.files import read_json
+
+FAULTS = ("csj_Nm", "blk_mm")
+CHANNELS = ("position_mm", "speed_mm_s", "current_A", "voltage_V")
+BALANCES = ("mechanical", "electrical", "kinematic", "controller")
+
+# Rows on each side over which the slope of the position is taken where the speed is not recorded.
+SLOPE_ROWS = 4
+
+Series: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Measured and simulated channels of one record, each an array of `rows` in the unit of its name.
+
+    `models` holds `before` and `after` (identify) or `model` (compare).
+    """
+
+    start_s: float
+    period_s: float
+    measured: dict[str, Series]
+    models: dict[str, dict[str, Series]]
+    derived: frozenset[str] = frozenset()
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(self.measured["position_mm"])
+
+    def channels(self) -> tuple[str, ...]:
+        """Channels that the record and every model have, in the order of the page."""
+        return tuple(name for name in CHANNELS if name in self.measured and all(name in model for model in self.models.values()))
+
+    def rms(self, channel: str, model: str) -> float:
+        """Rms of measured minus `model`, in the channel's unit."""
+        error = self.measured[channel] - self.models[model][channel]
+        return float(np.sqrt(np.mean(error * error)))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One identified parameter, in its own unit; shift in % of the healthy value."""
+
+    estimate: float
+    std: float
+    shift_percent: float
+    healthy: float
+
+    @property
+    def std_percent(self) -> float:
+        """Standard error in % of the healthy value."""
+        return 100.0 * self.std / self.healthy
+
+
+@dataclass(frozen=True)
+class Search:
+    """Cost of every model run of a search, in the order they were made; mm2 s. A run given up early holds what had come together."""
+
+    cost: Series
+    best: Series
+
+
+@dataclass(frozen=True)
+class Identified:
+    """A result of `ema identify`. `case` is set where the truth is known, `noise` names the sensor noise in the record."""
+
+    name: str
+    faults: dict[str, Estimate]
+    before_mm2s: float
+    after_mm2s: float
+    evaluations: int
+    verdict: str
+    adequate: bool
+    reasons: tuple[str, ...]
+    wall_s: float | None
+    case: Case | None
+    noise: str
+    search: Search | None
+    curves: Curves | None
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """What the page calls it."""
+        if self.case is None:
+            return self.name
+        return f"Case {self.case.letter}: {self.case.title}{', ' + self.noise if self.noise else ''}"
+
+    @property
+    def paper(self) -> Case | None:
+        """What the paper prints for this record; it prints nothing for one with noise."""
+        return None if self.noise else self.case
+
+    @property
+    def label(self) -> str:
+        """The same for a row of a table."""
+        return self.name if self.case is None else f"{self.case.letter}{', noise' if self.noise else ''}"
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A result of `ema compare`."""
+
+    name: str
+    sentence: str
+    channels: dict[str, tuple[float, float]]
+    balances: dict[str, tuple[float, float] | str]
+    where: tuple[tuple[str, float], ...]
+    curves: Curves | None
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """What the page calls it."""
+        return f"Model against the record {self.name}"
+
+
+def read_result(path: Path) -> Identified | Compared:
+    """The result in the file at `path`.
+
+    Raises InputError when the file cannot be read, is no JSON, or lacks a field.
+    """
+    data = read_json(path)
+    return parse_result(data, str(path), path.stem)
+
+
+def parse_result(data: dict[str, Any], source: str, stem: str) -> Identified | Compared:
+    """The result in `data`; `source` names it in errors, `stem` on the page when it has no name of its own."""
+    reader = _Reader(data, source)
+    if "csj_Nm" in data:
+        return _identified(reader, stem)
+    if "balances" in data:
+        return _compared(reader, stem)
+    raise InputError(f"{source}: holds neither `csj_Nm` nor `balances`: give the --json result of `ema identify` or `ema compare`")
+
+
+class _Reader:
+    """Fields of a JSON object, with errors that name file and field."""
+
+    def __init__(self, data: dict[str, Any], source: str, prefix: str = "") -> None:
+        self.data = data
+        self.source = source
+        self.prefix = prefix
+
+    def fail(self, key: str, problem: str) -> InputError:
+        return InputError(f"{self.source}: field {self.prefix}{key} {problem}: write the result again with --json")
+
+    def table(self, key: str) -> _Reader:
+        value = self.data.get(key)
+        if not isinstance(value, dict):
+            raise self.fail(key, "is missing" if value is None else "is not an object")
+        return _Reader(value, self.source, f"{self.prefix}{key}.")
+
+    def number(self, key: str) -> float:
+        value = self.data.get(key)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.fail(key, "is missing" if value is None else "is not a number")
+        if not math.isfinite(value):
+            raise self.fail(key, "is not finite")
+        return float(value)
+
+    def text(self, key: str, default: str) -> str:
+        value = self.data.get(key, default)
+        if not isinstance(value, str):
+            raise self.fail(key, "is not a text")
+        return value
+
+    def texts(self, key: str) -> tuple[str, ...]:
+        value = self.data.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self.fail(key, "is not a list of texts")
+        return tuple(value)
+
+    def series(self, key: str) -> Series:
+        value = self.data.get(key)
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self.fail(key, "is not a list of numbers") from None
+        if array.ndim != 1 or array.size == 0:
+            raise self.fail(key, "is not a list of numbers")
+        if not np.all(np.isfinite(array)):
+            raise self.fail(key, f"is not finite at row {int(np.argmin(np.isfinite(array))) + 1}")
+        return array
+
+
+def _identified(reader: _Reader, stem: str) -> Identified:
+    faults: dict[str, Estimate] = {}
+    for name in FAULTS:
+        part = reader.table(name)
+        estimate, shift = part.number("estimate"), part.number("shift_percent")
+        if shift <= -100.0:
+            raise part.fail("shift_percent", "is not above -100")
+        faults[name] = Estimate(estimate, part.number("std"), shift, estimate / (1.0 + shift / 100.0))
+    letter = reader.text("case", "")
+    cases = {case.letter: case for case in CASES}
+    if letter and letter not in cases:
+        raise reader.fail("case", f"names no case ({letter!r}; known: {', '.join(cases)})")
+    return Identified(
+        name=reader.text("name", stem),
+        faults=faults,
+        before_mm2s=reader.number("objective_before_mm2s"),
+        after_mm2s=reader.number("objective_after_mm2s"),
+        evaluations=int(reader.number("evaluations")),
+        verdict=reader.text("verdict", "undecided"),
+        adequate=bool(reader.data.get("adequate", False)),
+        reasons=reader.texts("reasons"),
+        wall_s=reader.number("wall_s") if "wall_s" in reader.data else None,
+        case=cases.get(letter),
+        noise=reader.text("noise", ""),
+        search=_search(reader.table("search")) if "search" in reader.data else None,
+        curves=_curves(reader.table("curves"), ("before", "after")) if "curves" in reader.data else None,
+        provenance=_provenance(reader),
+    )
+
+
+def _compared(reader: _Reader, stem: str) -> Compared:
+    channels: dict[str, tuple[float, float]] = {}
+    table = reader.table("channels")
+    for name in table.data:
+        part = table.table(name)
+        channels[name] = (part.number("rmse"), part.number("relative_percent"))
+    balances: dict[str, tuple[float, float] | str] = {}
+    table = reader.table("balances")
+    for name in table.data:
+        part = table.table(name)
+        if part.data.get("relative_percent") is None:
+            balances[name] = part.text("reason", "not available")
+        else:
+            balances[name] = (part.number("rms"), part.number("relative_percent"))
+    where = reader.data.get("where", [])
+    if not isinstance(where, list):
+        raise reader.fail("where", "is not a list")
+    places: list[tuple[str, float]] = []
+    for index, entry in enumerate(where):
+        part = _Reader(entry if isinstance(entry, dict) else {}, reader.source, f"where[{index}].")
+        places.append((part.text("name", "unnamed"), part.number("share_percent")))
+    return Compared(
+        name=reader.text("name", stem),
+        sentence=reader.text("sentence", ""),
+        channels=channels,
+        balances=balances,
+        where=tuple(places),
+        curves=_curves(reader.table("curves"), ("model",)) if "curves" in reader.data else None,
+        provenance=_provenance(reader),
+    )
+
+
+def _search(reader: _Reader) -> Search:
+    cost = reader.series("cost_mm2s")
+    return Search(cost, np.minimum.accumulate(cost))
+
+
+def _curves(reader: _Reader, models: tuple[str, ...]) -> Curves:
+    period_s = reader.number("period_s")
+    if period_s <= 0.0:
+        raise reader.fail("period_s", "is not positive")
+    tables: dict[str, dict[str, Series]] = {}
+    rows = reader.table("measured").series("position_mm").size
+    for key in ("measured", *models):
+        part = reader.table(key)
+        tables[key] = {name: part.series(name) for name in CHANNELS if name in part.data}
+        for name, values in tables[key].items():
+            if values.size != rows:
+                raise part.fail(name, f"has {values.size} rows where measured.position_mm has {rows}")
+        if "position_mm" not in tables[key]:
+            raise part.fail("position_mm", "is missing")
+    derived: frozenset[str] = frozenset()
+    if "speed_mm_s" not in tables["measured"] and rows > 2 * SLOPE_ROWS:
+        derived = frozenset(("speed_mm_s",))
+        # The same filter for every curve, so that their difference is not the filter's.
+        for table in tables.values():
+            table["speed_mm_s"] = slope(table["position_mm"], period_s)
+    measured = tables.pop("measured")
+    return Curves(reader.number("start_s") if "start_s" in reader.data else 0.0, period_s, measured, tables, derived)
+
+
+def slope(values: Series, period_s: float) -> Series:
+    """Slope of the least-squares line through each row and its SLOPE_ROWS neighbours on both sides (fewer at the ends)."""
+    offsets = np.arange(-SLOPE_ROWS, SLOPE_ROWS + 1, dtype=np.float64)
+    weights = offsets / (period_s * float(np.sum(offsets * offsets)))
+    inner = np.convolve(values, weights[::-1], mode="valid")
+    ends = np.gradient(values, period_s)
+    return np.concatenate((ends[:SLOPE_ROWS], inner, ends[-SLOPE_ROWS:]))
+
+
+def _provenance(reader: _Reader) -> dict[str, str]:
+    table = reader.data.get("provenance", {})
+    if not isinstance(table, dict):
+        raise reader.fail("provenance", "is not an object")
+    return {str(key): str(value) for key, value in table.items()}
