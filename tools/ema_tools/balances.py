@@ -4,7 +4,7 @@ mechanical: kt i - (J dw/dt + D w + F sgn w + load); electrical: u - (R i + L di
 position; controller: applied command - control law of command and feedback. What the actuator's enabled effects add is part of the model side.
 
 Every channel of the first two passes the same zero-phase Butterworth filter of fourth order before differences are taken, edges are dropped, and
-the result is decimated to the filter's band; samples near zero speed are masked where the sign of the speed matters. On the record of a real ball-screw
+the result is decimated to the filter's band; while the shaft rests, friction is taken as whatever balances the torque, up to its static level. On the record of a real ball-screw
 axis this reproduces the published force error: A. Janot, M. Gautier, M. Brunot, Data Set and Reference Models of EMPS, 2019.
 """
 
@@ -28,8 +28,12 @@ from ema_tools.records import Record
 BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 # Rows at both ends that carry the filters' edges: 50 at 1 kHz.
 EDGE_S = 0.05
-# Samples below this share of the largest speed are masked: their direction of friction is not known.
+# The shaft rests where it stays below this share of its largest speed for at least this time.
 SLOW_SHARE = 0.01
+REST_S = 0.01
+# Largest noise of the inertia torque over the drive torque, by which the filter is chosen, and the lowest filter.
+NOISE_SHARE = 0.02
+CUTOFF_MIN_HZ = 12.5
 _ORDER = 4
 _RATE_OVER_CUTOFF = 10
 _CUTOFF_MAX_HZ = 100.0
@@ -62,21 +66,23 @@ class Smoother:
         sections = signal.butter(_ORDER, 2.0 * self.cutoff_hz * self.period_s, output="sos")
         return np.asarray(signal.sosfiltfilt(sections, values))
 
+    @property
+    def low_pass(self) -> Reals:
+        """Second-order sections of the filter in front of the decimation."""
+        return np.asarray(signal.cheby1(8, 0.05, 0.8 / self.every, output="sos"))
+
+    def inner(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Without the edges, [rows - 2 edge_rows]."""
+        return values[self.edge_rows : -self.edge_rows]
+
     def decimated(self, values: Reals) -> Reals:
         """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples]."""
-        inner = values[self.edge_rows - 1 : values.size - self.edge_rows + 1]
-        if self.every == 1:
-            return inner
-        sections = signal.cheby1(8, 0.05, 0.8 / self.every, output="sos")
-        return np.asarray(signal.sosfiltfilt(sections, inner))[self._first(inner.size) :: self.every]
-
-    def _first(self, rows: int) -> int:
-        return self.every - (self.every * math.ceil(rows / self.every) - rows) - 1
+        inner = self.inner(values)
+        return inner if self.every == 1 else np.asarray(signal.sosfiltfilt(self.low_pass, inner))[:: self.every]
 
     def kept(self, values: NDArray[Any]) -> NDArray[Any]:
         """The rows at which `decimated` has its samples, without filtering, [samples]."""
-        inner = values[self.edge_rows - 1 : values.size - self.edge_rows + 1]
-        return inner[self._first(inner.size) :: self.every]
+        return self.inner(values)[:: self.every]
 
 
 @dataclass(frozen=True)
@@ -92,30 +98,26 @@ class Motion:
 
 @dataclass(frozen=True)
 class Balance:
-    """One balance on its samples: measured side, residual (both [samples], in `unit`), time, and which samples count."""
+    """One balance on its samples: measured side and residual, both [samples] in `unit`, and their time; `resting_percent` is the share of
+    the record in which the shaft rests and friction is not tested."""
 
     name: str
     unit: str
     time_s: Reals
     measured: Reals
     residual: Reals
-    used: NDArray[np.bool_]
+    resting_percent: float = 0.0
 
     @property
     def rms(self) -> float:
-        """Root mean square of the residual over the used samples."""
-        return float(np.sqrt(np.mean(self.residual[self.used] ** 2)))
+        """Root mean square of the residual."""
+        return float(np.sqrt(np.mean(self.residual**2)))
 
     @property
     def relative_percent(self) -> float:
-        """100 * norm of the residual / norm of the measured side, over the used samples; NaN when nothing was measured."""
-        size = float(np.linalg.norm(self.measured[self.used]))
-        return 100.0 * float(np.linalg.norm(self.residual[self.used])) / size if size > 0.0 else math.nan
-
-    @property
-    def masked_percent(self) -> float:
-        """Share of the samples near zero speed that do not count."""
-        return 100.0 * float(1.0 - np.mean(self.used))
+        """100 * norm of the residual / norm of the measured side; NaN when nothing was measured."""
+        size = float(np.linalg.norm(self.measured))
+        return 100.0 * float(np.linalg.norm(self.residual)) / size if size > 0.0 else math.nan
 
 
 def adjusted(actuator: Actuator) -> dict[str, float]:
@@ -189,37 +191,65 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
     return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
 
 
-def friction_level_Nm(actuator: Actuator, motion: Motion) -> Reals:
-    """What is added to the level of sliding friction by effects, on every row."""
+def friction_change_Nm(actuator: Actuator, motion: Motion) -> Reals:
+    """What effects add to the level of sliding friction, on every row."""
     level = actuator["screw.dynamic_ratio"] * actuator["screw.csj_Nm"]
     return _at_points(actuator, motion, "FRICTION", lambda module, effect, point: module.level_change_Nm(effect, level, point))
 
 
 @dataclass(frozen=True)
 class Mechanical:
-    """The mechanical balance as a linear model on decimated samples: drive = known + columns @ parameters.
+    """The mechanical balance as a linear model on smoothed rows: drive = known + columns @ parameters, all [rows] or [rows, 4].
 
     columns: acceleration (inertia), speed (viscous), direction (level of sliding friction), one (load against extension).
     """
 
+    smoother: Smoother
     drive_Nm: Reals
     known_Nm: Reals
     columns: Reals
     time_s: Reals
-    used: NDArray[np.bool_]
+    resting: NDArray[np.bool_]
+
+    def decimated(self) -> tuple[Reals, Reals, Reals, NDArray[np.bool_]]:
+        """Drive minus known torque [samples], columns [samples, 4], time, and which samples no rest touches."""
+        use = self.smoother
+        columns = np.column_stack([use.decimated(column) for column in self.columns.T])
+        touched = np.convolve(self.resting, np.ones(2 * use.every + 1), mode="same") > 0.5
+        return use.decimated(self.drive_Nm - self.known_Nm), columns, use.kept(self.time_s), ~use.kept(touched)
 
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
 ELECTRICAL_PARAMETERS = ("motor.resistance_ohm", "motor.inductance_H", "motor.back_emf_V_s_per_rad")
 
 
-def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother) -> Mechanical:
+def _noise_of(values: Reals) -> float:
+    """Standard deviation of white noise on a signal [rows], from its fourth differences, which smooth motion hardly has."""
+    differences = np.diff(values, 4)
+    return 1.4826 * float(np.median(np.abs(differences - np.median(differences)))) / math.sqrt(70.0)
+
+
+def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[np.bool_]:
+    """Rows of lasting rest, where friction may have any value up to its level. A reversal that only passes zero is none."""
+    inner = slice(smoother.edge_rows, -smoother.edge_rows)
+    fastest = float(np.max(np.abs(motion.speed_rad_s[inner]), initial=0.0))
+    slow = np.abs(motion.speed_rad_s) <= max(SLOW_SHARE * fastest, 3.0 * noise_rad_s)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(np.int8), [0]))))
+    resting = np.zeros(slow.size, dtype=bool)
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        if (last - first) * smoother.period_s >= REST_S:
+            resting[first:last] = True
+    return resting
+
+
+def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Mechanical:
     """Drive torque, what the effects add, and the columns of the base parameters. Raises MissingSignal."""
     transmission = _transmission(actuator)
     if transmission:
         raise MissingSignal(f"{transmission} moves the rod on its own, which no recorded signal shows")
     values = adjusted(actuator)
-    motion = motion_of(actuator, record, smoother)
+    use = smoother or quiet_smoother(actuator, record)
+    motion = motion_of(actuator, record, use)
     drive = values["motor.torque_constant_Nm_per_A"] * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:
         drive = np.clip(drive, -values["motor.torque_limit_Nm"], values["motor.torque_limit_Nm"])
@@ -229,29 +259,66 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother) -> 
     efficiency = values["gearbox.efficiency"]
     loss = np.where(passed * direction > 0.0, 1.0 / efficiency - 1.0, 1.0 - efficiency) * np.abs(passed)
     torque = _at_points(actuator, motion, "TORQUE", lambda module, effect, point: module.torque_Nm(effect, point))
-    known = load - torque + (loss + friction_level_Nm(actuator, motion)) * direction
-    columns = (motion.acceleration_rad_s2, motion.speed_rad_s, direction, np.ones_like(direction))
-    slow = SLOW_SHARE * float(np.max(np.abs(smoother.kept(motion.speed_rad_s)), initial=0.0))
-    speed = smoother.decimated(motion.speed_rad_s)
     return Mechanical(
-        drive_Nm=smoother.decimated(drive),
-        known_Nm=smoother.decimated(known),
-        columns=np.column_stack([smoother.decimated(column) for column in columns]),
-        time_s=smoother.kept(record.time_s),
-        used=(np.abs(speed) >= slow) & (slow > 0.0),
+        smoother=use,
+        drive_Nm=drive,
+        known_Nm=load - torque + (loss + friction_change_Nm(actuator, motion)) * direction,
+        columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, direction, np.ones_like(direction)]),
+        time_s=record.time_s,
+        resting=_resting(motion, _speed_noise_rad_s(actuator, record, use), use),
     )
 
 
-def mechanical(actuator: Actuator, record: Record, smoother: Smoother) -> Balance:
-    """Drive torque minus what the mechanics need, Nm at the motor shaft. Raises MissingSignal."""
+def _speed_noise_rad_s(actuator: Actuator, record: Record, smoother: Smoother) -> float:
+    """Standard deviation that the position's white noise leaves on the smoothed speed."""
+    return _noise_of(motor_position(actuator, record)) / actuator.lead_mm_per_rad * _gain_of_noise(smoother, 1)
+
+
+def _gain_of_noise(smoother: Smoother, derivatives: int) -> float:
+    """What smoothing and differences make of white noise of unit standard deviation: the norm of their impulse response."""
+    impulse = np.zeros(2 * round(10.0 / (smoother.cutoff_hz * smoother.period_s)) + 1)
+    impulse[impulse.size // 2] = 1.0
+    response = smoother.smooth(impulse)
+    for _ in range(derivatives):
+        response = np.gradient(response, smoother.period_s)
+    if derivatives == 2 and smoother.every > 1:
+        response = signal.sosfiltfilt(smoother.low_pass, response)
+    return float(np.linalg.norm(response))
+
+
+def quiet_smoother(actuator: Actuator, record: Record) -> Smoother:
+    """The usual filter, or a lower one while sensor noise in the inertia torque exceeds its allowed share of the drive torque."""
+    values = adjusted(actuator)
+    drive = values["motor.torque_constant_Nm_per_A"] * drive_current(actuator, record)
+    noise_Nm = values["screw.inertia_kgm2"] * _noise_of(motor_position(actuator, record)) / actuator.lead_mm_per_rad
+    smoother = Smoother.of(record.period_s)
+    allowed = NOISE_SHARE * float(np.std(drive))
+    while noise_Nm * _gain_of_noise(smoother, 2) > allowed and smoother.cutoff_hz > CUTOFF_MIN_HZ:
+        smoother = Smoother(record.period_s, 0.5 * smoother.cutoff_hz)
+    return smoother
+
+
+def mechanical(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Balance:
+    """Drive torque minus what the mechanics need, Nm at the motor shaft. At rest friction answers the torque up to its static level.
+
+    Raises MissingSignal.
+    """
     model = mechanical_model(actuator, record, smoother)
     values = adjusted(actuator)
-    sliding = values["screw.dynamic_ratio"] * values["screw.csj_Nm"]
-    parameters = (values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], sliding, values["screw.load_torque_Nm"])
-    residual = model.drive_Nm - model.known_Nm - model.columns @ np.array(parameters)
-    if not model.used.any():
-        raise MissingSignal("the motor does not move")
-    return Balance("mechanical", "Nm", model.time_s, model.drive_Nm, residual, model.used)
+    static = values["screw.csj_Nm"]
+    parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
+    net = model.drive_Nm - model.columns @ parameters
+    sliding = model.known_Nm + values["screw.dynamic_ratio"] * static * model.columns[:, 2]
+    friction = np.where(model.resting, np.clip(net, -static, static), sliding)
+    use = model.smoother
+    return Balance(
+        "mechanical",
+        "Nm",
+        use.kept(model.time_s),
+        use.decimated(model.drive_Nm),
+        use.decimated(net - friction),
+        100.0 * float(np.mean(use.inner(model.resting))),
+    )
 
 
 @dataclass(frozen=True)
@@ -264,7 +331,7 @@ class Electrical:
     time_s: Reals
 
 
-def electrical_model(actuator: Actuator, record: Record, smoother: Smoother) -> Electrical:
+def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     """Voltage, what the effects add, and the columns current, its rate and speed.
 
     The voltage is held over a row's interval, so its sum over the interval is exact with the mean current and the differences of current and
@@ -289,6 +356,8 @@ def electrical_model(actuator: Actuator, record: Record, smoother: Smoother) -> 
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
     known = _at_points(actuator, middle, "VOLTAGE", lambda module, effect, point: module.voltage_change_V(effect, point))
 
+    smoother = Smoother.of(period)
+
     def kept(values: Reals) -> Reals:
         return smoother.decimated(smoother.smooth(values))
 
@@ -300,12 +369,12 @@ def electrical_model(actuator: Actuator, record: Record, smoother: Smoother) -> 
     )
 
 
-def electrical(actuator: Actuator, record: Record, smoother: Smoother) -> Balance:
+def electrical(actuator: Actuator, record: Record) -> Balance:
     """Motor voltage minus what winding and back-EMF need, V. Raises MissingSignal."""
-    model = electrical_model(actuator, record, smoother)
+    model = electrical_model(actuator, record)
     values = adjusted(actuator)
     residual = model.voltage_V + model.known_V - model.columns @ np.array([values[name] for name in ELECTRICAL_PARAMETERS])
-    return Balance("electrical", "V", model.time_s, model.voltage_V, residual, np.ones(residual.size, dtype=bool))
+    return Balance("electrical", "V", model.time_s, model.voltage_V, residual)
 
 
 def played(motor_mm: Reals, width_mm: float, start_mm: float) -> Reals:
@@ -319,7 +388,7 @@ def played(motor_mm: Reals, width_mm: float, start_mm: float) -> Reals:
     return out
 
 
-def kinematic(actuator: Actuator, record: Record, smoother: Smoother) -> Balance:
+def kinematic(actuator: Actuator, record: Record) -> Balance:
     """Rod position minus the motor position behind the play, mm. Raises MissingSignal."""
     if record.motor_position_mm is None:
         raise MissingSignal("motor_position_mm is not recorded")
@@ -329,9 +398,8 @@ def kinematic(actuator: Actuator, record: Record, smoother: Smoother) -> Balance
     values = adjusted(actuator)
     gain, offset = 1.0 + values["encoder.rod_gain_error"], values["encoder.rod_offset_mm"]
     rod = played(record.motor_position_mm, values["screw.blk_mm"], (record.start_mm - offset) / gain)
-    inner = slice(smoother.edge_rows, -smoother.edge_rows)
-    residual = (record.position_mm - (gain * rod + offset))[inner]
-    return Balance("kinematic", "mm", record.time_s[inner], record.position_mm[inner], residual, np.ones(residual.size, dtype=bool))
+    inner = Smoother.of(record.period_s).inner
+    return Balance("kinematic", "mm", inner(record.time_s), inner(record.position_mm), inner(record.position_mm - (gain * rod + offset)))
 
 
 def feedback_of(actuator: Actuator, record: Record) -> Reals:
@@ -370,7 +438,7 @@ def controller_output(values: Mapping[str, float], command_mm: Reals, feedback_m
     return out
 
 
-def controller(actuator: Actuator, record: Record, smoother: Smoother) -> Balance:
+def controller(actuator: Actuator, record: Record) -> Balance:
     """Applied command minus the control law of measured command and feedback, in V. Raises MissingSignal."""
     if record.voltage_V is None:
         raise MissingSignal("voltage_V is not recorded")
@@ -382,18 +450,16 @@ def controller(actuator: Actuator, record: Record, smoother: Smoother) -> Balanc
     else:
         scale = values["drive.supply_V"]
     output = controller_output(values, record.command_mm, feedback_of(actuator, record))
-    inner = slice(smoother.edge_rows, -smoother.edge_rows)
-    residual = (record.voltage_V - scale * output)[inner]
-    return Balance("controller", "V", record.time_s[inner], record.voltage_V[inner], residual, np.ones(residual.size, dtype=bool))
+    inner = Smoother.of(record.period_s).inner
+    return Balance("controller", "V", inner(record.time_s), inner(record.voltage_V), inner(record.voltage_V - scale * output))
 
 
-def all_balances(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> dict[str, Balance | str]:
+def all_balances(actuator: Actuator, record: Record) -> dict[str, Balance | str]:
     """Every balance by name: a `Balance`, or in one sentence why it cannot be had."""
-    use = smoother or Smoother.of(record.period_s)
     found: dict[str, Balance | str] = {}
     for name, make in zip(BALANCES, (mechanical, electrical, kinematic, controller), strict=True):
         try:
-            found[name] = make(actuator, record, use)
+            found[name] = make(actuator, record)
         except MissingSignal as missing:
             found[name] = str(missing)
     return found

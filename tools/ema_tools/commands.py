@@ -70,16 +70,5 @@ def make_command(text: str, actuator: Actuator) -> Command:
         return Command(samples, 0.0, f"{kind}:{','.join(f'{name}={value:g}' for name, value in numbers.items())}")
     if not Path(text).exists():
         raise InputError(f"command {text}: neither a file nor a command{nearest(kind, DEFAULTS)}: use a recording or one of {', '.join(DEFAULTS)}")
-    record = read_record(text)
-    check_rate(record.period_s, actuator, record.file)
+    record = read_record(text, actuator)
     return Command(record.command_mm, record.start_mm, Path(text).name)
-
-
-def check_rate(period_s: float, actuator: Actuator, file: str) -> None:
-    """Raises InputError when a record's period is not the actuator's."""
-    expected = actuator.record_period_s
-    if abs(period_s - expected) > 1e-3 * expected:
-        raise InputError(
-            f"{file}: time_s: sampled every {period_s:.6g} s, the actuator records every {expected:.6g} s"
-            " (timing.step_s times timing.record_every_steps): change one of them"
-        )

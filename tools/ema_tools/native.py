@@ -27,6 +27,8 @@ Integers = NDArray[np.int32]
 IDENTIFIED_MAX = 4
 CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
 OUTPUTS = (*CHANNELS, "speed_mm_s")
+RECORD_COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
+_MESSAGE_BYTES = 1024
 COMMAND_KINDS = ("chirp", "multisine", "triangle", "trapezoid", "step")
 COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "count", "time_s")
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
@@ -226,6 +228,11 @@ class Library:
             "ema_desk_identify",
             [real, whole, real, real, c_int32, POINTER(_Search), _PROGRESS, c_void_p, POINTER(_Result), whole],
         )
+        text = [c_char_p, c_int32]
+        self._declare("ema_csv_count", [c_char_p, POINTER(c_int64), *text])
+        self._declare("ema_csv_load", [c_char_p, real, c_int64, POINTER(c_int64), whole, real, *text])
+        self._declare("ema_csv_table_check", [c_char_p, real, c_int64, c_int32, real, *text])
+        self._declare("ema_csv_table_fit", [c_char_p, real, c_int64, c_double, c_double, *text])
         self._declare("ema_desk_random", [c_int64, c_int64, c_int32, POINTER(c_uint32)])
         self._declare("ema_desk_status_text", [c_int32], c_char_p)
         self._check_lists()
@@ -435,6 +442,40 @@ class Library:
             reasons=tuple(text for bit, text in REASONS.items() if result.reasons & bit),
             random_state=result.random_state,
         )
+
+    def read_csv(self, path: str | Path) -> tuple[Reals, int, float]:
+        """A recording as the host program reads it: table [rows, 7] in the order of RECORD_COLUMNS with NaN for absent columns, the bits of
+        the present columns, and the period in s.
+
+        Raises InputError with the reader's line, which names file, row and column.
+        """
+        name = os.fsencode(path)
+        message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+        rows, period_s, mask = c_int64(0), c_double(0.0), c_int32(0)
+        status = self._lib.ema_csv_count(name, ctypes.byref(rows), message, _MESSAGE_BYTES)
+        if status == 0:
+            table = np.empty((rows.value, len(RECORD_COLUMNS)))
+            status = self._lib.ema_csv_load(
+                name, _doubles(table), rows.value, ctypes.byref(rows), ctypes.byref(mask), ctypes.byref(period_s), message, _MESSAGE_BYTES
+            )
+        if status != 0:
+            raise InputError(message.value.decode(errors="replace"))
+        return table, mask.value, period_s.value
+
+    def check_table(self, name: str, table: Reals, mask: int) -> float:
+        """The checks of `read_csv` on a table that came from elsewhere, rows counted from 1; the period in s. Raises InputError."""
+        message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+        period_s = c_double(0.0)
+        status = self._lib.ema_csv_table_check(name.encode(), _doubles(table), len(table), mask, ctypes.byref(period_s), message, _MESSAGE_BYTES)
+        if status != 0:
+            raise InputError(message.value.decode(errors="replace"))
+        return period_s.value
+
+    def check_fit(self, name: str, table: Reals, travel_mm: float, record_period_s: float) -> None:
+        """Raises InputError when a recording cannot be of an actuator with this travel and record period: wrong unit, wrong rate."""
+        message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+        if self._lib.ema_csv_table_fit(name.encode(), _doubles(table), len(table), travel_mm, record_period_s, message, _MESSAGE_BYTES) != 0:
+            raise InputError(message.value.decode(errors="replace"))
 
     def random_bits(self, seed: int, stream: int, count: int) -> NDArray[np.uint32]:
         """The first `count` numbers of the module's generator, [count]."""

@@ -7,21 +7,17 @@ A recording has one row per sample at a constant rate. `time_s`, `command_mm` an
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ema_tools.errors import InputError
-from ema_tools.files import read_text, reason, write_text
-from ema_tools.native import CHANNELS, Reals, Simulation
+from ema_tools.files import reason, write_text
+from ema_tools.actuator import Actuator
+from ema_tools.native import CHANNELS, RECORD_COLUMNS, Reals, Simulation, library
 
-REQUIRED = ("time_s", "command_mm", "position_mm")
-OPTIONAL = ("motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
-COLUMNS = REQUIRED + OPTIONAL
-# Rows by which a record must be longer than nothing: the fewest that the onboard session identifies from.
-ROWS_MIN = 100
-_UNEVEN = 0.01  # share of the period by which a step may differ
+COLUMNS = RECORD_COLUMNS
 
 
 @dataclass(frozen=True)
@@ -105,23 +101,43 @@ def write_record(path: str | Path, record: Record, comments: tuple[str, ...] = (
     write_text(path, "\n".join(lines) + "\n", force)
 
 
-def read_record(path: str | Path) -> Record:
-    """Read a recording; the ending decides the format (.mat, .parquet, else CSV).
+def read_record(path: str | Path, actuator: Actuator | None = None) -> Record:
+    """Read a recording; the ending decides the format (.mat, .parquet, else CSV). With `actuator`, units and rate are checked against it.
 
     Raises InputError in one line that names file, row and field.
     """
     ending = Path(path).suffix.lower()
-    if ending == ".mat":
-        return _from_columns(_mat_columns(Path(path)), Path(path).name)
-    if ending in (".parquet", ".pq"):
-        return _from_columns(_parquet_columns(Path(path)), Path(path).name)
-    return _from_columns(_csv_columns(Path(path)), Path(path).name)
+    if ending in (".mat", ".parquet", ".pq"):
+        columns = _mat_columns(Path(path)) if ending == ".mat" else _parquet_columns(Path(path))
+        table, mask = _table(columns, str(path))
+        period_s = library().check_table(str(path), table, mask)
+    else:
+        table, mask, period_s = library().read_csv(path)
+    if actuator is not None:
+        library().check_fit(str(path), table, actuator["screw.travel_mm"], actuator.record_period_s)
+    arrays = {name: np.ascontiguousarray(table[:, place]) for place, name in enumerate(COLUMNS) if mask >> place & 1 and name != "time_s"}
+    return Record(period_s=period_s, first_time_s=float(table[0, 0]), file=Path(path).name, **arrays)
 
 
-def _record(columns: Mapping[str, Reals], period_s: float, file: str) -> Record:
-    allowed = {entry.name for entry in fields(Record)}
-    arrays = {name: np.ascontiguousarray(values) for name, values in columns.items() if name in allowed}
-    return Record(period_s=period_s, first_time_s=float(columns["time_s"][0]), file=file, **arrays)
+def _table(columns: Mapping[str, object], file: str) -> tuple[Reals, int]:
+    """Columns by name as one table [rows, 7] and the bits of those that are there. Raises InputError that names the column."""
+    numbers = {}
+    for name, values in columns.items():
+        try:
+            numbers[name] = np.asarray(values, dtype=np.float64).ravel()
+        except (TypeError, ValueError):
+            raise InputError(f"{file}: {name}: holds something that is not a number: correct it") from None
+    rows = max((values.size for values in numbers.values()), default=0)
+    for name, values in numbers.items():
+        if values.size != rows:
+            raise InputError(f"{file}: {name}: {values.size} rows where another column has {rows}: give every column the same length")
+    table = np.full((rows, len(COLUMNS)), np.nan)
+    mask = 0
+    for place, name in enumerate(COLUMNS):
+        if name in numbers:
+            table[:, place] = numbers[name]
+            mask |= 1 << place
+    return table, mask
 
 
 def _exists(path: Path) -> None:
@@ -131,14 +147,7 @@ def _exists(path: Path) -> None:
         raise InputError(f"{path}: {reason(error)}: check the path") from None
 
 
-def _csv_columns(path: Path) -> dict[str, Reals]:
-    lines = [line for line in read_text(path).splitlines() if line.strip() and not line.startswith("#")]
-    names = lines[0].split(",") if lines else []
-    table = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
-    return _numbers({name: table[:, names.index(name)] for name in COLUMNS if name in names}, path.name, names)
-
-
-def _mat_columns(path: Path) -> dict[str, Reals]:
+def _mat_columns(path: Path) -> dict[str, object]:
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
@@ -148,10 +157,10 @@ def _mat_columns(path: Path) -> dict[str, Reals]:
     except (MatReadError, ValueError, TypeError, NotImplementedError, EOFError, OSError) as error:
         hint = "save it with -v7" if isinstance(error, NotImplementedError) else "save it again from MATLAB"
         raise InputError(f"{path.name}: not a readable .mat file: {hint}") from None
-    return _numbers({name: content[name] for name in COLUMNS if name in content}, path.name, [name for name in content if not name.startswith("__")])
+    return {name: content[name] for name in COLUMNS if name in content}
 
 
-def _parquet_columns(path: Path) -> dict[str, Reals]:
+def _parquet_columns(path: Path) -> dict[str, object]:
     import pyarrow
     import pyarrow.parquet
 
@@ -161,42 +170,4 @@ def _parquet_columns(path: Path) -> dict[str, Reals]:
         table = pyarrow.parquet.read_table(path, columns=[name for name in COLUMNS if name in names])
     except (pyarrow.ArrowException, OSError):
         raise InputError(f"{path.name}: not a readable Parquet file: write it again") from None
-    return _numbers({name: table.column(name).to_numpy() for name in table.column_names}, path.name, names)
-
-
-def _numbers(columns: Mapping[str, object], file: str, found: list[str]) -> dict[str, Reals]:
-    for name in REQUIRED:
-        if name not in columns:
-            there = f" (found: {', '.join(found)})" if found else ""
-            raise InputError(f"{file}: {name}: column missing{there}: add it")
-    numbers = {}
-    for name, values in columns.items():
-        try:
-            numbers[name] = np.asarray(values, dtype=np.float64).ravel()
-        except (TypeError, ValueError):
-            raise InputError(f"{file}: {name}: holds something that is not a number: correct it") from None
-    return numbers
-
-
-def _from_columns(columns: dict[str, Reals], file: str) -> Record:
-    """A record after the checks that the C reader makes on a CSV. Rows are counted from 1."""
-    rows = columns["time_s"].size
-    for name, values in columns.items():
-        if values.size != rows:
-            raise InputError(f"{file}: {name}: {values.size} rows, time_s has {rows}: give every column the same length")
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            raise InputError(f"{file}, row {bad[0] + 1}: {name}: not a finite number: correct or remove the row")
-    if rows < ROWS_MIN:
-        raise InputError(f"{file}: {rows} rows: at least {ROWS_MIN} are needed: record longer")
-    steps = np.diff(columns["time_s"])
-    period_s = float(np.median(steps))
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        raise InputError(f"{file}, row {back[0] + 2}: time_s: does not increase: sort the rows or correct the clock")
-    uneven = np.flatnonzero(np.abs(steps - period_s) > _UNEVEN * period_s)
-    if uneven.size:
-        place = uneven[0]
-        raise InputError(f"{file}, row {place + 2}: time_s: step of {steps[place]:.6g} s where {period_s:.6g} s is usual: sample evenly")
-    mean_s = float((columns["time_s"][-1] - columns["time_s"][0]) / (rows - 1))
-    return _record(columns, mean_s, file)
+    return {name: table.column(name).to_numpy() for name in table.column_names}
