@@ -65,8 +65,7 @@ def trapezoid(time_s: np.ndarray, amplitude_mm: float, frequency_hz: float, shar
     """Ramp to the peak in `share` of a quarter period, hold for the rest of it, back the same way, then mirrored; [n]."""
     turns = time_s * frequency_hz
     place = 4.0 * (turns - np.floor(turns))
-    falling = np.where(place < 2.0, 2.0 - place, place - 4.0)
-    quarter = np.where((place >= 1.0) & (place < 3.0), falling, np.where(place < 1.0, place, falling))
+    quarter = np.where(place < 1.0, place, np.where(place < 3.0, 2.0 - place, place - 4.0))
     return amplitude_mm * np.clip(quarter / share, -1.0, 1.0)
 
 

@@ -19,13 +19,7 @@ def lead_mm_per_rad(gearbox: Any, screw: Any) -> float:
 
 @compiled
 def friction_Nm(gearbox: Any, load_Nm: float, direction: int) -> float:
-    """Dry friction that the load torque adds while the shaft slides in `direction` (1 is extension)."""
+    """Dry friction that the load torque adds to a shaft that slides, or is about to, in `direction` (1 is extension)."""
     if load_Nm * direction > 0.0:
         return (1.0 / gearbox.efficiency - 1.0) * abs(load_Nm)
     return (1.0 - gearbox.efficiency) * abs(load_Nm)
-
-
-@compiled
-def friction_at_rest_Nm(gearbox: Any, load_Nm: float) -> float:
-    """Dry friction that the load torque adds to the static level, the same in both directions."""
-    return (1.0 / gearbox.efficiency - 1.0) * abs(load_Nm)

@@ -149,9 +149,10 @@ def _departure(plant: Plant, mode: Mode, point: Point, state: np.ndarray) -> int
     part = plant.part
     load = _load_Nm(plant, point)
     level = part.screw.csj_Nm
-    static = level + sites.friction_change_Nm(part.effects, level, point) + gearbox.friction_at_rest_Nm(part.gearbox, load)
+    static = level + sites.friction_change_Nm(part.effects, level, point)
     active = _active_torque_Nm(plant, mode, point, state, load)
-    return screw.leaves_rest(active, static, mode.end)
+    start = 1 if active > 0.0 else -1
+    return screw.leaves_rest(active, static + gearbox.friction_Nm(part.gearbox, load, start), mode.end)
 
 
 @compiled

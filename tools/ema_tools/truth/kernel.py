@@ -32,13 +32,13 @@ def mm_per_rad(v: Any) -> float:
 
 @compiled
 def _level_Nm(v: Any, w: float, theta: float, direction: float, resting: bool) -> float:
-    """Level of dry friction; `direction` 0 takes the load as opposing."""
+    """Level of dry friction against motion in `direction`, or against its start."""
     level = v["screw.csj_Nm"] * effects.friction_factor(v, w)
     if not resting:
         level *= v["screw.dynamic_ratio"]
     eta = v["gearbox.efficiency"]
     load = effects.load_Nm(v, mm_per_rad(v) * theta)
-    lost = 1.0 - eta if load * direction <= 0.0 and not resting else 1.0 / eta - 1.0
+    lost = 1.0 - eta if load * direction <= 0.0 else 1.0 / eta - 1.0
     return level + lost * abs(load)
 
 
@@ -137,9 +137,9 @@ def _breaks_away(v: Any, s: np.ndarray) -> int:
     n = mm_per_rad(v)
     force = effects.transmission_compliance(v, s[6] - s[3], -s[4])
     pull = _pull_Nm(v, s[0], s[2], force)
-    if abs(pull) <= _level_Nm(v, 0.0, s[2], 0.0, True):
-        return 0
     start = 1 if pull > 0.0 else -1
+    if abs(pull) <= _level_Nm(v, 0.0, s[2], float(start), True):
+        return 0
     if start * n * s[2] >= v["screw.travel_mm"] * (1.0 - 1e-15):
         return 0
     return start
@@ -211,7 +211,7 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
     w = s[1]
     direction = 1 if w > 0.0 else -1
     steady = _level_Nm(v, w, s[2], float(direction), False)
-    resting = _level_Nm(v, 0.0, s[2], 0.0, True)
+    resting = _level_Nm(v, 0.0, s[2], float(direction), True)
     g = steady + (resting - steady) * math.exp(-((w / 0.02) ** 2))
     stiffness = resting / presliding_rad
     damping = 2.0 * math.sqrt(stiffness * v["screw.inertia_kgm2"]) * math.exp(-((w / 0.5) ** 2))
