@@ -10,7 +10,7 @@ typedef uint64_t ema_bits_t;
 #define EMA_EXPONENT_MASK 0x7ffU
 #define EMA_EXP_TERMS 14U
 #define EMA_LOG_TERMS 11U
-#define EMA_SIN_TERMS 9U
+#define EMA_SIN_TERMS 10U
 #define EMA_REAL_MAX DBL_MAX
 #define EMA_EXP_HIGH 709.0
 #define EMA_EXP_LOW (-708.0)
@@ -154,5 +154,8 @@ ema_real ema_sin(ema_real x)
 
 ema_real ema_cos(ema_real x)
 {
-    return ema_sin(x + EMA_QUARTER_RAD);
+    /* folded before the quarter turn comes in: at |part| <= 1/2 nothing of the angle is lost */
+    const ema_real turns = x * EMA_R(0.15915494309189535);
+    const ema_real part = ema_abs(turns - ema_floor(turns + EMA_R(0.5)));
+    return ema_sin_quarter((EMA_R(0.25) - part) * EMA_R(6.283185307179586));
 }
