@@ -1,0 +1,218 @@
+#include "ema_report.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ema_csv_text.h"
+
+/* The session identifies these two, in this order. */
+#define FAULTS 2U
+static const char* const ema_fault_name[FAULTS] = {"CSJ", "BLK"};
+static const char* const ema_fault_unit[FAULTS] = {"Nm", "mm"};
+static const char* const ema_fault_key[FAULTS] = {"csj_Nm", "blk_mm"};
+
+typedef struct {
+    uint32_t bit;
+    const char* text;
+} ema_reason_t;
+
+static const ema_reason_t ema_reasons[] = {
+    {EMA_REASON_NOT_FINISHED, "the search has not ended"},
+    {EMA_REASON_INADEQUATE, "the residual is larger than the sensor noise explains: an effect is missing from the model"},
+    {EMA_REASON_AT_BOUND, "an estimate lies on a bound of its search"},
+    {EMA_REASON_NOT_CONVERGED, "the evaluations were used up while the cost still fell"},
+    {EMA_REASON_NEAR_THRESHOLD, "a shift cannot be told from its threshold with the stated confidence"},
+    {EMA_REASON_NOT_SENSITIVE, "the record does not determine the parameters"},
+    {EMA_REASON_BELOW_HEALTHY, "a parameter fell by more than its threshold, which wear does not do"},
+};
+
+#define REASON_COUNT (sizeof ema_reasons / sizeof ema_reasons[0])
+
+static const char* ema_verdict_name(ema_verdict_t verdict)
+{
+    const char* name = "undecided";
+    switch (verdict) {
+    case EMA_VERDICT_HEALTHY:
+        name = "healthy";
+        break;
+    case EMA_VERDICT_FAULT:
+        name = "fault";
+        break;
+    case EMA_VERDICT_UNDECIDED:
+    default:
+        break;
+    }
+    return name;
+}
+
+static const char* ema_outcome_name(ema_outcome_t outcome)
+{
+    const char* name = "active";
+    switch (outcome) {
+    case EMA_OUTCOME_TOLERANCE:
+        name = "tolerance";
+        break;
+    case EMA_OUTCOME_BUDGET:
+        name = "budget";
+        break;
+    case EMA_OUTCOME_COUNT:
+        name = "count";
+        break;
+    case EMA_OUTCOME_ACTIVE:
+    default:
+        break;
+    }
+    return name;
+}
+
+static double ema_healthy(const ema_report_t* report, uint32_t fault)
+{
+    ema_real value = EMA_R(0.0);
+    (void)ema_actuator_get(report->config->actuator, report->config->identified[fault].id, &value);
+    return (double)value;
+}
+
+/* "CSJ +117.4 %, BLK +25.0 %" */
+static void ema_write_shifts(const ema_report_t* report, FILE* out)
+{
+    for (uint32_t i = 0; i < FAULTS; ++i) {
+        (void)fprintf(out, "%s%s %+.1f %%", (i == 0U) ? "" : ", ", ema_fault_name[i], (double)report->result.identified[i].shift_percent);
+    }
+}
+
+/* The sentence that would be read out if only one were. */
+static void ema_write_sentence(const ema_report_t* report, FILE* out)
+{
+    const ema_result_t* const result = &report->result;
+    if (result->verdict == EMA_VERDICT_UNDECIDED) {
+        (void)fputs("Undecided, no fault is reported: the best fit is ", out);
+        ema_write_shifts(report, out);
+        (void)fputs(", but it cannot be relied on for the reasons below.\n", out);
+    } else if (result->verdict == EMA_VERDICT_FAULT) {
+        ema_write_shifts(report, out);
+        (void)fputs(": fault, ", out);
+        const char* joint = "";
+        for (uint32_t i = 0; i < FAULTS; ++i) {
+            const double threshold = (double)report->config->identified[i].min_shift_percent;
+            if ((double)result->identified[i].shift_percent > threshold) {
+                (void)fprintf(out, "%s%s beyond its threshold of %+.3g %%", joint, ema_fault_name[i], threshold);
+                joint = " and ";
+            }
+        }
+        (void)fputs(".\n", out);
+    } else {
+        ema_write_shifts(report, out);
+        (void)fprintf(out, ": healthy, both within their thresholds of %.3g %% and %.3g %%.\n", (double)report->config->identified[0].min_shift_percent,
+                      (double)report->config->identified[1].min_shift_percent);
+    }
+}
+
+void ema_report_text(const ema_report_t* report, FILE* out)
+{
+    const ema_result_t* const result = &report->result;
+    char path[256];
+    ema_text_t shown = ema_text_start(path, sizeof path);
+    ema_text_add_path(&shown, report->record);
+    ema_write_sentence(report, out);
+    (void)fputs("\n          estimate  std. error     healthy      shift\n", out);
+    for (uint32_t i = 0; i < FAULTS; ++i) {
+        const ema_estimate_t* const found = &result->identified[i];
+        (void)fprintf(out, "%s  %s  %10.6f  %10.2g  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i], (double)found->estimate, (double)found->std,
+                      ema_healthy(report, i), (double)found->shift_percent);
+    }
+    const double before = (double)result->objective_before;
+    const double after = (double)result->objective_after;
+    (void)fprintf(out, "\nerror       %.3g mm2 s before, %.3g mm2 s after", before, after);
+    if (before > 0.0) {
+        (void)fprintf(out, " (%+.3f %%)", 100.0 * (after - before) / before);
+    }
+    (void)fprintf(out, "; residual %.3g um rms\n", 1000.0 * (double)result->residual_rms_mm);
+    (void)fprintf(out, "search      %" PRIu32 " model runs, %.2f million model steps, ended by %s, seed %" PRIu64 "\n", result->evaluations, (double)result->model_steps / 1.0e6,
+                  ema_outcome_name(result->outcome), report->config->annealer.seed);
+    (void)fprintf(out, "time        %.3f s, %.3f s of them in the search (the paper: 40 to 75 s per case)\n", report->wall_s, report->search_s);
+    (void)fprintf(out, "recording   %s: %" PRId64 " rows, one every %.6g s, kept as %s\n", path, report->rows, report->period_s, report->int16 ? "16-bit integers" : "32-bit reals");
+    (void)fprintf(out, "verdict     %s; the model %s\n", ema_verdict_name(result->verdict), result->adequate ? "explains the recording" : "does not explain the recording");
+    for (size_t i = 0; i < REASON_COUNT; ++i) {
+        if ((result->reasons & ema_reasons[i].bit) != 0U) {
+            (void)fprintf(out, "  because   %s\n", ema_reasons[i].text);
+        }
+    }
+}
+
+/* Fewest and most digits that a 32-bit real needs to be read back exactly. */
+#define DIGITS_MIN 6
+#define DIGITS_MAX 9
+
+/* A number that the module holds, in the fewest digits that give it back; JSON knows no NaN and no infinity. */
+static void ema_json_real(FILE* out, const char* before, double value)
+{
+    char text[40] = "null";
+    bool exact = !isfinite(value);
+    for (int digits = DIGITS_MIN; !exact && (digits <= DIGITS_MAX); ++digits) {
+        (void)snprintf(text, sizeof text, "%.*g", digits, value);
+        exact = strtof(text, NULL) == (float)value;
+    }
+    (void)fputs(before, out);
+    (void)fputs(text, out);
+}
+
+static void ema_json_text(FILE* out, const char* text)
+{
+    const size_t length = strlen(text);
+    size_t at = 0U;
+    (void)fputc('"', out);
+    while (at < length) {
+        const size_t bytes = ema_text_utf8(text + at, length - at);
+        const unsigned char first = (unsigned char)text[at];
+        if (bytes == 0U) {
+            (void)fputs("\\ufffd", out);
+        } else if ((first == (unsigned char)'"') || (first == (unsigned char)'\\')) {
+            (void)fprintf(out, "\\%c", text[at]);
+        } else if (first < 0x20U) {
+            (void)fprintf(out, "\\u%04x", (unsigned)first);
+        } else {
+            (void)fwrite(text + at, 1U, bytes, out);
+        }
+        at += (bytes == 0U) ? 1U : bytes;
+    }
+    (void)fputc('"', out);
+}
+
+void ema_report_json(const ema_report_t* report, FILE* out)
+{
+    const ema_result_t* const result = &report->result;
+    (void)fputs("{\n  \"record\": ", out);
+    ema_json_text(out, report->record);
+    (void)fprintf(out, ",\n  \"rows\": %" PRId64, report->rows);
+    ema_json_real(out, ",\n  \"period_s\": ", report->period_s);
+    (void)fprintf(out, ",\n  \"record_format\": \"%s\"", report->int16 ? "int16" : "float32");
+    for (uint32_t i = 0; i < FAULTS; ++i) {
+        const ema_estimate_t* const found = &result->identified[i];
+        (void)fprintf(out, ",\n  \"%s\": {", ema_fault_key[i]);
+        ema_json_real(out, "\"estimate\": ", (double)found->estimate);
+        ema_json_real(out, ", \"std\": ", (double)found->std);
+        ema_json_real(out, ", \"shift_percent\": ", (double)found->shift_percent);
+        ema_json_real(out, ", \"healthy\": ", ema_healthy(report, i));
+        (void)fprintf(out, ", \"at_bound\": %s}", found->at_bound ? "true" : "false");
+    }
+    ema_json_real(out, ",\n  \"objective_before_mm2s\": ", (double)result->objective_before);
+    ema_json_real(out, ",\n  \"objective_after_mm2s\": ", (double)result->objective_after);
+    ema_json_real(out, ",\n  \"residual_rms_mm\": ", (double)result->residual_rms_mm);
+    ema_json_real(out, ",\n  \"residual_correlation\": ", (double)result->residual_correlation);
+    (void)fprintf(out, ",\n  \"evaluations\": %" PRIu32 ",\n  \"model_steps\": %" PRIu64, result->evaluations, result->model_steps);
+    (void)fprintf(out, ",\n  \"outcome\": \"%s\",\n  \"seed\": %" PRIu64, ema_outcome_name(result->outcome), report->config->annealer.seed);
+    ema_json_real(out, ",\n  \"search_s\": ", report->search_s);
+    ema_json_real(out, ",\n  \"wall_s\": ", report->wall_s);
+    (void)fprintf(out, ",\n  \"verdict\": \"%s\",\n  \"adequate\": %s,\n  \"reasons\": [", ema_verdict_name(result->verdict), result->adequate ? "true" : "false");
+    const char* joint = "";
+    for (size_t i = 0; i < REASON_COUNT; ++i) {
+        if ((result->reasons & ema_reasons[i].bit) != 0U) {
+            (void)fputs(joint, out);
+            ema_json_text(out, ema_reasons[i].text);
+            joint = ", ";
+        }
+    }
+    (void)fputs("]\n}\n", out);
+}
