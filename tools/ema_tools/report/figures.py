@@ -14,6 +14,8 @@ LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
 # Two-sided 95 % of a normal error.
 _WIDTH_95 = 1.96
 
+_PLACES_MAX = 10
+
 # Smaller errors are drawn here: they say nothing, and zero has no logarithm.
 SMALLEST_ERROR_PERCENT = 1e-4
 
@@ -186,21 +188,27 @@ def _error(x: list[float], y: list[str], name: str, role: str, symbol: str) -> F
 
 
 def shares(result: Compared) -> Figure:
-    """Where the error sits: its largest shares, as bars."""
-    names = [name for name, _ in result.where[:10]]
-    values = [value for _, value in result.where[:10]]
-    trace = {
-        "type": "bar",
-        "orientation": "h",
-        "x": values,
-        "y": names,
-        "meta": {"role": "before"},
-        "hovertemplate": "%{y}: %{x:.1f} % of the error<extra></extra>",
-        "showlegend": False,
+    """Where more of the squared error lies than of the time: both shares of the most telling parts."""
+    places = result.where[:_PLACES_MAX]
+    names = [place.name for place in places]
+    shares = [place.share_percent for place in places]
+    times = [place.time_percent for place in places]
+    joins: Figure = {
+        "type": "scatter",
+        "mode": "lines",
+        "x": [value for place in places for value in (place.time_percent, place.share_percent, None)],
+        "y": [value for name in names for value in (name, name, None)],
+        "meta": {"role": "join"},
+        "line": {"width": 2},
+        "hoverinfo": "skip",
     }
+    time, error = _marker(times, names, "of the time", "measured", "circle-open", 11, 2), _marker(shares, names, "of the squared error", "before", "circle", 10, 0)
+    for trace in (time, error):
+        trace["hovertemplate"] = "%{y}: %{x:.1f} % " + trace["name"] + "<extra></extra>"
     layout = {
-        "xaxis": {"title": {"text": "Share of the squared error, %"}, "rangemode": "tozero"},
-        "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "showgrid": False, "automargin": True},
-        "margin": {"l": 120, "r": 14, "t": 8, "b": 44},
+        "xaxis": {"title": {"text": "Share, %"}, "range": [0, 1.06 * max(shares)]},
+        "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "showgrid": False, "automargin": True, "ticklabelstandoff": 6},
+        "margin": {"l": 20, "r": 14, "t": 8, "b": 44},
     }
-    return {"data": [trace], "layout": layout, "height": 70 + 26 * len(names), "label": "Largest shares of the error: " + "; ".join(f"{n} {v:.0f} %" for n, v in result.where[:10])}
+    label = "Parts that hold more of the squared error than of the time: " + "; ".join(f"{p.name} {p.share_percent:.0f} % in {p.time_percent:.0f} % of the time" for p in places)
+    return {"data": [joins, time, error], "layout": layout, "height": 70 + 28 * len(places), "label": label}

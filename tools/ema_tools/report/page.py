@@ -209,7 +209,9 @@ def _compared(page: _Page, result: Compared, identity: str) -> None:
         _curves(page, result.curves, identity, {"model": "Measured and simulated"})
     page.add(compared_tables(result))
     if result.where:
-        page.add('<figure><div class="figure-head"><h3>Where the error sits</h3></div>', page.figure(f"{identity}-where", figures.shares(result)), "</figure>")
+        page.add('<figure><div class="figure-head"><h3>Where the error sits</h3><ul class="legend"><li><span class="key dot before"></span>share of the squared error</li>')
+        page.add('<li><span class="key ring"></span>share of the time</li></ul></div>', page.figure(f"{identity}-where", figures.shares(result)))
+        page.add("<figcaption>Parts of the record that hold more of a residual than of the time, the most telling first.</figcaption></figure>")
 
 
 def _next(page: _Page, identified: list[Identified], compared: list[Compared]) -> None:

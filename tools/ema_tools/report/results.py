@@ -113,14 +113,30 @@ class Identified:
 
 
 @dataclass(frozen=True)
+class Place:
+    """A part of the record: its share of a residual's square and of the time, both in %."""
+
+    name: str
+    share_percent: float
+    time_percent: float
+
+    @property
+    def surprise(self) -> float:
+        """How much more of the residual than of the time lies here."""
+        if not self.share_percent > self.time_percent > 0.0:
+            return 0.0
+        return self.share_percent * math.log(self.share_percent / self.time_percent)
+
+
+@dataclass(frozen=True)
 class Compared:
-    """A result of `ema compare`."""
+    """A result of `ema compare`: channels as (rms in the channel's unit, % of the measured), balances alike or why there is none."""
 
     name: str
     sentence: str
-    channels: dict[str, tuple[float, float]]
+    channels: dict[str, tuple[float, float | None]]
     balances: dict[str, tuple[float, float] | str]
-    where: tuple[tuple[str, float], ...]
+    where: tuple[Place, ...]
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
 
@@ -230,11 +246,12 @@ def _identified(reader: _Reader, stem: str) -> Identified:
 
 
 def _compared(reader: _Reader, stem: str) -> Compared:
-    channels: dict[str, tuple[float, float]] = {}
+    channels: dict[str, tuple[float, float | None]] = {}
     table = reader.table("channels")
     for name in table.data:
         part = table.table(name)
-        channels[name] = (part.number("rmse"), part.number("relative_percent"))
+        silent = part.data.get("relative_percent") is None
+        channels[name] = (part.number("rmse"), None if silent else part.number("relative_percent"))
     balances: dict[str, tuple[float, float] | str] = {}
     table = reader.table("balances")
     for name in table.data:
@@ -246,16 +263,17 @@ def _compared(reader: _Reader, stem: str) -> Compared:
     where = reader.data.get("where", [])
     if not isinstance(where, list):
         raise reader.fail("where", "is not a list")
-    places: list[tuple[str, float]] = []
+    places: list[Place] = []
     for index, entry in enumerate(where):
         part = _Reader(entry if isinstance(entry, dict) else {}, reader.source, f"where[{index}].")
-        places.append((part.text("name", "unnamed"), part.number("share_percent")))
+        if part.data.get("time_share") is not None:
+            places.append(Place(part.text("name", "unnamed"), part.number("share_percent"), 100.0 * part.number("time_share")))
     return Compared(
         name=reader.text("name", stem),
         sentence=reader.text("sentence", ""),
         channels=channels,
         balances=balances,
-        where=tuple(places),
+        where=tuple(sorted((place for place in places if place.surprise > 0.0), key=lambda place: -place.surprise)),
         curves=_curves(reader.table("curves"), ("model",)) if "curves" in reader.data else None,
         provenance=_provenance(reader),
     )

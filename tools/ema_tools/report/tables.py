@@ -74,7 +74,7 @@ def compared_tables(result: Compared) -> str:
     rows = []
     for name, (rmse, relative) in result.channels.items():
         label, unit = _CHANNELS.get(name, (name, ""))
-        rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td><td>{words.number(relative)} %</td></tr>')
+        rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td><td>{'–' if relative is None else words.number(relative) + ' %'}</td></tr>')
     channels = (
         '<div class="scroll" role="region" aria-label="Error per channel" tabindex="0"><table><caption>Measured minus simulated.</caption>'
         '<thead><tr><th class="left" scope="col">Channel</th><th scope="col">rms</th><th scope="col">of the measured</th></tr></thead><tbody>' + "".join(rows) + "</tbody></table></div>"
