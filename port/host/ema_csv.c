@@ -438,8 +438,12 @@ ema_csv_status_t ema_csv_next(ema_csv_t* csv, double row[EMA_COLUMN_COUNT])
     if (status == EMA_CSV_END) {
         ema_text_t why = ema_message(csv);
         status = ema_csv_rows_end(&csv->rows, &why);
-        csv->status = (status == EMA_CSV_OK) ? EMA_CSV_END : status;
-        return csv->status;
+        if (status == EMA_CSV_OK) {
+            csv->message[0] = '\0';
+            status = EMA_CSV_END;
+        }
+        csv->status = status;
+        return status;
     }
     double value[EMA_COLUMN_COUNT];
     if (status == EMA_CSV_OK) {
@@ -488,7 +492,11 @@ ema_csv_status_t ema_csv_fit(ema_csv_t* csv, double travel_mm, double record_per
         return csv->status;
     }
     ema_text_t why = ema_message(csv);
-    return ema_csv_rows_fit(&csv->rows, travel_mm, record_period_s, &why);
+    const ema_csv_status_t status = ema_csv_rows_fit(&csv->rows, travel_mm, record_period_s, &why);
+    if (status == EMA_CSV_OK) {
+        csv->message[0] = '\0';
+    }
+    return status;
 }
 
 static int64_t ema_file_source(void* context, char* buffer, size_t size)
