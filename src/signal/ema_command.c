@@ -38,6 +38,13 @@ static ema_real ema_ramp_wave(uint64_t phase, ema_real steep)
     return ema_clamp(value * steep, EMA_R(-1.0), EMA_R(1.0));
 }
 
+/* A rate below half a turn as a fraction of 2^64. It is mostly tiny: scaling by 2^20 before the conversion keeps its bits. */
+static uint64_t ema_rate64(ema_real rate)
+{
+    const ema_real scaled = rate * EMA_R(1048576.0);
+    return ((uint64_t)ema_floor(scaled) << 44U) | (ema_turn64(scaled) >> 20U);
+}
+
 static bool ema_in_range(ema_real value, ema_real lower, ema_real upper)
 {
     return (value >= lower) && (value <= upper);
@@ -60,12 +67,9 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
     if (!recorded && !stepped && !ema_in_range(config->start_hz, EMA_R(0.0), half_rate_hz)) {
         return EMA_ERR_RANGE;
     }
-    command->config = *config;
-    command->turns = recorded || stepped ? 0U : ema_turn64(config->start_hz * step_s);
-    command->turns_rate = 0U;
-    command->last_step = 0U;
-    command->scale_mm = EMA_R(0.0);
-    command->shift_mm = EMA_R(0.0);
+    ema_command_t made = {0};
+    made.config = *config;
+    made.turns = recorded || stepped ? 0U : ema_turn64(config->start_hz * step_s);
 
     ema_status_t status = EMA_OK;
     switch (config->kind) {
@@ -75,19 +79,17 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
             status = EMA_ERR_RANGE;
         } else {
             const ema_real rate = ((config->end_hz - config->start_hz) * step_s) / (EMA_R(2.0) * steps);
-            /* the rate is tiny: scaling by 2^20 before the conversion keeps its bits */
-            command->turns_rate = (rate < EMA_R(0.0)) ? (UINT64_C(0) - (ema_turn64(-rate * EMA_R(1048576.0)) >> 20U))
-                                                      : (ema_turn64(rate * EMA_R(1048576.0)) >> 20U);
-            command->last_step = (uint32_t)(steps + EMA_R(0.5));
+            made.turns_rate = (rate < EMA_R(0.0)) ? (UINT64_C(0) - ema_rate64(-rate)) : ema_rate64(rate);
+            made.last_step = (uint32_t)(steps + EMA_R(0.5));
         }
         break;
     }
     case EMA_COMMAND_MULTISINE:
-        if ((config->count < 1U) || (config->count > EMA_MULTISINE_LINES_MAX)) {
+        if ((config->count < 1U) || (config->count > EMA_MULTISINE_LINES_MAX) || (((ema_real)config->count * config->start_hz) > half_rate_hz)) {
             status = EMA_ERR_RANGE;
         } else {
-            command->scale_mm = config->amplitude_mm / ema_sqrt((ema_real)config->count);
-            command->shift_mm = ema_multisine_sum(command, 0U);
+            made.scale_mm = config->amplitude_mm / ema_sqrt((ema_real)config->count);
+            made.shift_mm = ema_multisine_sum(&made, 0U);
         }
         break;
     case EMA_COMMAND_TRIANGLE:
@@ -102,7 +104,7 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
         if (!ema_in_range(steps, EMA_R(0.0), EMA_STEPS_MAX)) {
             status = EMA_ERR_RANGE;
         } else {
-            command->last_step = (uint32_t)(steps + EMA_R(0.5));
+            made.last_step = (uint32_t)(steps + EMA_R(0.5));
         }
         break;
     }
@@ -118,6 +120,9 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
     default:
         status = EMA_ERR_RANGE;
         break;
+    }
+    if (status == EMA_OK) {
+        *command = made;
     }
     return status;
 }
