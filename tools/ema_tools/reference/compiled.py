@@ -16,7 +16,7 @@ try:
 except ImportError:  # the model then runs some hundred times slower
     HAS_NUMBA = False
 else:
-    HAS_NUMBA = True
+    HAS_NUMBA = not numba.config.DISABLE_JIT
 
 
 def compiled(function: Function) -> Function:

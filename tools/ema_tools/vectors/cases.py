@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ema_tools.definitions import Effect, load_definitions
+from ema_tools.reference.effects import example_of
+
 CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
 
 
@@ -86,7 +89,7 @@ SHORT_CHIRP = Command("CHIRP", 2.0, 0.2, 4.0, 2.5)
 
 _OPEN_LOOP = {"screw.lead_mm": 0.5, "gearbox.ratio": 100.0, "control.ki_per_m_s": 0.0, "screw.blk_mm": 0.0}
 
-CASES: tuple[Case, ...] = (
+_BLOCK_CASES: tuple[Case, ...] = (
     Case("whole_healthy", "reference chirp, healthy", REFERENCE_CHIRP, 10_000, 20),
     Case(
         "whole_case_a",
@@ -292,62 +295,19 @@ CASES: tuple[Case, ...] = (
         {"encoder.resolution_mm": 0.005},
         tolerance32=FLIPPED32,
     ),
-    # effects
-    Case(
-        "effect_stribeck_friction",
-        "stribeck_friction: rise 0.5, 15 rad/s",
-        SHORT_CHIRP,
-        2_500,
-        10,
-        {"stribeck_friction.rise": 0.5, "stribeck_friction.speed_rad_s": 15.0, "stribeck_friction.shape": 1.5},
-        tolerance64=IN_MOTION,
-        tolerance32=IN_MOTION,
-    ),
-    Case(
-        "effect_cogging_torque",
-        "cogging_torque: 0.03 Nm, 12 per turn",
-        SHORT_CHIRP,
-        2_500,
-        10,
-        {"cogging_torque.amplitude_Nm": 0.03, "cogging_torque.periods": 12.0, "cogging_torque.phase_rad": 0.7},
-        tolerance64=IN_MOTION,
-        tolerance32=IN_MOTION,
-    ),
-    Case("effect_constant_load", "constant_load: 0.05 Nm", SHORT_CHIRP, 2_500, 10, {"constant_load.torque_Nm": 0.05}),
-    Case("effect_winding_heating", "winding_heating: 60 degC", SHORT_CHIRP, 2_500, 10, {"winding_heating.rise_degC": 60.0}),
-    Case(
-        "effect_inverter_dead_time",
-        "inverter_dead_time: 0.6 V",
-        SHORT_CHIRP,
-        2_500,
-        10,
-        {"inverter_dead_time.drop_V": 0.6, "inverter_dead_time.width_A": 0.3},
-        tolerance64=IN_MOTION,
-        tolerance32=IN_MOTION,
-    ),
-    Case(
-        "effect_transmission_compliance",
-        "transmission_compliance: 40 Hz, 8 kg",
-        SHORT_CHIRP,
-        2_500,
-        10,
-        {
-            "transmission_compliance.period_s": 0.025,
-            "transmission_compliance.mass_kg": 8.0,
-            "transmission_compliance.damping_ratio": 0.08,
-        },
-        tolerance64=SOFT,
-        tolerance32=SOFT,
-    ),
-    Case("effect_feedback_delay", "feedback_delay: 1.4 ms", SHORT_CHIRP, 2_500, 10, {"feedback_delay.delay_s": 1.4e-3}),
-    Case(
-        "effect_spring_load",
-        "spring_load: 0.06 Nm/mm, gears with losses",
-        SHORT_CHIRP,
-        2_500,
-        10,
-        {"spring_load.stiffness_Nm_per_mm": 0.06, "gearbox.efficiency": 0.9},
-        tolerance64=IN_MOTION,
-        tolerance32=IN_MOTION,
-    ),
 )
+
+
+def _of_effect(effect: Effect) -> Case:
+    """The record that shows one effect, at the values of its reference module."""
+    values = example_of(effect.name)
+    shows = ", ".join(f"{name} {value:g}" for name, value in values.items())
+    if effect.site == "PARAMETER":
+        return Case(f"effect_{effect.name}", shows, SHORT_CHIRP, 2_500, 10, values)
+    tolerance = SOFT if effect.site == "TRANSMISSION" else IN_MOTION
+    return Case(
+        f"effect_{effect.name}", shows, SHORT_CHIRP, 2_500, 10, values, tolerance64=tolerance, tolerance32=tolerance
+    )
+
+
+CASES: tuple[Case, ...] = (*_BLOCK_CASES, *map(_of_effect, load_definitions().effects))

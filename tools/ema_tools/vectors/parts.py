@@ -38,7 +38,7 @@ PID_CASES: tuple[PidCase, ...] = (
     PidCase(
         "anti_windup",
         "output saturated again and again",
-        {"control.kp_per_m": 900.0, "control.ki_per_m_s": 20_000.0, "control.output_limit": 0.25},
+        {"control.kp_per_m": 500.0, "control.ki_per_m_s": 8_000.0, "control.output_limit": 0.5},
     ),
     PidCase(
         "cascade",

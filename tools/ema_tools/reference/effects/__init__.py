@@ -12,7 +12,8 @@ What a module must hold depends on its site; `effect` is the named tuple of its 
 | VOLTAGE | `voltage_change_V(effect, point)` |
 | TRANSMISSION | `shaft_inertia_kgm2`, `rest`, `reaction_Nm`, `rates`, `rod`, `fastest_rate_per_s`: see transmission_compliance |
 
-Functions of a moving site are decorated with `compiled`; PARAMETER ones are plain Python.
+Functions of a moving site are decorated with `compiled`; PARAMETER ones are plain Python. `EXAMPLE` holds the values that
+the effect's reference vector records: fields of the effect, and `section.field` for what else must differ.
 """
 
 from __future__ import annotations
@@ -47,7 +48,13 @@ def module_of(name: str) -> ModuleType:
         raise LookupError(f"{name}: ema_effects.def has it, reference/effects/{name}.py is missing: write it") from None
     if site not in SITE_FUNCTIONS:
         raise LookupError(f"{name}: site {site} is unknown: use one of {', '.join(SITE_FUNCTIONS)}")
-    for function in SITE_FUNCTIONS[site]:
-        if not hasattr(module, function):
-            raise LookupError(f"reference/effects/{name}.py: no {function}, which site {site} needs: write it")
+    for needed in (*SITE_FUNCTIONS[site], "EXAMPLE"):
+        if not hasattr(module, needed):
+            raise LookupError(f"reference/effects/{name}.py: no {needed}, which site {site} needs: write it")
     return module
+
+
+def example_of(name: str) -> dict[str, float]:
+    """The values, by full name, that show the effect `name`."""
+    example: dict[str, float] = module_of(name).EXAMPLE
+    return {key if "." in key else f"{name}.{key}": float(value) for key, value in example.items()}

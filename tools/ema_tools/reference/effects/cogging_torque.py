@@ -9,6 +9,8 @@ from ema_tools.reference.compiled import compiled
 from ema_tools.reference.elementary import sin
 from ema_tools.reference.point import Point
 
+EXAMPLE = {"amplitude_Nm": 0.03, "periods": 12.0, "phase_rad": 0.7}
+
 
 @compiled
 def torque_Nm(effect: Any, point: Point) -> float:

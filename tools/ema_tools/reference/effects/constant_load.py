@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+EXAMPLE = {"torque_Nm": 0.05}
+
 
 def change_values(effect: Any, values: Mapping[str, float]) -> dict[str, float]:
     """The load torque is larger by the effect's."""

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+EXAMPLE = {"delay_s": 1.4e-3}
+
 
 def change_values(effect: Any, values: Mapping[str, float]) -> dict[str, float]:
     """The age of the feedback is larger by the effect's."""

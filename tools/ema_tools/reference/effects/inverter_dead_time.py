@@ -9,6 +9,8 @@ from typing import Any
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.point import Point
 
+EXAMPLE = {"drop_V": 0.6, "width_A": 0.3}
+
 
 @compiled
 def voltage_change_V(effect: Any, point: Point) -> float:

@@ -5,6 +5,8 @@ from typing import Any
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.point import Point
 
+EXAMPLE = {"stiffness_Nm_per_mm": 0.06, "gearbox.efficiency": 0.9}
+
 
 @compiled
 def load_Nm(effect: Any, point: Point) -> float:

@@ -9,6 +9,8 @@ from ema_tools.reference.compiled import compiled
 from ema_tools.reference.elementary import exp, power
 from ema_tools.reference.point import Point
 
+EXAMPLE = {"rise": 0.5, "speed_rad_s": 15.0, "shape": 1.5}
+
 
 @compiled
 def level_change_Nm(effect: Any, level_Nm: float, point: Point) -> float:

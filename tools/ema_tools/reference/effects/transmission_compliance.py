@@ -14,6 +14,8 @@ import numpy as np
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.elementary import TWO_PI
 
+EXAMPLE = {"period_s": 0.025, "mass_kg": 8.0, "damping_ratio": 0.08}
+
 
 @compiled
 def _force_N(effect: Any, memory: np.ndarray, at: int, play_mm: float, play_mm_s: float) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 COPPER_PER_DEGC = 0.00393
+EXAMPLE = {"rise_degC": 60.0}
 
 
 def change_values(effect: Any, values: Mapping[str, float]) -> dict[str, float]:
