@@ -223,7 +223,7 @@ MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "sc
 ELECTRICAL_PARAMETERS = ("motor.resistance_ohm", "motor.inductance_H", "motor.back_emf_V_s_per_rad")
 
 
-def _noise_of(values: Reals) -> float:
+def noise_of(values: Reals) -> float:
     """Standard deviation of white noise on a signal [rows], from its fourth differences, which smooth motion hardly has."""
     differences = np.diff(values, 4)
     return 1.4826 * float(np.median(np.abs(differences - np.median(differences)))) / math.sqrt(70.0)
@@ -271,7 +271,7 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
 
 def _speed_noise_rad_s(actuator: Actuator, record: Record, smoother: Smoother) -> float:
     """Standard deviation that the position's white noise leaves on the smoothed speed."""
-    return _noise_of(motor_position(actuator, record)) / actuator.lead_mm_per_rad * _gain_of_noise(smoother, 1)
+    return noise_of(motor_position(actuator, record)) / actuator.lead_mm_per_rad * _gain_of_noise(smoother, 1)
 
 
 def _gain_of_noise(smoother: Smoother, derivatives: int) -> float:
@@ -290,7 +290,7 @@ def quiet_smoother(actuator: Actuator, record: Record) -> Smoother:
     """The usual filter, or a lower one while sensor noise in the inertia torque exceeds its allowed share of the drive torque."""
     values = adjusted(actuator)
     drive = values["motor.torque_constant_Nm_per_A"] * drive_current(actuator, record)
-    noise_Nm = values["screw.inertia_kgm2"] * _noise_of(motor_position(actuator, record)) / actuator.lead_mm_per_rad
+    noise_Nm = values["screw.inertia_kgm2"] * noise_of(motor_position(actuator, record)) / actuator.lead_mm_per_rad
     smoother = Smoother.of(record.period_s)
     allowed = NOISE_SHARE * float(np.std(drive))
     while noise_Nm * _gain_of_noise(smoother, 2) > allowed and smoother.cutoff_hz > CUTOFF_MIN_HZ:
@@ -397,7 +397,7 @@ def kinematic(actuator: Actuator, record: Record) -> Balance:
         raise MissingSignal(f"{transmission} moves the rod on its own; compare position_mm instead")
     values = adjusted(actuator)
     gain, offset = 1.0 + values["encoder.rod_gain_error"], values["encoder.rod_offset_mm"]
-    rod = played(record.motor_position_mm, values["screw.blk_mm"], (record.start_mm - offset) / gain)
+    rod = played(record.motor_position_mm, values["screw.blk_mm"], (float(record.position_mm[0]) - offset) / gain)
     inner = Smoother.of(record.period_s).inner
     return Balance("kinematic", "mm", inner(record.time_s), inner(record.position_mm), inner(record.position_mm - (gain * rod + offset)))
 

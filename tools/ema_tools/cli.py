@@ -5,13 +5,14 @@ Modules behind a command are imported by the command, so that help and errors co
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import click
 
-from ema_tools.console import complain, output
+from ema_tools.console import complain, output, progress
 from ema_tools.definitions import DefinitionError
 from ema_tools.errors import InputError, MissingSignal
 
@@ -46,6 +47,11 @@ def writable(*paths: str | None, force: bool) -> None:
     for path in paths:
         if path:
             may_write(path, force)
+
+
+def command_line() -> str:
+    """What the user typed, for a result's provenance."""
+    return shlex.join(["ema", *sys.argv[1:]])
 
 
 @click.group(context_settings=_CONTEXT)
@@ -86,6 +92,118 @@ def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ..
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
     save(json_path, {"command": "simulate", "actuator": actuator, "record": out, "rows": record.rows, "period_s": record.period_s, "settings": list(settings), "noise": std, "seed": seed, "precision": int(precision)}, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("record")
+@precision_option("64")
+@json_option
+def compare(actuator: str, record: str, precision: str, json_path: str | None, force: bool) -> None:
+    """Compare ACTUATOR's model with a RECORD, and say where it fails."""
+    from ema_tools import show
+    from ema_tools.actuator import read_actuator
+    from ema_tools.compare import compare as work
+    from ema_tools.records import read_record
+    from ema_tools.results import curves, provenance
+
+    writable(json_path, force=force)
+    model = read_actuator(actuator)
+    measured = read_record(record, model)
+    found = work(model, measured, int(precision))
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
+    drawn = curves(measured, {"model": found.simulation})
+    result = {"command": "compare", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+    save(json_path, result, force)
+    show.comparison(output(), found, model.name, measured.file)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("records", nargs=-1, required=True, metavar="REC...")
+@click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The calibrated actuator to write.")
+@click.option("--fit", "names", metavar="NAME,...", help="Fit only these values, for example screw.csj_Nm,screw.blk_mm.")
+@click.option("--closed-loop/--balances-only", "loop", default=None, help="Keep the fit of the simulated loop, or that of the balances; without either, the loop's where it is clearly better.")
+@json_option
+def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | None, loop: bool | None, json_path: str | None, force: bool) -> None:
+    """Fit the base parameters of ACTUATOR on healthy records and write NEW.toml, comments kept."""
+    from ema_tools import show
+    from ema_tools.actuator import read_actuator
+    from ema_tools.calibrate import calibrate as work
+    from ema_tools.records import read_record
+    from ema_tools.results import provenance
+
+    writable(out, json_path, force=force)
+    model = read_actuator(actuator)
+    measured = [read_record(record, model) for record in records]
+    chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
+    with progress("calibrating", 3) as bar:
+        found = work(model, measured, chosen, loop, bar.update)
+    found.actuator.changed({}, {"source": f"calibrated on {', '.join(record.file for record in measured)}"}).write(out, force)
+    origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
+    save(json_path, {"command": "calibrate", "actuator": out, **found.result(), "provenance": origin}, force)
+    show.calibration(output(), found)
+    output().print(f"{out} written", highlight=False)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("record")
+@click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of the search; the actuator's own when absent.")
+@click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
+@click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
+@precision_option("32")
+@json_option
+def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | None, seeds: int, fitted: str | None, precision: str, json_path: str | None, force: bool) -> None:
+    """Find CSJ and BLK on RECORD with the onboard module's own search."""
+    from ema_tools import show
+    from ema_tools.actuator import read_actuator
+    from ema_tools.identify import identify as work
+    from ema_tools.native import Search
+    from ema_tools.records import read_record, simulated
+    from ema_tools.results import curves, provenance
+
+    writable(fitted, json_path, force=force)
+    model = read_actuator(actuator)
+    measured = read_record(record, model)
+    references = [read_record(path, model) for path in healthy]
+    with progress("identifying", model["search.evaluation_budget"]) as bar:
+        found = work(model, measured, references, Search(seed=seed), seeds, int(precision), lambda run, _, best: bar.update(run, f"best {best:.3g} mm2 s"))
+    if fitted:
+        found.actuator.write(fitted, force)
+    if json_path:
+        drawn = curves(measured, {"before": simulated(found.healthy, measured), "after": simulated(found.actuator, measured)})
+        origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
+        result = {"command": "identify", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        save(json_path, result, force)
+    show.identification(output(), found)
+
+
+@cli.group(name="import")
+def import_group() -> None:
+    """Bring foreign measurements into this project's formats."""
+
+
+@import_group.command(name="emps")
+@click.argument("file")
+@click.option("-o", "--output", "folder", required=True, metavar="DIR", help="Folder for actuator.toml and record.csv.")
+@json_option
+def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> None:
+    """EMPS, a measured ball-screw axis: its FILE.mat and the published reference model."""
+    from ema_tools import show
+    from ema_tools.emps import PUBLISHED, PUBLISHED_STD
+    from ema_tools.emps import import_emps as work
+    from ema_tools.results import provenance
+
+    writable(json_path, force=force)
+    found = work(file, folder, force)
+    result = {"command": "import emps", "actuator": str(found.actuator_path), "record": str(found.record_path), "rows": found.record.rows, "period_s": found.record.period_s}
+    save(json_path, {**result, "provenance": provenance(command_line(), source=found.actuator.about["source"])}, force)
+    console = output()
+    show.say(console, f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model")
+    show.force_models(console, "Published", {"value": PUBLISHED, "std error": PUBLISHED_STD})
+    show.say(console, f"next: ema compare {found.actuator_path} {found.record_path}")
 
 
 @cli.command()

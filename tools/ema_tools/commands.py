@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.actuator import Actuator, nearest
 from ema_tools.errors import InputError
 from ema_tools.native import COMMAND_KINDS, COMMAND_NUMBERS, Reals, library
-from ema_tools.records import read_record
+from ema_tools.records import read_record, start_of
 
 # What a command takes, with the numbers that hold when none is given; duration_s is the length of the record.
 DEFAULTS: dict[str, dict[str, float]] = {
@@ -71,4 +71,4 @@ def make_command(text: str, actuator: Actuator) -> Command:
     if not Path(text).exists():
         raise InputError(f"command {text}: neither a file nor a command{nearest(kind, DEFAULTS)}: use a recording or one of {', '.join(DEFAULTS)}")
     record = read_record(text, actuator)
-    return Command(record.command_mm, record.start_mm, Path(text).name)
+    return Command(record.command_mm, start_of(actuator, record), Path(text).name)

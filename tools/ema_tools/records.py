@@ -45,11 +45,6 @@ class Record:
         return self.first_time_s + self.period_s * np.arange(self.rows)
 
     @property
-    def start_mm(self) -> float:
-        """Where a simulation of this record starts from rest: the first rod position."""
-        return float(self.position_mm[0])
-
-    @property
     def present(self) -> tuple[str, ...]:
         """Names of the recorded columns except time."""
         return tuple(name for name in COLUMNS[1:] if getattr(self, name) is not None)
@@ -74,6 +69,24 @@ class Record:
                     raise InputError(f"{self.file}: noise on {name}: the column is not there: name one of {', '.join(self.present)}")
                 changed[name] = values + random.normal(0.0, std[name], self.rows)
         return replace(self, **changed)
+
+
+# How many standard deviations of sensor noise, besides half the play, the first position may be off a command at which the rod rests.
+_START_NOISE = 4.0
+
+
+def start_of(actuator: Actuator, record: Record) -> float:
+    """Where a simulation of the record starts from rest, mm; the onboard session's rule: at the command where the rod may rest there, else
+    at the first rod position."""
+    command, position = float(record.command_mm[0]), float(record.position_mm[0])
+    doubt = 0.5 * actuator["search.blk_upper_mm"] + _START_NOISE * actuator["verdict.position_noise_mm"]
+    return command if abs(position - command) <= doubt else position
+
+
+def simulated(actuator: Actuator, record: Record, bits: int = 64) -> Simulation:
+    """The actuator under the record's command, every array [rows]. Raises InputError when the model refuses."""
+    values, options = actuator.arrays()
+    return library(bits).simulate(values, options, record.command_mm, start_of(actuator, record))
 
 
 def from_simulation(simulation: Simulation, command_mm: Reals, period_s: float, file: str = "simulated") -> Record:

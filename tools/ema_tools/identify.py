@@ -1,0 +1,185 @@
+"""CSJ and BLK by the onboard module's own session: what `ema identify` does."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ema_tools.actuator import Actuator, row_of, shown
+from ema_tools.errors import InputError
+from ema_tools.native import Estimate, Identification, Progress, Search, library
+from ema_tools.parallel import each
+from ema_tools.records import Record
+
+# Keys of the result for the values that are identified by default.
+KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
+TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Healthy values found on healthy records by the same search, and their standard errors, by name."""
+
+    values: dict[str, float]
+    std: dict[str, float]
+    records: int
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds."""
+
+    actuator: Actuator
+    healthy: Actuator
+    answer: Identification
+    baseline: Baseline | None
+    costs: tuple[float, ...]
+    seeds: tuple[Identification, ...]
+    seed: int
+    precision: int
+    wall_s: float
+
+    def result(self) -> dict[str, Any]:
+        """For JSON: the keys that programs read, and more."""
+        answer = self.answer
+        found: dict[str, Any] = {}
+        for estimate in answer.identified:
+            found[KEYS.get(estimate.name, estimate.name)] = {
+                "estimate": estimate.estimate,
+                "std": estimate.std,
+                "shift_percent": estimate.shift_percent,
+                "healthy": self.healthy[estimate.name],
+                "at_bound": estimate.at_bound,
+            }
+        return {
+            **found,
+            "objective_before_mm2s": answer.objective_before,
+            "objective_after_mm2s": answer.objective_after,
+            "evaluations": answer.evaluations,
+            "verdict": answer.verdict,
+            "adequate": answer.adequate,
+            "reasons": list(answer.reasons),
+            "sentence": self.sentence(),
+            "residual_rms_mm": answer.residual_rms_mm,
+            "residual_correlation": answer.residual_correlation,
+            "outcome": answer.outcome,
+            "accepted": answer.accepted,
+            "accepted_uphill": answer.accepted_uphill,
+            "model_steps": answer.model_steps,
+            "wall_s": self.wall_s,
+            "seed": self.seed,
+            "precision": self.precision,
+            "baseline": None if self.baseline is None else {"values": self.baseline.values, "std": self.baseline.std, "records": self.baseline.records},
+            "search": {"cost_mm2s": list(self.costs)},
+            "seeds": [
+                {
+                    **{KEYS.get(estimate.name, estimate.name): estimate.estimate for estimate in other.identified},
+                    "objective_after_mm2s": other.objective_after,
+                    "evaluations": other.evaluations,
+                }
+                for other in self.seeds
+            ],
+        }
+
+    def sentence(self) -> str:
+        """The answer in one sentence."""
+        answer = self.answer
+        shifts = ", ".join(_shift(estimate, self.healthy[estimate.name]) for estimate in answer.identified)
+        found = f"in {answer.evaluations} model runs, error {_cost(answer.objective_before)} before and {_cost(answer.objective_after)} after"
+        if answer.verdict == "healthy":
+            return f"Healthy: {shifts}; found {found}."
+        if answer.verdict == "fault":
+            return f"Fault: {shifts}; found {found}."
+        return f"Undecided, because {'; '.join(answer.reasons)}: the search reads {shifts}, {found}."
+
+
+def _cost(value: float) -> str:
+    return f"{value:.3g} mm2 s"
+
+
+def _shift(estimate: Estimate, healthy: float) -> str:
+    doubt = 100.0 * estimate.std / abs(healthy) if healthy else float("inf")
+    title = TITLES.get(estimate.name, estimate.name)
+    return f"{title} {estimate.shift_percent:+.{_decimals(doubt)}f} %"
+
+
+def _decimals(doubt_percent: float) -> int:
+    """Decimals of a shift in % that its standard error allows, at least one and at most three."""
+    if not doubt_percent > 0.0:
+        return 3
+    return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
+
+
+def check_record(actuator: Actuator, record: Record) -> None:
+    """Raises InputError when the search cannot begin: a healthy value outside its bounds or at zero."""
+    for name, lower, upper in (("screw.csj_Nm", "search.csj_lower_Nm", "search.csj_upper_Nm"), ("screw.blk_mm", "search.blk_lower_mm", "search.blk_upper_mm")):
+        if not actuator[lower] < actuator[upper]:
+            raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
+        if not actuator[lower] <= actuator[name] <= actuator[upper]:
+            raise InputError(f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them")
+
+
+def run(actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None) -> Identification:
+    """One search on one record. Raises InputError."""
+    values, options = actuator.arrays()
+    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
+
+
+def baseline_of(actuator: Actuator, records: Sequence[Record], search: Search, bits: int) -> Baseline:
+    """Healthy values as the same search reads them on healthy records, so that what it reads wrongly, it reads wrongly on both.
+
+    Raises InputError when a healthy record does not determine them.
+    """
+    answers = each(lambda record: run(actuator, record, search, bits), records)
+    for record, answer in zip(records, answers, strict=True):
+        for estimate in answer.identified:
+            if estimate.at_bound:
+                raise InputError(f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first")
+    values, std = {}, {}
+    count = len(answers)
+    for place, estimate in enumerate(answers[0].identified):
+        found = np.array([answer.identified[place].estimate for answer in answers])
+        own = np.array([answer.identified[place].std for answer in answers])
+        scatter = float(np.std(found, ddof=1)) if count > 1 else 0.0
+        values[estimate.name] = float(np.mean(found))
+        std[estimate.name] = max(scatter, float(np.sqrt(np.mean(own**2)))) / float(np.sqrt(count))
+    return Baseline(values, std, count)
+
+
+def identify(
+    actuator: Actuator,
+    record: Record,
+    healthy: Sequence[Record] = (),
+    search: Search | None = None,
+    seeds: int = 1,
+    bits: int = 32,
+    progress: Progress | None = None,
+) -> Identified:
+    """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
+
+    `seeds` further searches (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
+    """
+    check_record(actuator, record)
+    settings = search or Search()
+    seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
+    settings = replace(settings, seed=seed)
+    baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None
+    known = actuator.changed(baseline.values) if baseline else actuator
+    check_record(known, record)
+    costs: list[float] = []
+
+    def seen(evaluation: int, cost: float, best: float) -> None:
+        costs.append(cost)
+        if progress is not None:
+            progress(evaluation, cost, best)
+
+    begun = time.perf_counter()
+    answer = run(known, record, settings, bits, seen)
+    wall_s = time.perf_counter() - begun
+    others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
+    found = known.changed({estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper) for estimate in answer.identified})
+    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s)

@@ -1,0 +1,104 @@
+"""Results as tables on the terminal, the sentence first."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.text import Text
+
+from ema_tools.actuator import row_of, shown
+from ema_tools.calibrate import Calibration
+from ema_tools.compare import TITLES, UNITS, Comparison
+from ema_tools.console import number, table
+from ema_tools.emps import ForceModel
+from ema_tools.identify import Identified
+from ema_tools.identify import TITLES as FAULTS
+
+_PLACES = 8
+
+
+def say(console: Console, text: str) -> None:
+    """A sentence, as it is."""
+    console.print(Text(text))
+
+
+def comparison(console: Console, found: Comparison, actuator: str, record: str) -> None:
+    """What `ema compare` found."""
+    say(console, found.sentence)
+    console.print()
+    shown = table(f"{actuator} against {record}", "channel", "unit", "rms error", "of measured", text_columns=2)
+    for name, error in found.channels.items():
+        shown.add_row(TITLES[name], UNITS[name], number(error.rmse), f"{number(error.relative_percent, 3)} %")
+    console.print(shown)
+    console.print()
+    shown = table("Balances", "balance", "unit", "rms residual", "of measured", "noise", "method", "remark", text_columns=2)
+    shown.columns[-1].justify = "left"
+    shown.columns[-1].no_wrap = False
+    for name, balance in found.balances.items():
+        if balance.reason:
+            shown.add_row(name, "", "-", "-", "-", "-", balance.reason)
+        else:
+            rest = f"at rest {balance.resting_percent:.0f} % of the time" if balance.resting_percent >= 0.5 else ""
+            shown.add_row(name, balance.unit, number(balance.rms), f"{number(balance.relative_percent)} %", number(balance.noise_rms, 2), number(balance.method_rms, 2), rest)
+    console.print(shown)
+    telling = sorted((place for place in found.where if place.surprise > 0.0), key=lambda place: -place.surprise)[:_PLACES]
+    if telling:
+        console.print()
+        shown = table("Where more of the squared residual lies than of the time", "residual", "part", "share", "time", text_columns=2)
+        for place in telling:
+            shown.add_row(place.source, f"{place.by} {place.part}", f"{100.0 * place.share:.0f} %", f"{100.0 * (place.time_share or 0.0):.0f} %")
+        console.print(shown)
+
+
+def calibration(console: Console, found: Calibration) -> None:
+    """What `ema calibrate` found."""
+    shown_table = table("Calibrated", "value", "unit", "before", "after", "std error", "from", text_columns=2)
+    shown_table.columns[-1].justify = "left"
+    for parameter in found.parameters:
+        source = parameter.source + (", at its bound" if parameter.at_bound else "")
+        row = row_of(parameter.name)
+        shown_table.add_row(shown(row), row.unit, number(parameter.before, 5), number(parameter.after, 5), number(parameter.std, 2), source)
+    console.print(shown_table)
+    for names, why in found.left_out.items():
+        say(console, f"No balance for {names}: {why}.")
+    console.print()
+    errors = table("Measured minus simulated, rms", "channel", "unit", "before", "after", text_columns=2)
+    for name, before in found.errors_before.items():
+        errors.add_row(TITLES[name], UNITS[name], number(before), number(found.errors_after[name]))
+    console.print(errors)
+
+
+def identification(console: Console, found: Identified) -> None:
+    """What `ema identify` found."""
+    say(console, found.sentence())
+    console.print()
+    rows = table("", "fault", "unit", "healthy", "estimate", "std error", "shift", text_columns=2)
+    for estimate in found.answer.identified:
+        unit = row_of(estimate.name).unit
+        title = FAULTS.get(estimate.name, estimate.name) + (" (at its bound)" if estimate.at_bound else "")
+        healthy = found.healthy[estimate.name]
+        rows.add_row(title, unit, number(healthy, 5), number(estimate.estimate, 5), number(estimate.std, 2), f"{estimate.shift_percent:+.3f} %")
+    console.print(rows)
+    answer = found.answer
+    say(console, f"verdict {answer.verdict}; model {'adequate' if answer.adequate else 'not adequate'}: residual {number(answer.residual_rms_mm, 3)} mm rms")
+    for reason in answer.reasons:
+        say(console, f"  because {reason}")
+    say(
+        console,
+        f"{answer.evaluations} model runs, {answer.model_steps} steps, {found.wall_s:.2f} s, {found.precision} bit, seed {found.seed}, ended by {answer.outcome}",
+    )
+    if found.baseline is not None:
+        text = ", ".join(f"{FAULTS.get(name, name)} {number(value, 5)} +- {number(found.baseline.std[name], 2)}" for name, value in found.baseline.values.items())
+        say(console, f"healthy values from {found.baseline.records} healthy record{'s' if found.baseline.records > 1 else ''}: {text}")
+    if found.seeds:
+        for place, estimate in enumerate(answer.identified):
+            values = [estimate.estimate, *(other.identified[place].estimate for other in found.seeds)]
+            spread = 100.0 * (max(values) - min(values)) / abs(found.healthy[estimate.name])
+            say(console, f"{FAULTS.get(estimate.name, estimate.name)} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
+
+
+def force_models(console: Console, title: str, models: dict[str, ForceModel]) -> None:
+    """Force models at a carriage, side by side."""
+    rows = table(title, "model", "M kg", "Fv N s/m", "Fc N", "offset N")
+    for name, model in models.items():
+        rows.add_row(name, f"{model.mass_kg:.4f}", f"{model.viscous_N_s_per_m:.4f}", f"{model.coulomb_N:.4f}", f"{model.offset_N:.4f}")
+    console.print(rows)
