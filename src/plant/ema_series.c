@@ -66,7 +66,7 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
     ema_real value_right = ema_series_at(terms, right);
     ema_real root = right;
     int32_t kept = 0;
-    for (uint32_t k = 0; (k < EMA_ROOT_STEPS) && ((right - left) > EMA_REAL_EPSILON); ++k) {
+    for (uint32_t k = 0; (k < EMA_ROOT_STEPS) && ((right - left) > EMA_REAL_EPSILON) && (value_right != EMA_R(0.0)); ++k) {
         root = right - ((value_right * (right - left)) / (value_right - value_left));
         /* rounding can push the secant's point out of the bracket; NaN fails both comparisons */
         if (!((root > left) && (root < right))) {
