@@ -238,10 +238,10 @@ _BLOCK_CASES: tuple[Case, ...] = (
     ),
     Case(
         "screw_stick_slip",
-        "dynamic level at half the static one: sticks and slips on a slow ramp",
-        Command("TRIANGLE", 3.0, 0.25),
-        4_000,
-        16,
+        "static level twice the dynamic one: sticks at every reversal, then slips",
+        Command("TRIANGLE", 1.0, 2.0),
+        2_000,
+        8,
         {"screw.csj_Nm": 0.3, "screw.dynamic_ratio": 0.5},
     ),
     Case(

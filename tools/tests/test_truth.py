@@ -1,0 +1,160 @@
+"""The truth plant: it agrees with the reference as its step shrinks, its sensors do what they say, its files are reproduced."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.definitions import load_definitions
+from ema_tools.reference import Recording, simulate
+from ema_tools.reference.commands import chirp, times_s, triangle
+from ema_tools.reference.compiled import HAS_NUMBA
+from ema_tools.reference.effects import example_of
+from ema_tools.truth import Sensors, effects, recordings, scattered, simulate_truth
+from ema_tools.vectors.cases import CASES, Case
+from ema_tools.vectors.records import samples_of
+
+pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record")
+
+SHIPPED = Path(__file__).parents[2] / "recordings"
+CASE_A = {"screw.csj_Nm": 0.3, "screw.blk_mm": 0.04125}
+NAMES = [effect.name for effect in load_definitions().effects]
+
+
+def rms(one: Recording, other: Recording, channel: str) -> float:
+    """Root mean square of the difference of a channel."""
+    return float(np.sqrt(np.mean((getattr(one, channel) - getattr(other, channel)) ** 2)))
+
+
+def test_error_against_the_reference_falls_with_the_square_of_the_step() -> None:
+    sweep = chirp(times_s(3_000), 2.0, 0.2, 4.0, 3.0)
+    reference = simulate(CASE_A, sweep)
+    errors = [rms(simulate_truth(CASE_A, sweep, step_s=step), reference, "position_mm") for step in (4e-5, 2e-5, 1e-5)]
+    assert errors[2] < 2e-8
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.05)
+
+
+def test_lugre_tends_to_coulomb_as_the_shaft_stiffens() -> None:
+    sweep = chirp(times_s(2_000), 2.0, 0.5, 4.0, 2.0)
+    reference = simulate(CASE_A, sweep)
+    far, near = (
+        rms(simulate_truth(CASE_A, sweep, friction="lugre", presliding_rad=yielding, step_s=1e-6), reference, "motor_position_mm")
+        for yielding in (8e-4, 2e-4)
+    )
+    assert near < 1e-3
+    assert near < 0.5 * far
+
+
+def test_lugre_yields_before_it_slides() -> None:
+    values = {"control.ki_per_m_s": 0.0, "screw.csj_Nm": 0.3}
+    command = triangle(times_s(500), 0.1, 2.0)
+    stiff = simulate_truth(values, command)
+    soft = simulate_truth(values, command, friction="lugre", presliding_rad=1e-2, step_s=2e-6)
+    assert np.all(stiff.motor_position_mm == 0.0)
+    moved = np.abs(soft.motor_position_mm).max() / (5.0 / (8.0 * np.pi))
+    # the torque stays below the level, so the bristles take less than their yield
+    assert 1e-4 < moved < 1e-2
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_hides_every_effect(name: str) -> None:
+    assert hasattr(effects, name)
+    sweep = chirp(times_s(800), 2.0, 1.0, 4.0, 0.8)
+    hidden = simulate_truth(example_of(name), sweep, step_s=4e-6)
+    expected = simulate(example_of(name), sweep)
+    assert rms(hidden, expected, "position_mm") < 2e-6
+    assert rms(hidden, expected, "motor_position_mm") < 1e-7
+    assert rms(hidden, expected, "current_A") < 2e-5
+    assert rms(hidden, simulate_truth({}, sweep), "current_A") > 1e-3
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if not case.name.startswith("effect_")], ids=lambda case: case.name)
+def test_agrees_in_every_block(case: Case) -> None:
+    command = samples_of(case)[:1_000]
+    truth = simulate_truth(case.values, command, start_mm=case.start_mm, step_s=2e-6)
+    reference = simulate(case.values, command, case.start_mm)
+    scale = max(1.0, float(np.abs(reference.motor_position_mm).max()))
+    assert np.abs(truth.position_mm - reference.position_mm).max() < 2e-8 * scale
+    assert np.abs(truth.motor_position_mm - reference.motor_position_mm).max() < 2e-8 * scale
+    assert rms(truth, reference, "current_A") < 2e-5
+    assert rms(truth, reference, "voltage_V") < 2e-5
+    assert rms(truth, reference, "speed_mm_s") < 2e-4
+
+
+def test_sensors() -> None:
+    sweep = chirp(times_s(4_000), 2.0, 0.5, 2.0, 4.0)
+    clean = simulate_truth({}, sweep)
+    noisy = simulate_truth({}, sweep, sensors=Sensors(position_noise_mm=0.005, current_noise_A=0.03), seed=7)
+    error = noisy.position_mm - clean.position_mm
+    assert error.std() == pytest.approx(0.005, rel=0.05)
+    assert abs(error.mean()) < 0.005 * 4.0 / np.sqrt(4_000)
+    assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 4.0 / np.sqrt(4_000)
+    assert (noisy.current_A - clean.current_A).std() == pytest.approx(0.03, rel=0.05)
+    assert np.array_equal(noisy.motor_position_mm, clean.motor_position_mm)
+
+    coarse = simulate_truth({}, sweep, sensors=Sensors(position_resolution_mm=0.01, current_gain_error=0.02, current_offset_A=0.1))
+    assert np.abs(coarse.position_mm / 0.01 - np.round(coarse.position_mm / 0.01)).max() < 1e-9
+    assert np.abs(coarse.position_mm - clean.position_mm).max() <= 0.005 + 1e-12
+    assert coarse.current_A == pytest.approx(1.02 * clean.current_A + 0.1, abs=1e-12)
+
+
+def test_noise_in_the_loop_moves_the_machine() -> None:
+    sweep = chirp(times_s(500), 2.0, 0.5, 2.0, 0.5)
+    moved = simulate_truth({}, sweep, sensors=Sensors(feedback_noise_mm=0.01), seed=3)
+    assert rms(moved, simulate_truth({}, sweep), "voltage_V") == pytest.approx(0.01e-3 * 400.0 * 24.0, rel=0.3)
+
+
+def test_seed_decides() -> None:
+    sweep = chirp(times_s(300), 2.0, 0.5, 2.0, 0.5)
+    sensors = Sensors(position_noise_mm=0.005)
+    one, same, other = (simulate_truth({}, sweep, sensors=sensors, seed=seed) for seed in (1, 1, 2))
+    assert np.array_equal(one.position_mm, same.position_mm)
+    assert not np.array_equal(one.position_mm, other.position_mm)
+
+
+def test_scatter() -> None:
+    spread = {"screw.csj_Nm": 0.02, "motor.resistance_ohm": 0.01}
+    days = [scattered({}, spread, seed) for seed in range(300)]
+    assert days[0] == scattered({}, spread, 0)
+    friction = np.array([day["screw.csj_Nm"] for day in days])
+    assert friction.mean() == pytest.approx(0.138, rel=0.005)
+    assert friction.std() / 0.138 == pytest.approx(0.02, rel=0.15)
+    assert len({day["gearbox.ratio"] for day in days}) == 1
+
+
+def test_bad_requests_are_named() -> None:
+    with pytest.raises(ValueError, match="coulomb, lugre"):
+        simulate_truth({}, np.zeros(3), friction="dahl")
+    with pytest.raises(KeyError, match="csj_Nm"):
+        simulate_truth({"screw.csj": 1.0}, np.zeros(3))
+
+
+def test_shipped_recordings_are_reproduced(tmp_path: Path) -> None:
+    for made in recordings.write(tmp_path):
+        shipped = SHIPPED / made.name
+        assert made.read_bytes() == shipped.read_bytes(), f"{made.name}: run python -m ema_tools.truth.recordings recordings"
+        assert shipped.stat().st_size < 1 << 20
+    assert {path.name for path in tmp_path.iterdir()} == {f"{shipped.name}.csv" for shipped in recordings.SHIPPED}
+
+
+def test_shipped_recordings_show_what_they_say() -> None:
+    def read(name: str) -> np.ndarray:
+        lines = [line for line in (SHIPPED / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
+        assert lines[0] == "time_s,command_mm,position_mm,motor_position_mm,current_A,voltage_V"
+        return np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+
+    healthy, case_a, noisy = read("healthy"), read("case_a"), read("case_a_noisy")
+    assert healthy.shape == (10_000, 6)
+    assert np.allclose(np.diff(healthy[:, 0]), 1e-3, atol=1e-9)
+    assert np.sum((healthy[:, 2] - case_a[:, 2]) ** 2) * 1e-3 == pytest.approx(0.674, abs=0.002)
+    assert (noisy - case_a)[:, [2, 3, 4]].std(axis=0) == pytest.approx([0.005, 0.005, 0.03], rel=0.05)
+    assert np.array_equal(noisy[:, 5], case_a[:, 5])
+
+
+def test_unwritten_folder_is_named(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("sys.argv", ["recordings", str(tmp_path / "absent")])
+    assert recordings.main() == 1
+    assert "not a folder" in capsys.readouterr().err
