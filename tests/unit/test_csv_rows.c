@@ -94,7 +94,7 @@ static void test_micrometres(void)
     scale(EMA_COLUMN_COMMAND, 0.5);
     scale(EMA_COLUMN_POSITION, 0.5e3);
     TEST_ASSERT_EQUAL_INT(EMA_CSV_UNIT, fit(990.0));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, " mm along with a command over 1.9"), message);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, " mm along with a command over 2 mm"), message);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, "looks like micrometres"), message);
 }
 
