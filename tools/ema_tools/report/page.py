@@ -9,14 +9,16 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from plotly.offline import get_plotlyjs
-
 from ema_tools.report import figures, words
 from ema_tools.report.curves import pack
 from ema_tools.report.results import FAULTS, Compared, Curves, Identified
 from ema_tools.report.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
+
+
+# The browser itself sees to it that the page asks nothing of any network.
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 
 
 class _Page:
@@ -58,7 +60,7 @@ def render(results: list[Identified | Compared], command: str) -> str:
     _next(page, identified, compared)
     _origin(page, results, command)
     page.add("</main>")
-    return _document(_title(results[0]), page)
+    return _document(_short_title(results[0]), page)
 
 
 def sentence(result: Identified) -> str:
@@ -68,7 +70,7 @@ def sentence(result: Identified) -> str:
     return f"{subject} carries {carries}."
 
 
-def found(result: Identified) -> str:
+def finding(result: Identified) -> str:
     """How it was found and what became of the error, in one sentence."""
     time = f" in {words.duration(result.wall_s)}" if result.wall_s is not None else ""
     return (
@@ -96,12 +98,18 @@ def _title(result: Identified | Compared) -> str:
     return sentence(result) if isinstance(result, Identified) else result.sentence or result.title
 
 
+def _short_title(result: Identified | Compared) -> str:
+    if isinstance(result, Compared):
+        return result.title
+    return ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in FAULTS) + f": {result.verdict}"
+
+
 def _head(page: _Page, results: list[Identified | Compared]) -> None:
     first = results[0]
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
     if isinstance(first, Identified):
         made = " The record was made by an independent model of this actuator in double precision; the module saw the record alone." if first.case else ""
-        page.add(f'<p class="lead">{_text(found(first) + made)}</p>')
+        page.add(f'<p class="lead">{_text(finding(first) + made)}</p>')
     if len(results) < 2:
         return
     page.add('<nav aria-label="Results"><ul class="tiles">')
@@ -240,10 +248,10 @@ def _code(text: str) -> str:
 
 def _origin(page: _Page, results: list[Identified | Compared], command: str) -> None:
     page.add('<section id="origin" aria-labelledby="origin-title"><div class="wrap"><h2 id="origin-title">Where this comes from</h2><dl class="origin">')
-    page.add(f"<dt>This page</dt><dd><code>{escape(command)}</code></dd>")
+    page.add(f"<dt>page</dt><dd><code>{escape(command)}</code></dd>")
     shared = _shared([result.provenance for result in results])
     for key, value in shared.items():
-        page.add(f"<dt>{escape(key.replace('_', ' ').capitalize())}</dt><dd>{escape(value)}</dd>")
+        page.add(f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>")
     for result in results:
         own = {key: value for key, value in result.provenance.items() if key not in shared}
         if own:
@@ -262,6 +270,12 @@ def _shared(tables: Iterable[dict[str, str]]) -> dict[str, str]:
     return {key: value for key, value in first.items() if all(other.get(key) == value for other in others)}
 
 
+def _plotly() -> str:
+    """plotly.js as the package brings it, with control characters in its strings escaped: HTML does not allow them."""
+    source = (resources.files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
+    return re.sub(r"[\x00-\x08\x0b\x0e-\x1f\x7f]", lambda found: f"\\x{ord(found.group()):02x}", source)
+
+
 def _document(title: str, page: _Page) -> str:
     assets = resources.files("ema_tools.report") / "assets"
     style = (assets / "page.css").read_text(encoding="utf-8")
@@ -274,6 +288,7 @@ def _document(title: str, page: _Page) -> str:
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{_POLICY}">
 <meta name="color-scheme" content="light dark">
 <link rel="icon" href="data:,">
 <title>{escape(title)}</title>
@@ -284,7 +299,7 @@ def _document(title: str, page: _Page) -> str:
 {body}
 <noscript><div class="wrap"><p>The curves need JavaScript; the sentences and tables do not.</p></div></noscript>
 <script id="page-data" type="application/json">{data}</script>
-<script>{get_plotlyjs()}</script>
+<script>{_plotly()}</script>
 <script>
 {script}</script>
 </body>

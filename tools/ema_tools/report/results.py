@@ -222,7 +222,8 @@ def _identified(reader: _Reader, stem: str) -> Identified:
         estimate, shift = part.number("estimate"), part.number("shift_percent")
         if shift <= -100.0:
             raise part.fail("shift_percent", "is not above -100")
-        faults[name] = Estimate(estimate, part.number("std"), shift, estimate / (1.0 + shift / 100.0))
+        healthy = part.number("healthy") if "healthy" in part.data else estimate / (1.0 + shift / 100.0)
+        faults[name] = Estimate(estimate, part.number("std"), shift, healthy)
     letter = reader.text("case", "")
     cases = {case.letter: case for case in CASES}
     if letter and letter not in cases:
