@@ -145,7 +145,6 @@ def _broken(path: str, value: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("path", "value", "expected"),
     [
-        ("blk_mm", ..., "field blk_mm is missing"),
         ("csj_Nm.std", ..., "field csj_Nm.std is missing"),
         ("csj_Nm.estimate", "0.3", "field csj_Nm.estimate is not a number"),
         ("csj_Nm.shift_percent", -100.0, "field csj_Nm.shift_percent is not above -100"),
@@ -167,8 +166,24 @@ def test_bad_field_is_named(path: str, value: Any, expected: str) -> None:
     assert message.startswith("today.json: ") and expected in message and "\n" not in message and "--json" in message
 
 
+def test_one_fault_alone_is_shown(tmp_path: Path) -> None:
+    alone = {key: value for key, value in identified().items() if key != "blk_mm"}
+    page = _page(tmp_path, alone)
+    assert "carries CSJ +117.4" in page and "BLK" not in _without_scripts(page)
+    with pytest.raises(InputError, match="field blk_mm is missing"):
+        parse_result({**alone, "case": "A"}, "today.json", "today")
+
+
+def test_comparison_names_the_worst_balance(tmp_path: Path) -> None:
+    page = _page(tmp_path, compared(name="today.csv"))
+    assert "<h1>Model against today.csv: mechanical balance off by 4.08\u00a0%</h1>" in page
+    assert page.count("Most of the error is in the mechanical balance.") == 1
+    page = _page(tmp_path, compared(name="today.csv", balances={}))
+    assert "<h1>Model against today.csv: rod position off by 5.00\u00a0%</h1>" in page
+
+
 def test_other_json_and_missing_file_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="neither `csj_Nm` nor `balances`"):
+    with pytest.raises(InputError, match="none of `csj_Nm`, `blk_mm` and `balances`"):
         parse_result({"rows": 5}, "x.json", "x")
     with pytest.raises(InputError, match="absent.json"):
         write_report([tmp_path / "absent.json"], tmp_path / "page.html", "ema report")

@@ -11,7 +11,7 @@ from typing import Any
 
 from ema_tools.report import figures, words
 from ema_tools.report.curves import pack
-from ema_tools.report.results import FAULTS, Compared, Curves, Identified
+from ema_tools.report.results import Compared, Curves, Identified
 from ema_tools.report.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
@@ -65,7 +65,7 @@ def render(results: list[Identified | Compared], command: str) -> str:
 
 def sentence(result: Identified) -> str:
     """The verdict in one sentence, e.g. for the page's title and the terminal."""
-    carries = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in FAULTS)
+    carries = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     subject = "This recorded chirp of the reference actuator" if result.case is not None else f"The record {result.name}"
     return f"{subject} carries {carries}."
 
@@ -95,13 +95,23 @@ def verdict(result: Identified) -> str:
 
 
 def _title(result: Identified | Compared) -> str:
-    return sentence(result) if isinstance(result, Identified) else result.sentence or result.title
+    return sentence(result) if isinstance(result, Identified) else _worst(result)
+
+
+def _worst(result: Compared) -> str:
+    """The title of a comparison: the balance that the model misses most, else the rod position."""
+    known = {name: value[1] for name, value in result.balances.items() if isinstance(value, tuple)}
+    if known:
+        name = max(known, key=lambda key: known[key])
+        return f"{result.title}: {name} balance off by {words.number(known[name])} %"
+    share = result.channels.get("position_mm", (0.0, None))[1]
+    return f"{result.title}: rod position off by {words.number(share)} %" if share is not None else result.title
 
 
 def _short_title(result: Identified | Compared) -> str:
     if isinstance(result, Compared):
         return result.title
-    return ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in FAULTS) + f": {result.verdict}"
+    return ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults) + f": {result.verdict}"
 
 
 def _head(page: _Page, results: list[Identified | Compared]) -> None:
@@ -110,6 +120,8 @@ def _head(page: _Page, results: list[Identified | Compared]) -> None:
     if isinstance(first, Identified):
         made = " The record was made by an independent model of this actuator in double precision; the module saw the record alone." if first.case else ""
         page.add(f'<p class="lead">{_text(finding(first) + made)}</p>')
+    elif first.sentence:
+        page.add(f'<p class="lead">{_text(first.sentence)}</p>')
     if len(results) < 2:
         return
     page.add('<nav aria-label="Results"><ul class="tiles">')
@@ -123,7 +135,7 @@ def _tile(result: Identified | Compared) -> str:
         position = result.channels.get("position_mm")
         small = f"rod position {words.number(position[1])} % off" if position else "no rod position"
         return f'<span class="head"><span>{escape(result.name)}</span></span><span class="big">Model against record</span><span class="small">{small}</span>'
-    shifts = "<br>".join(f"{_NAMES[name][0]}\u00a0{words.shift(result.faults[name].shift_percent)}" for name in FAULTS)
+    shifts = "<br>".join(f"{_NAMES[name][0]}\u00a0{words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     return (
         f'<span class="head"><span>{escape(result.title)}</span><span class="verdict {result.verdict}">{result.verdict}</span></span>'
         f'<span class="big">{shifts}</span>'
@@ -135,7 +147,7 @@ def _identified(page: _Page, result: Identified, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     page.add(f'<p><span class="verdict {result.verdict}">{result.verdict.capitalize()}:</span> {escape(verdict(result))}</p>')
     page.add('<dl class="facts">')
-    for name in FAULTS:
+    for name in result.faults:
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
         actual = f"true {getattr(result.case, name):g}, " if result.case is not None else ""
@@ -189,8 +201,9 @@ def _curves(page: _Page, curves: Curves, identity: str, models: dict[str, str]) 
         page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>')
         page.add(f'<div class="plot" data-curves="{identity}" data-model="{key}" role="img" aria-label="{escape(label)}" style="height:{height}px"></div></figure>')
     page.add("</div>")
+    scale, follow = (", on the same scale before and after", "; all follow") if len(models) > 1 else ("", "")
     derived = " Speed is the slope of the position over 9 rows, the same for every curve." if curves.derived else ""
-    page.add(f'<p class="note">Under each signal: measured minus simulated, on one scale for all plots of the row. Drag across a plot to zoom; all follow.{derived}</p>')
+    page.add(f'<p class="note">Under each signal: measured minus simulated{scale}. Drag across a plot to zoom{follow}.{derived}</p>')
 
 
 def _role(model: str) -> str:
@@ -211,8 +224,8 @@ def _paper(page: _Page, results: list[Identified]) -> None:
 
 def _compared(page: _Page, result: Compared, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
-    if result.sentence:
-        page.add(f"<p>{escape(result.sentence)}</p>")
+    if result.sentence and identity != "result-1":
+        page.add(f"<p>{_text(result.sentence)}</p>")
     if result.curves is not None:
         _curves(page, result.curves, identity, {"model": "Measured and simulated"})
     page.add(compared_tables(result))

@@ -81,7 +81,7 @@ def compared_tables(result: Compared) -> str:
         share = None if relative is None else f"{words.number(relative)} %"
         rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td>{_cell(share)}</tr>')
     channels = (
-        '<div class="scroll" role="region" aria-label="Table: error per channel" tabindex="0"><table><caption>Measured minus simulated.</caption>'
+        '<div class="scroll" role="region" aria-label="Table: error per channel" tabindex="0"><table><caption>Measured minus simulated; a few rows at the ends of the record are left out.</caption>'
         '<thead><tr><th class="left" scope="col">Channel</th><th scope="col">rms</th><th scope="col">of the measured</th></tr></thead><tbody>' + "".join(rows) + "</tbody></table></div>"
     )
     rows = []
@@ -97,7 +97,7 @@ def compared_tables(result: Compared) -> str:
             rows.append(f"<tr>{head}<td>{words.number(value[0])} {unit}</td><td>{words.number(value[1])} %</td></tr>")
     balances = (
         '<div class="scroll" role="region" aria-label="Table: balances" tabindex="0"><table><caption>Each balance uses measured signals alone; its residual accuses one group of blocks.</caption>'
-        '<thead><tr><th class="left" scope="col">Balance</th><th class="left" scope="col">sets</th><th scope="col">rms</th><th scope="col">of the driving side</th></tr></thead><tbody>'
+        '<thead><tr><th class="left" scope="col">Balance</th><th class="left" scope="col">What it weighs</th><th scope="col">rms</th><th scope="col">of the driving side</th></tr></thead><tbody>'
         + "".join(rows)
         + "</tbody></table></div>"
     )
