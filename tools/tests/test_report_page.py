@@ -119,6 +119,12 @@ def test_undecided_verdict_gets_advice(tmp_path: Path) -> None:
     reason = "an estimate lies on a bound of its search"
     page = _page(tmp_path, identified(verdict="undecided", reasons=[reason]))
     assert f"{reason}." in page and "Widen the bounds" in page
+    assert "<h1>No verdict on the record result_0: the search reads CSJ" in page and f"Because {reason}." in page
+
+
+def test_healthy_verdict_is_not_called_a_fault(tmp_path: Path) -> None:
+    page = _page(tmp_path, identified(verdict="healthy"))
+    assert "<h1>The record result_0 is of a healthy actuator: CSJ" in page and "carries" not in _without_scripts(page)
 
 
 def test_result_without_curves_and_search_is_shown(tmp_path: Path) -> None:
