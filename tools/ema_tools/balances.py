@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -191,32 +191,33 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
     return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
 
 
-def friction_change_Nm(actuator: Actuator, motion: Motion) -> Reals:
-    """What effects add to the level of sliding friction, on every row."""
-    level = actuator["screw.dynamic_ratio"] * actuator["screw.csj_Nm"]
+def _friction_change_Nm(actuator: Actuator, motion: Motion, level: float) -> Reals:
+    """What effects add to the level of dry friction, on every row."""
     return _at_points(actuator, motion, "FRICTION", lambda module, effect, point: module.level_change_Nm(effect, level, point))
 
 
 @dataclass(frozen=True)
 class Mechanical:
-    """The mechanical balance as a linear model on smoothed rows: drive = known + columns @ parameters, all [rows] or [rows, 4].
+    """The mechanical balance as a linear model on smoothed rows, all [rows] or [rows, 4].
 
-    columns: acceleration (inertia), speed (viscous), direction (level of sliding friction), one (load against extension).
+    drive = load + extra direction + columns @ parameters; columns: acceleration (inertia), speed (viscous), direction (level of sliding friction),
+    one (load against extension). `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level.
     """
 
     smoother: Smoother
     drive_Nm: Reals
-    known_Nm: Reals
+    load_Nm: Reals
+    extra_Nm: Reals
+    static_extra_Nm: Reals
     columns: Reals
     time_s: Reals
     resting: NDArray[np.bool_]
 
-    def decimated(self) -> tuple[Reals, Reals, Reals, NDArray[np.bool_]]:
-        """Drive minus known torque [samples], columns [samples, 4], time, and which samples no rest touches."""
-        use = self.smoother
-        columns = np.column_stack([use.decimated(column) for column in self.columns.T])
-        touched = np.convolve(self.resting, np.ones(2 * use.every + 1), mode="same") > 0.5
-        return use.decimated(self.drive_Nm - self.known_Nm), columns, use.kept(self.time_s), ~use.kept(touched)
+    def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
+        """What balances the torque, up to the static level, on every row; `parameters` [4] of the columns."""
+        net = self.drive_Nm - self.load_Nm - self.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
+        static = static_Nm + self.static_extra_Nm
+        return np.clip(net, -static, static)
 
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
@@ -257,12 +258,17 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
     load = _at_points(actuator, motion, "LOAD", lambda module, effect, point: module.load_Nm(effect, point))
     passed = load + values["screw.load_torque_Nm"]
     efficiency = values["gearbox.efficiency"]
-    loss = np.where(passed * direction > 0.0, 1.0 / efficiency - 1.0, 1.0 - efficiency) * np.abs(passed)
+    opposing = (1.0 / efficiency - 1.0) * np.abs(passed)
+    loss = np.where(passed * direction > 0.0, opposing, (1.0 - efficiency) * np.abs(passed))
+    static = values["screw.csj_Nm"]
+    still = replace(motion, speed_rad_s=np.zeros_like(direction))
     torque = _at_points(actuator, motion, "TORQUE", lambda module, effect, point: module.torque_Nm(effect, point))
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        known_Nm=load - torque + (loss + friction_change_Nm(actuator, motion)) * direction,
+        load_Nm=load - torque,
+        extra_Nm=loss + _friction_change_Nm(actuator, motion, values["screw.dynamic_ratio"] * static),
+        static_extra_Nm=opposing + _friction_change_Nm(actuator, still, static),
         columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, direction, np.ones_like(direction)]),
         time_s=record.time_s,
         resting=_resting(motion, _speed_noise_rad_s(actuator, record, use), use),
@@ -307,16 +313,16 @@ def mechanical(actuator: Actuator, record: Record, smoother: Smoother | None = N
     values = adjusted(actuator)
     static = values["screw.csj_Nm"]
     parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
-    net = model.drive_Nm - model.columns @ parameters
-    sliding = model.known_Nm + values["screw.dynamic_ratio"] * static * model.columns[:, 2]
-    friction = np.where(model.resting, np.clip(net, -static, static), sliding)
+    sliding = (values["screw.dynamic_ratio"] * static + model.extra_Nm) * model.columns[:, 2]
+    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, static), sliding)
+    residual = model.drive_Nm - model.load_Nm - model.columns @ parameters - friction
     use = model.smoother
     return Balance(
         "mechanical",
         "Nm",
         use.kept(model.time_s),
         use.decimated(model.drive_Nm),
-        use.decimated(net - friction),
+        use.decimated(residual),
         100.0 * float(np.mean(use.inner(model.resting))),
     )
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ema_tools.actuator import Actuator
 from ema_tools.errors import InputError
 from ema_tools.files import reason, write_text
-from ema_tools.actuator import Actuator
 from ema_tools.native import CHANNELS, RECORD_COLUMNS, Reals, Simulation, library
 
 COLUMNS = RECORD_COLUMNS
