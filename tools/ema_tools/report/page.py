@@ -137,8 +137,8 @@ def _head(page: _Page, results: list[Identified | Compared]) -> None:
 
 def _tile(result: Identified | Compared) -> str:
     if isinstance(result, Compared):
-        position = result.channels.get("position_mm")
-        small = f"rod position {words.number(position[1])} % off" if position else "no rod position"
+        share = result.channels.get("position_mm", (0.0, None))[1]
+        small = f"rod position {words.number(share)} % off" if share is not None else "rod position does not move"
         return f'<span class="head"><span>{escape(result.name)}</span></span><span class="big">Model against record</span><span class="small">{small}</span>'
     shifts = "<br>".join(f"{_NAMES[name][0]}\u00a0{words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     return (
