@@ -11,7 +11,7 @@ axis this reproduces the published force error: A. Janot, M. Gautier, M. Brunot,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -122,36 +122,35 @@ class Balance:
 
 def adjusted(actuator: Actuator) -> dict[str, float]:
     """The values with the enabled PARAMETER effects in them, by name."""
-    from ema_tools.reference.actuator import build
-    from ema_tools.reference.effects import module_of
-
     values = dict(actuator.values)
-    for effect in load_definitions().effects:
-        if effect.site == "PARAMETER" and effect.name in actuator.active_effects:
-            values.update(module_of(effect.name).change_values(getattr(build(values).effects, effect.name), values))
+    for module, effect in _active(actuator, "PARAMETER"):
+        values.update(module.change_values(effect, values))
     return values
 
 
-def _function_sum(actuator: Actuator, site: str, call: Callable[[Any, Any], float]) -> float:
+def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
+    """The reference module and the values of every active effect of a site."""
+    names = [effect.name for effect in load_definitions().effects if effect.site == site and effect.name in actuator.active_effects]
+    if not names:
+        return
     from ema_tools.reference.actuator import build
     from ema_tools.reference.effects import module_of
 
     effects = build(actuator.values).effects
-    active = (effect.name for effect in load_definitions().effects if effect.site == site and effect.name in actuator.active_effects)
-    return sum(call(module_of(name), getattr(effects, name)) for name in active)
+    for name in names:
+        yield module_of(name), getattr(effects, name)
 
 
 def _at_points(actuator: Actuator, motion: Motion, site: str, call: Callable[[Any, Any, Any], float]) -> Reals:
     """Sum over the active effects of a site, on every row; zeros at no cost when there are none."""
-    rows = motion.speed_rad_s.size
-    sites = {effect.name: effect.site for effect in load_definitions().effects}
-    if not any(sites[name] == site for name in actuator.active_effects):
-        return np.zeros(rows)
+    functions = list(_active(actuator, site))
+    if not functions:
+        return np.zeros(motion.speed_rad_s.size)
     from ema_tools.reference.point import Point
 
     columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm)
     points = (Point(float(i), float(w), float(a), float(x), 0.0) for i, w, a, x in zip(*columns, strict=True))
-    return np.array([_function_sum(actuator, site, lambda module, effect, point=point: call(module, effect, point)) for point in points])
+    return np.array([sum(call(module, effect, point) for module, effect in functions) for point in points])
 
 
 def drive_current(actuator: Actuator, record: Record) -> Reals:
@@ -460,12 +459,24 @@ def controller(actuator: Actuator, record: Record) -> Balance:
     return Balance("controller", "V", inner(record.time_s), inner(record.voltage_V), inner(record.voltage_V - scale * output))
 
 
-def all_balances(actuator: Actuator, record: Record) -> dict[str, Balance | str]:
-    """Every balance by name: a `Balance`, or in one sentence why it cannot be had."""
+_OTHERS: dict[str, Callable[[Actuator, Record], Balance]] = {"electrical": electrical, "kinematic": kinematic, "controller": controller}
+
+
+def filter_of(actuator: Actuator, record: Record) -> Smoother:
+    """The filter of a record's mechanical balance; the usual one where there is no such balance."""
+    try:
+        return quiet_smoother(actuator, record)
+    except MissingSignal:
+        return Smoother.of(record.period_s)
+
+
+def all_balances(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> dict[str, Balance | str]:
+    """Every balance by name: a `Balance`, or in one sentence why it cannot be had. `smoother` is the mechanical one's, to compare like with like."""
+    use = smoother or filter_of(actuator, record)
     found: dict[str, Balance | str] = {}
-    for name, make in zip(BALANCES, (mechanical, electrical, kinematic, controller), strict=True):
+    for name in BALANCES:
         try:
-            found[name] = make(actuator, record)
+            found[name] = mechanical(actuator, record, use) if name == "mechanical" else _OTHERS[name](actuator, record)
         except MissingSignal as missing:
             found[name] = str(missing)
     return found

@@ -216,26 +216,27 @@ class _Loop:
         self.names = tuple(names)
         self.rows = [row_of(name) for name in names]
         # A value that may be zero is measured by what it competes with: load by friction.
-        self.size = np.array([actuator[name] if actuator[name] else max(actuator[FRICTION], 1e-6) for name in names])
-        self.lower = np.array([row.lower for row in self.rows]) / np.abs(self.size)
-        self.upper = np.array([row.upper for row in self.rows]) / np.abs(self.size)
-        self.size = np.abs(self.size)
+        self.size = np.array([abs(actuator[name]) or max(actuator[FRICTION], 1e-6) for name in names])
+        self.lower = np.array([row.lower for row in self.rows]) / self.size
+        self.upper = np.array([row.upper for row in self.rows]) / self.size
 
     def start(self) -> Reals:
-        return np.clip(np.array([self.actuator[name] for name in self.names]) / self.size, self.lower, self.upper)
+        """The actuator's own values."""
+        return np.asarray(np.clip(np.array([self.actuator[name] for name in self.names]) / self.size, self.lower, self.upper))
 
     def at(self, point: Reals) -> Actuator:
+        """The actuator at a point, held inside the ranges."""
         return self.actuator.changed(dict(zip(self.names, np.clip(point, self.lower, self.upper) * self.size, strict=True)))
 
     def errors(self, point: Reals, record: Record) -> Reals:
         """Measured minus simulated, [rows, channels]."""
         simulation = simulated(self.at(point), record)
-        return np.column_stack([record.channel(name) - getattr(simulation, name) for name in CHANNELS if record.channel(name) is not None])
+        return np.column_stack([record.recorded(name) - getattr(simulation, name) for name in CHANNELS if name in record.present])
 
     def trust(self, record: Record) -> Reals:
         """Smallest error that is believed, per channel."""
         sizes = [float(np.sqrt(np.mean(values**2))) for name in CHANNELS if (values := record.channel(name)) is not None]
-        return np.maximum(_TRUST * np.array(sizes), 1e-12)
+        return np.asarray(np.maximum(_TRUST * np.array(sizes), 1e-12))
 
     def slopes(self, point: Reals) -> list[Reals]:
         """Central differences of the errors, per record [rows, channels, parameters], all simulations in parallel."""

@@ -112,7 +112,8 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     writable(json_path, force=force)
     model = read_actuator(actuator)
     measured = read_record(record, model)
-    found = work(model, measured, int(precision))
+    with progress("comparing", 3) as bar:
+        found = work(model, measured, int(precision), bar.update)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     drawn = curves(measured, {"model": found.simulation})
     result = {"command": "compare", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}

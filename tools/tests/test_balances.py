@@ -91,7 +91,7 @@ def test_missing_signals_are_named() -> None:
     assert found["electrical"] == "voltage_V is not recorded"
     assert found["kinematic"] == "motor_position_mm is not recorded"
     assert found["controller"] == "voltage_V is not recorded"
-    assert found["mechanical"] == "current_A is not recorded"
+    assert found["mechanical"] == "motor_position_mm is not recorded, and the rod follows the motor with play"
     no_motor = all_balances(reference_actuator(), replace(record, motor_position_mm=None))
     assert no_motor["mechanical"] == "motor_position_mm is not recorded, and the rod follows the motor with play"
     assert no_motor["controller"] == "motor_position_mm is not recorded, and the loop is closed on the motor encoder"

@@ -35,6 +35,7 @@ def test_balances_alone_come_near() -> None:
         assert found.actuator[name] == pytest.approx(reference_actuator()[name], rel=accuracy)
 
 
+@pytest.mark.slow
 def test_stated_errors_hold_under_sensor_noise() -> None:
     truth = reference_actuator()
     record = chirp_record()

@@ -102,3 +102,13 @@ def test_result_has_the_keys_that_programs_read() -> None:
     assert result["balances"]["electrical"]["reason"] == "voltage_V is not recorded"
     assert result["balances"]["mechanical"]["reason"] is None
     assert {"name", "share_percent"} <= set(result["where"][0])
+
+
+def test_noise_and_method_are_those_of_the_same_filter() -> None:
+    noisy = chirp_record().with_noise({"position_mm": 0.005, "motor_position_mm": 0.005, "current_A": 0.03}, 1)
+    balance = compare(reference_actuator(), noisy).balances["mechanical"]
+    assert 0.0 < balance.noise_rms < balance.rms
+    assert 0.0 < balance.method_rms < balance.rms
+    assert balance.rms < 1.5 * np.hypot(balance.noise_rms, balance.method_rms)
+    warm = compare(reference_actuator().changed({"screw.csj_Nm": 0.16}), noisy)
+    assert "is in the mechanical balance" in warm.sentence
