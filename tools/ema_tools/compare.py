@@ -201,7 +201,10 @@ class _State:
 
 
 def _even(by: str, values: Reals, unit: str, period_s: float) -> _State | None:
+    """Parts of equal width between the lowest and the highest value; None when nothing changes."""
     low, high = float(np.min(values)), float(np.max(values))
+    # A size begins at zero; its smallest sample is only close to it.
+    low = 0.0 if 0.0 < low < 0.01 * high else low
     if not high > low:
         return None
     edges = tuple(float(edge) for edge in np.linspace(low, high, _BINS + 1))
