@@ -187,6 +187,9 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         return EMA_ERR_NULL;
     }
     ema_status_t status = EMA_OK;
+    /* a copy of a session reads its own record, not the original's */
+    session->run.record = &session->record;
+    session->weighing.record = &session->record;
     if (session->phase == EMA_PHASE_FEEDING) {
         if (session->record.count < EMA_ROWS_MIN) {
             return EMA_ERR_SHORT;
