@@ -98,12 +98,16 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
         status = ema_record_init(&record, &config->record);
     }
     if (status == EMA_OK) {
+        /* the annealer refuses before anything has changed */
+        status = ema_annealer_init(&session->annealer, &annealer);
+    }
+    if (status == EMA_OK) {
         const ema_session_t fresh = {0};
         *session = fresh;
         session->config = config;
         session->record = record;
         session->phase = EMA_PHASE_FEEDING;
-        status = ema_annealer_init(&session->annealer, &annealer);
+        (void)ema_annealer_init(&session->annealer, &annealer);
     }
     return status;
 }
