@@ -73,6 +73,10 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         if (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK) {
             return EMA_ERR_RANGE;
         }
+        const ema_range_t* const range = ema_actuator_range(identified->id);
+        if ((identified->lower < range->lower) || (identified->upper > range->upper)) {
+            return EMA_ERR_RANGE;
+        }
         if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0)) || !(identified->min_shift_percent >= EMA_R(0.0))) {
             return EMA_ERR_RANGE;
         }
