@@ -141,7 +141,14 @@ static ema_status_t ema_search_start(ema_session_t* session)
     const ema_session_config_t* const config = session->config;
     const ema_actuator_t candidate = session->healthy_done ? ema_actuator_at(config, ema_annealer_candidate(&session->annealer)) : *config->actuator;
     const ema_real limit = (config->abandon && session->healthy_done) ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX) : EMA_COST_MAX;
-    return ema_objective_start(&session->run, &candidate, &session->record, config->weight, session->start_mm, limit);
+    ema_status_t status = ema_objective_start(&session->run, &candidate, &session->record, config->weight, session->start_mm, limit);
+    if ((status != EMA_OK) && session->healthy_done) {
+        /* bounds can hold values of which no model can be made, too stiff ones for instance: they cost the most, and the search goes on */
+        session->run.state = EMA_OBJECTIVE_DIVERGED;
+        session->run.sum = EMA_COST_MAX;
+        status = EMA_OK;
+    }
+    return status;
 }
 
 static ema_status_t ema_weighing_start(ema_session_t* session)
