@@ -111,6 +111,17 @@ static void test_negative_shift_is_no_fault(void)
     JUDGE(lines);
 }
 
+static void test_what_is_no_number_is_never_healthy(void)
+{
+    const double nan = (double)NAN;
+    const line_t lines[] = {
+        {0.0, nan, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NOT_SENSITIVE)},
+        {30.0, 0.1, 0.0, nan, 5.0, 0.0, UNDECIDED(EMA_REASON_NOT_SENSITIVE)},
+        {nan, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+    };
+    JUDGE(lines);
+}
+
 static void test_sure_fault_stands_beside_a_neighbours_doubt(void)
 {
     const line_t lines[] = {
@@ -285,6 +296,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_shift_against_its_threshold);
     RUN_TEST(test_negative_shift_is_no_fault);
+    RUN_TEST(test_what_is_no_number_is_never_healthy);
     RUN_TEST(test_sure_fault_stands_beside_a_neighbours_doubt);
     RUN_TEST(test_parameter_that_the_record_does_not_show);
     RUN_TEST(test_residual_larger_than_the_noise_explains);
