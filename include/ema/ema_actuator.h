@@ -12,6 +12,10 @@
 #include "ema/ema_real.h"
 #include "ema/ema_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Real parameters, in the order of the list. */
 typedef struct {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) ema_real field;
@@ -85,5 +89,9 @@ ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender
 /* Reads and writes a real value by id. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for an id outside the list. Cost: constant. */
 ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id, ema_real* value);
 ema_status_t ema_actuator_set(ema_actuator_t* actuator, ema_value_id_t id, ema_real value);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -25,6 +25,10 @@
 #include "ema/ema_real.h"
 #include "ema/ema_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EMA_ANNEALER_DIMENSION_MAX 8U
 
 /* Best points kept for the quadratic. */
@@ -105,5 +109,9 @@ void ema_annealer_tell(ema_annealer_t* annealer, ema_real cost);
 
 /* Whether and why the search ended. */
 ema_outcome_t ema_annealer_outcome(const ema_annealer_t* annealer);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

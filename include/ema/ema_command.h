@@ -11,6 +11,10 @@
 #include "ema/ema_real.h"
 #include "ema/ema_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     EMA_COMMAND_CHIRP = 0,     /* linear sine sweep */
     EMA_COMMAND_MULTISINE = 1, /* Schroeder phases */
@@ -49,5 +53,9 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
 
 /* The command at step `step` in mm. Cost: one sine (multisine: `count`). */
 ema_real ema_command_at(const ema_command_t* command, uint32_t step);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

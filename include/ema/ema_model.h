@@ -10,6 +10,10 @@
 
 #include "ema/ema_plant.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     ema_plant_t plant;
     ema_state_t state;
@@ -27,5 +31,9 @@ void ema_model_restart(ema_model_t* model);
  * Cost: fixed, except in a step with a reversal, break-away, saturation or end stop (at most EMA_EVENTS_MAX located events).
  * Errors: EMA_ERR_NULL; EMA_ERR_NOT_FINITE for the command, nothing changed; EMA_ERR_DIVERGED when the new state is not finite. */
 ema_status_t ema_model_step(ema_model_t* model, ema_real command_mm, ema_output_t* output);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

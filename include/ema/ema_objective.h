@@ -10,6 +10,10 @@
 #include "ema/ema_model.h"
 #include "ema/ema_record.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     EMA_OBJECTIVE_DONE = 0,     /* the value is E */
     EMA_OBJECTIVE_RUNNING = 1,
@@ -46,5 +50,9 @@ ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t ste
 
 /* The value so far. */
 ema_real ema_objective_value(const ema_objective_t* objective);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

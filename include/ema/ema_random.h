@@ -10,6 +10,10 @@
 
 #include "ema/ema_real.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     uint64_t state;
     uint64_t increment; /* odd */
@@ -26,5 +30,9 @@ ema_real ema_random_uniform(ema_random_t* random);
 
 /* Standard normal by the sum of twelve uniforms minus six: mean 0, variance 1, |x| < 6, no transcendental. */
 ema_real ema_random_normal(ema_random_t* random);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

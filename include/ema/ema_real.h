@@ -2,6 +2,10 @@
 #ifndef EMA_REAL_H
 #define EMA_REAL_H
 
+#ifdef __FAST_MATH__
+#error "EMA needs IEEE arithmetic: without it NaN passes every check and results differ between machines. Build without -ffast-math."
+#endif
+
 /* EMA_REAL64 = 1 builds the same sources in double precision. Both builds of a program must agree: it is set for the
  * whole library and its users by the build, never per file. */
 #ifndef EMA_REAL64

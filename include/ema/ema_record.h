@@ -14,6 +14,10 @@
 #include "ema/ema_real.h"
 #include "ema/ema_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     EMA_CHANNEL_POSITION = 0,       /* rod, mm; always recorded */
     EMA_CHANNEL_MOTOR_POSITION = 1, /* motor encoder expressed at the rod, mm */
@@ -68,5 +72,9 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
 /* Reads row `row`; channels that are not kept read zero. With a command that is a function, command_mm is its value at model step
  * row * every_steps. Errors: EMA_ERR_NULL; EMA_ERR_RANGE. Cost: constant. */
 ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t every_steps, ema_sample_t* sample);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 #include "ema/ema_model.h"
 #include "ema/ema_record.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Parameters that are weighed at once: sets the memory. */
 #define EMA_IDENTIFIED_MAX 4U
 
@@ -53,5 +57,9 @@ bool ema_sensitivity_done(const ema_sensitivity_t* self);
 
 /* Standard errors and residual, after the runs are done. Cost: one Cholesky solution of `count` unknowns. */
 void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,7 +5,8 @@
  *     while (ema_session_run(&session, 200) == EMA_OK && ema_session_phase(&session) != EMA_PHASE_DONE) { }   in slices
  *     ema_session_result(&session, &result);
  *
- * The session is one structure of the caller; with the record's buffer it is all the memory there is. It is a plain value apart from the
+ * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 6 KiB and 4 bytes a row of command and rod position
+ * as int16. The deepest call, a fit of the annealer's quadratic, takes about 2 KiB of stack in float32. It is a plain value apart from the
  * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
  */
 #ifndef EMA_SESSION_H
@@ -14,6 +15,10 @@
 #include "ema/ema_annealer.h"
 #include "ema/ema_objective.h"
 #include "ema/ema_sensitivity.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* Fewest rows that are identified from. */
 #define EMA_ROWS_MIN 100U
@@ -97,6 +102,7 @@ typedef struct {
     uint64_t model_steps;
     uint32_t evaluations;
     bool healthy_done;         /* the cost at the healthy values is known */
+    bool weighed;              /* the estimate could be weighed */
     ema_phase_t phase;
 } ema_session_t;
 
@@ -111,12 +117,17 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample);
 
 /* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go on);
- * those of ema_objective_start at the first call. Cost: `steps` model steps, and at the end of a model run what ema_annealer_tell costs. */
+ * those of ema_objective_start at the first call, which can then be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst.
+ * Cost: `steps` model steps; ending a model run and preparing the next counts as 64 of them, whatever it took. Once done, a call does nothing. */
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
 
 ema_phase_t ema_session_phase(const ema_session_t* session);
 
 /* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL; EMA_ERR_ORDER before the first run. */
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

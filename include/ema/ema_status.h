@@ -6,6 +6,10 @@
 #ifndef EMA_STATUS_H
 #define EMA_STATUS_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EMA_STATUS_LIST(X)                                                                                         \
     X(EMA_OK, 0, "ok")                                                                                             \
     X(EMA_ERR_NULL, 1, "a required pointer is null")                                                               \
@@ -28,5 +32,9 @@ typedef enum {
 
 /* The text of a status, a constant string; "unknown status" for a value outside the list. Cost: a handful of comparisons. */
 const char* ema_status_text(ema_status_t status);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -15,6 +15,9 @@
 #define EMA_FIRST_STEP EMA_R(0.2)
 #define EMA_STALL_PER_PARAMETER 20U
 
+/* What ending a model run and preparing the next costs, in model steps: a slice in which many short runs end does not grow. */
+#define EMA_RUN_STEPS 64U
+
 /* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
 #define EMA_START_NOISE EMA_R(4.0)
 
@@ -186,12 +189,13 @@ static ema_status_t ema_search_advance(ema_session_t* session)
     } else {
         ema_annealer_tell(&session->annealer, cost);
     }
-    ema_status_t status;
+    ema_status_t status = EMA_OK;
     if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
         status = ema_search_start(session);
     } else {
-        status = ema_weighing_start(session);
-        session->phase = EMA_PHASE_WEIGHING;
+        /* an estimate beside which no model can be made is left unweighed: the result then says that the record does not determine it */
+        session->weighed = ema_weighing_start(session) == EMA_OK;
+        session->phase = session->weighed ? EMA_PHASE_WEIGHING : EMA_PHASE_DONE;
     }
     return status;
 }
@@ -224,6 +228,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         session->model_steps += made;
         if (state != EMA_OBJECTIVE_RUNNING) {
             status = ema_search_advance(session);
+            left = (left > EMA_RUN_STEPS) ? (left - EMA_RUN_STEPS) : 0U;
         }
     }
     while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_WEIGHING)) {
@@ -255,7 +260,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     const ema_result_t fresh = {0};
     *result = fresh;
     ema_sensitivity_result_t weighed = {0};
-    if (session->phase == EMA_PHASE_DONE) {
+    if ((session->phase == EMA_PHASE_DONE) && session->weighed) {
         ema_sensitivity_result(&session->weighing, &weighed);
     }
     result->identified_count = config->identified_count;

@@ -324,8 +324,11 @@ static void test_result_is_the_same_bits_for_any_slices(void)
         const uint64_t calls = run_in_slices(&session, slices[k]);
         const ema_result_t sliced = result_of(&session);
         EMA_ASSERT_SAME_BITS(&whole, &sliced, sizeof whole);
-        /* every slice but the last makes exactly the steps it may */
-        TEST_ASSERT_EQUAL_UINT64((whole.model_steps + slices[k] - 1U) / slices[k], calls);
+        /* a slice makes the steps it may, less 64 for each model run that ends in it */
+        const uint64_t least = (whole.model_steps + slices[k] - 1U) / slices[k];
+        const uint64_t most = ((whole.model_steps + (UINT64_C(64) * whole.evaluations)) / slices[k]) + whole.evaluations + 1U;
+        TEST_ASSERT_TRUE(calls >= least);
+        TEST_ASSERT_TRUE(calls <= most);
     }
 }
 
