@@ -70,6 +70,7 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
         ema_effects_adjust(&actuator->effects, &adjusted.params);
         const ema_params_t* const params = &adjusted.params;
         if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
+            || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
             || !(params->resistance_ohm > EMA_R(0.0))) {
             status = EMA_ERR_RANGE;
         } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * actuator->params.inertia_kgm2))) {
@@ -90,12 +91,30 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
     return status;
 }
 
+void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, ema_real output)
+{
+    const uint32_t mask = EMA_DELAY_SAMPLES - 1U;
+    state->delay_output[state->step & mask] = output;
+    const uint32_t late = state->step - plant->drive.delay_steps;
+    const ema_real earlier = state->delay_output[(late - 1U) & mask];
+    const ema_real later = state->delay_output[late & mask];
+    if (plant->drive.delay_part > EMA_R(0.0)) {
+        const ema_drive_output_t first = ema_drive_step(&plant->drive, &plant->motor, earlier, state->current_A, state->speed_rad_s);
+        ema_tick_current(plant, state, &first);
+        ema_motion_part(plant, state, &first, plant->drive.delay_part);
+    }
+    const ema_drive_output_t second = ema_drive_step(&plant->drive, &plant->motor, later, state->current_A, state->speed_rad_s);
+    ema_tick_current(plant, state, &second);
+    ema_motion_part(plant, state, &second, EMA_R(1.0) - plant->drive.delay_part);
+}
+
 void ema_model_restart(ema_model_t* model)
 {
     const ema_plant_t* const plant = &model->plant;
     const ema_state_t rest = {0};
     ema_state_t* const state = &model->state;
     *state = rest;
+    state->motion = (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
     state->angle_rad = plant->start_mm / plant->gearbox.lead_mm_per_rad;
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;

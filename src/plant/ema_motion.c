@@ -35,19 +35,49 @@ typedef struct {
 
 static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm, ema_real direction)
 {
-    ema_real total_Nm = level_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
+    const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, direction);
+    ema_real total_Nm = own_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
     if (plant->active.friction != 0U) {
-        total_Nm += ema_site_friction(plant, site, level_Nm);
+        total_Nm += ema_site_friction(plant, site, own_Nm);
     }
     return ema_max(total_Nm, EMA_R(0.0));
 }
 
-static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_drive_output_t* applied, int32_t motion, const ema_point_t* point)
+/* Torque of dry friction on a shaft that slides, or stretches its contact. */
+static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, const ema_site_t* site, ema_real load_Nm)
 {
-    /* past a reversal that is not located yet the friction keeps the direction of the motion */
-    const ema_real direction = (ema_real)motion;
-    const ema_real speed_rad_s = (motion == 0) ? EMA_R(0.0) : (direction * ema_max(direction * point->speed_rad_s, EMA_R(0.0)));
-    const ema_site_t site = {speed_rad_s, point->angle_rad, plant->gearbox.lead_mm_per_rad * point->angle_rad, point->current_A, applied->voltage_V};
+    if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
+        const ema_real direction = (ema_real)state->motion;
+        return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
+    }
+    const ema_real share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
+    return -share * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
+}
+
+/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion. */
+static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
+{
+    ema_real speed = speed_rad_s;
+    if (motion == (int32_t)EMA_MOTION_STUCK) {
+        speed = EMA_R(0.0);
+    } else if (motion == (int32_t)EMA_MOTION_FORWARD) {
+        speed = ema_max(speed_rad_s, EMA_R(0.0));
+    } else if (motion == (int32_t)EMA_MOTION_BACKWARD) {
+        speed = ema_min(speed_rad_s, EMA_R(0.0));
+    } else {
+        /* an elastic contact has no direction to keep */
+    }
+    return speed;
+}
+
+static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, const ema_point_t* point)
+{
+    const ema_site_t site = {plant,
+                             ema_force_speed(state->motion, point->speed_rad_s),
+                             point->angle_rad,
+                             plant->gearbox.lead_mm_per_rad * point->angle_rad,
+                             point->current_A,
+                             applied->voltage_V};
     ema_forces_t forces = {applied->input, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     if (!applied->current_loop && (plant->active.voltage != 0U)) {
         forces.input += ema_site_voltage(plant, &site);
@@ -60,11 +90,16 @@ static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_drive_outp
     if (plant->active.torque != 0U) {
         forces.torque_Nm += ema_site_torque(plant, &site);
     }
-    if (motion == 0) {
+    if (plant->active.motor != 0U) {
+        const ema_real change = ema_site_motor(plant, &site);
+        forces.torque_Nm += change * plant->motor.torque_constant_Nm_per_A * site.current_A;
+        forces.input -= applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+    }
+    if (state->motion == (int32_t)EMA_MOTION_STUCK) {
         forces.level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
         forces.level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
     } else {
-        forces.torque_Nm -= direction * ema_level(plant, &site, plant->screw.dynamic_Nm, load_Nm, direction);
+        forces.torque_Nm += ema_sliding_friction(plant, state, &site, load_Nm);
     }
     return forces;
 }
@@ -95,7 +130,7 @@ static ema_segment_t ema_segment_open(const ema_plant_t* plant, const ema_state_
     segment.start.speed_rad_s = state->speed_rad_s;
     segment.start.angle_rad = state->angle_rad;
     segment.end = segment.start;
-    segment.forces = ema_forces_at(plant, applied, state->motion, &segment.start);
+    segment.forces = ema_forces_at(plant, state, applied, &segment.start);
     segment.input_rise = EMA_R(0.0);
     segment.torque_rise_Nm = EMA_R(0.0);
     if (plant->active.transmission != 0U) {
@@ -107,11 +142,11 @@ static ema_segment_t ema_segment_open(const ema_plant_t* plant, const ema_state_
 /* Lets the forces rise evenly to those at the predicted end. */
 static void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
 {
-    const ema_forces_t last = ema_forces_at(plant, applied, state->motion, &segment->end);
+    const ema_forces_t last = ema_forces_at(plant, state, applied, &segment->end);
     ema_forces_t first = segment->forces;
     segment->input_rise = last.input - first.input;
     if (plant->active.transmission != 0U) {
-        first = ema_forces_at(plant, applied, state->motion, &segment->start);
+        first = ema_forces_at(plant, state, applied, &segment->start);
         const ema_rod_t rod = ema_transmission_trial(plant, state, ema_play_at(plant, state, segment->end.angle_rad), span_s);
         segment->forces.torque_Nm = first.torque_Nm + rod.reaction_start_Nm;
         segment->torque_rise_Nm = (last.torque_Nm + rod.reaction_end_Nm) - segment->forces.torque_Nm;
@@ -141,6 +176,15 @@ static void ema_segment_respond(const ema_circuit_t* circuit, int32_t motion, em
     }
 }
 
+/* Turns the shaft; an elastic contact follows. */
+static void ema_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
+{
+    if (state->motion == (int32_t)EMA_MOTION_ELASTIC) {
+        ema_site_presliding_keep(plant, state->effect_memory, ema_site_presliding(plant, state->effect_memory, turn_rad));
+    }
+    ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
+}
+
 /* One integration step with effects but without an event; false, and nothing changed, when something would happen. */
 static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
 {
@@ -154,8 +198,9 @@ static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* cir
     ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
 
     bool smooth = ema_abs(segment.end.current_A) <= plant->linear_current_A;
-    if (state->motion != 0) {
-        smooth = smooth && (((ema_real)state->motion * segment.end.speed_rad_s) > EMA_R(0.0)) && (segment.end.angle_rad < plant->screw.stop_upper_rad)
+    if (state->motion != (int32_t)EMA_MOTION_STUCK) {
+        const bool keeps = (state->motion == (int32_t)EMA_MOTION_ELASTIC) || (((ema_real)state->motion * segment.end.speed_rad_s) > EMA_R(0.0));
+        smooth = smooth && keeps && (segment.end.angle_rad < plant->screw.stop_upper_rad)
                  && (segment.end.angle_rad > plant->screw.stop_lower_rad);
     } else {
         const ema_real gain = plant->motor.torque_constant_Nm_per_A;
@@ -166,7 +211,7 @@ static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* cir
     if (smooth) {
         state->current_A = segment.end.current_A;
         state->speed_rad_s = segment.end.speed_rad_s;
-        ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
+        ema_turn(plant, state, turn_rad);
     }
     return smooth;
 }
@@ -321,7 +366,8 @@ static void ema_event_at_rest(ema_event_t* event, const ema_plant_t* plant, cons
     }
 }
 
-static void ema_event_sliding(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, ema_located_t* located)
+/* The speed reaches zero. */
+static void ema_event_reversal(ema_event_t* event, const ema_state_t* state, ema_located_t* located)
 {
     const ema_real direction = (ema_real)state->motion;
     ema_real* const speed_rad_s = located->series.speed_rad_s;
@@ -336,9 +382,29 @@ static void ema_event_sliding(ema_event_t* event, const ema_plant_t* plant, cons
             /* something else comes first */
         }
     }
-    const ema_real stop_rad = (state->motion > 0) ? plant->screw.stop_upper_rad : plant->screw.stop_lower_rad;
-    if ((direction * (located->segment.end.angle_rad - stop_rad)) >= EMA_R(0.0)) {
+}
+
+/* An end of travel that the shaft moves towards. */
+static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, ema_located_t* located)
+{
+    const ema_real end_rad = located->segment.end.angle_rad;
+    ema_real stop_rad = EMA_R(0.0);
+    bool reached = false;
+    if ((end_rad >= plant->screw.stop_upper_rad) && (end_rad > state->angle_rad)) {
+        stop_rad = plant->screw.stop_upper_rad;
+        reached = true;
+    } else if ((end_rad <= plant->screw.stop_lower_rad) && (end_rad < state->angle_rad)) {
+        stop_rad = plant->screw.stop_lower_rad;
+        reached = true;
+    } else {
+        /* inside the travel */
+    }
+    if (reached) {
+        const ema_event_t before = *event;
         ema_event_take(event, EMA_EVENT_STOP, located->series.angle_rad, stop_rad - state->angle_rad, EMA_R(0.0));
+        if (event->at != before.at) {
+            event->value = stop_rad;
+        }
     }
 }
 
@@ -354,18 +420,21 @@ static ema_event_t ema_event_find(const ema_plant_t* plant, const ema_circuit_t*
     if (state->motion == 0) {
         ema_event_at_rest(&event, plant, state, located);
     } else {
-        ema_event_sliding(&event, plant, state, located);
+        if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
+            ema_event_reversal(&event, state, located);
+        }
+        ema_event_stop(&event, plant, state, located);
     }
     return event;
 }
 
 /* Moves the state to the fraction `at` of the span. */
-static void ema_motion_to(ema_state_t* state, const ema_series_t* series, ema_real at)
+static void ema_motion_to(const ema_plant_t* plant, ema_state_t* state, const ema_series_t* series, ema_real at)
 {
     state->current_A = ema_series_at(series->current_A, at);
     if (state->motion != 0) {
         state->speed_rad_s = ema_series_at(series->speed_rad_s, at);
-        ema_add_compensated(&state->angle_rad, &state->angle_low_rad, ema_series_at(series->angle_rad, at));
+        ema_turn(plant, state, ema_series_at(series->angle_rad, at));
     }
 }
 
@@ -375,8 +444,9 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const 
     /* a turning point is the extreme that the play sees */
     ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
     state->speed_rad_s = EMA_R(0.0);
+    state->motion = (int32_t)EMA_MOTION_STUCK;
     const ema_point_t here = {state->current_A, EMA_R(0.0), state->angle_rad};
-    const ema_forces_t forces = ema_forces_at(plant, applied, 0, &here);
+    const ema_forces_t forces = ema_forces_at(plant, state, applied, &here);
     const ema_real torque_Nm = forces.torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
     state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces.level_forward_Nm, forces.level_backward_Nm);
 }
@@ -388,10 +458,12 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
         ema_motion_rest(plant, state, applied);
         break;
     case EMA_EVENT_STOP:
-        state->angle_rad = (state->motion > 0) ? plant->screw.stop_upper_rad : plant->screw.stop_lower_rad;
+        state->angle_rad = event->value;
         state->angle_low_rad = EMA_R(0.0);
         state->speed_rad_s = EMA_R(0.0);
-        state->motion = (int32_t)EMA_MOTION_STUCK;
+        if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
+            state->motion = (int32_t)EMA_MOTION_STUCK;
+        }
         break;
     case EMA_EVENT_CURRENT:
         state->current_A = event->value;
@@ -410,9 +482,9 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
 }
 
 /* One integration step with its events, each located. */
-static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
+static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
 {
-    ema_real left_s = plant->substep_s;
+    ema_real left_s = span_s;
     uint32_t events = 0U;
     bool done = false;
     while (!done && (events < EMA_EVENTS_MAX)) {
@@ -425,35 +497,46 @@ static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* cir
             ema_located_build(plant, state, circuit, left_s, &located);
         }
         const ema_event_t event = ema_event_find(plant, circuit, state, &located);
-        ema_motion_to(state, &located.series, event.at);
+        ema_motion_to(plant, state, &located.series, event.at);
         ema_event_apply(plant, state, applied, &event);
         if (event.kind == EMA_EVENT_NONE) {
             done = true;
         } else {
             left_s -= left_s * event.at;
             ++events;
-            done = !(left_s > EMA_R(0.0));
+            /* an elastic contact rests against the stop for what is left of the step */
+            done = !(left_s > EMA_R(0.0)) || ((event.kind == EMA_EVENT_STOP) && (state->motion == (int32_t)EMA_MOTION_ELASTIC));
         }
     }
     if (!done) {
         state->speed_rad_s = EMA_R(0.0);
-        state->motion = (int32_t)EMA_MOTION_STUCK;
+        state->motion = (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
         ++state->crowded_steps;
     }
 }
 
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
 {
     const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
     const ema_real play_start_mm = state->play_mm;
-    if (!plant->active.any || !ema_motion_smooth(plant, circuit, state, applied)) {
-        ema_motion_events(plant, circuit, state, applied);
+    /* the prepared responses hold for a whole integration step alone */
+    const bool whole = span_s == plant->substep_s;
+    if (!plant->active.any || !whole || !ema_motion_smooth(plant, circuit, state, applied)) {
+        ema_motion_events(plant, circuit, state, applied, span_s);
     }
     if (plant->active.transmission != 0U) {
         ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, plant->substep_s, plant->gearbox.lead_mm_per_rad};
+        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
         const ema_rod_t rod = ema_site_transmission(plant, &step, state->effect_memory);
         state->rod_mm = rod.rod_mm;
         state->rod_speed_mm_s = rod.rod_speed_mm_s;
+    }
+}
+
+void ema_motion_part(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real part)
+{
+    const ema_real span_s = part * plant->substep_s;
+    for (uint32_t k = 0; k < plant->substeps; ++k) {
+        ema_motion_located(plant, state, applied, span_s);
     }
 }
