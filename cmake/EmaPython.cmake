@@ -42,6 +42,6 @@ configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/e
 
 add_custom_target(demo
     COMMAND "${CMAKE_BINARY_DIR}/ema" demo
-    WORKING_DIRECTORY "${CMAKE_BINARY_DIR}"
+    WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     DEPENDS venv ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)

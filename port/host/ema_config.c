@@ -9,6 +9,7 @@
 #define LINE_MAX_BYTES 1024
 #define NAME_MAX_BYTES 128
 #define FIELD_SHOWN 48U
+#define RANGE_DIGITS 6
 
 #define ROW_COUNT (EMA_VALUE_COUNT + EMA_OPTION_COUNT)
 
@@ -143,9 +144,9 @@ static bool ema_fail_range(const ema_place_t* place, const char* name, size_t id
         ema_text_add(&why, "; write one of these words");
     } else {
         ema_text_add(&why, (id < EMA_VALUE_COUNT) ? "\" is no number from " : "\" is no whole number from ");
-        ema_text_add_real(&why, (double)range->lower);
+        ema_text_add_real(&why, (double)range->lower, RANGE_DIGITS);
         ema_text_add(&why, " to ");
-        ema_text_add_real(&why, (double)range->upper);
+        ema_text_add_real(&why, (double)range->upper, RANGE_DIGITS);
         ema_text_add(&why, "; correct it");
     }
     return false;

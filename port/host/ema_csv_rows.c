@@ -22,6 +22,11 @@
 #define UNIT_FACTOR 100.0
 #define UNIT_CORRELATION 0.7
 
+/* Digits in messages: instants whole, the rest as far as it says something. */
+#define TIME_DIGITS 15
+#define STEP_DIGITS 6
+#define TRAVEL_DIGITS 4
+
 static const char* const ema_names[EMA_COLUMN_COUNT] = {"time_s",    "command_mm", "position_mm", "motor_position_mm",
                                                         "current_A", "voltage_V",  "speed_mm_s"};
 
@@ -71,9 +76,9 @@ static ema_csv_status_t ema_check_step(const ema_csv_rows_t* rows, int64_t row, 
     }
     ema_csv_rows_where(why, row, ema_names[EMA_COLUMN_TIME]);
     ema_text_add(why, "a step of ");
-    ema_text_add_real(why, step_s);
+    ema_text_add_real(why, step_s, STEP_DIGITS);
     ema_text_add(why, " s where the first rows have ");
-    ema_text_add_real(why, median_s);
+    ema_text_add_real(why, median_s, STEP_DIGITS);
     const double missing = floor((step_s / median_s) + 0.5) - 1.0;
     if ((missing >= 1.0) && (missing < 1.0e9) && (fabs(step_s - ((missing + 1.0) * median_s)) <= (STEP_TOLERANCE * median_s))) {
         ema_text_add(why, " s, rows missing before it: ");
@@ -111,9 +116,9 @@ ema_csv_status_t ema_csv_rows_add(ema_csv_rows_t* rows, int64_t row, const doubl
     ema_csv_status_t status = EMA_CSV_OK;
     if ((rows->count > 0) && !(step_s > 0.0)) {
         ema_csv_rows_where(why, row, ema_names[EMA_COLUMN_TIME]);
-        ema_text_add_real(why, time_s);
+        ema_text_add_real(why, time_s, TIME_DIGITS);
         ema_text_add(why, " s does not come after ");
-        ema_text_add_real(why, rows->last_time_s);
+        ema_text_add_real(why, rows->last_time_s, TIME_DIGITS);
         ema_text_add(why, " s; sort the rows by time and remove doubles, or write time_s with more digits if it was rounded");
         return EMA_CSV_TIME;
     }
@@ -176,9 +181,9 @@ static ema_csv_status_t ema_unit_error(ema_text_t* why, ema_column_t column, dou
 {
     ema_text_add(why, ema_names[column]);
     ema_text_add(why, ": travels ");
-    ema_text_add_real(why, travel_mm);
+    ema_text_add_real(why, travel_mm, TRAVEL_DIGITS);
     ema_text_add(why, against);
-    ema_text_add_real(why, reference_mm);
+    ema_text_add_real(why, reference_mm, TRAVEL_DIGITS);
     ema_text_add(why, advice);
     return EMA_CSV_UNIT;
 }
@@ -220,9 +225,9 @@ static ema_csv_status_t ema_units_fit(const ema_csv_rows_t* rows, double travel_
     if (reach_mm > (travel_mm * (1.0 + TRAVEL_MARGIN))) {
         ema_text_add(why, ema_names[EMA_COLUMN_POSITION]);
         ema_text_add(why, ": reaches ");
-        ema_text_add_real(why, reach_mm);
+        ema_text_add_real(why, reach_mm, TRAVEL_DIGITS);
         ema_text_add(why, " mm from the middle and the actuator's travel ends at ");
-        ema_text_add_real(why, travel_mm);
+        ema_text_add_real(why, travel_mm, TRAVEL_DIGITS);
         ema_text_add(why, " mm; take the sensor's offset off command and position, or correct travel_mm");
         return EMA_CSV_UNIT;
     }
@@ -236,9 +241,9 @@ ema_csv_status_t ema_csv_rows_fit(const ema_csv_rows_t* rows, double travel_mm, 
         const bool milliseconds = fabs(period_s - (1000.0 * record_period_s)) <= (STEP_TOLERANCE * 1000.0 * record_period_s);
         ema_text_add(why, ema_names[EMA_COLUMN_TIME]);
         ema_text_add(why, ": a row every ");
-        ema_text_add_real(why, period_s);
+        ema_text_add_real(why, period_s, STEP_DIGITS);
         ema_text_add(why, " s, and the actuator records one every ");
-        ema_text_add_real(why, record_period_s);
+        ema_text_add_real(why, record_period_s, STEP_DIGITS);
         ema_text_add(why, milliseconds ? " s: looks like milliseconds; divide the column by 1000"
                                        : " s; set the actuator's step_s and record_every_steps to this recording, or resample it");
         return EMA_CSV_PERIOD;

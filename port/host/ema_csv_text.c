@@ -107,10 +107,10 @@ void ema_text_add_path(ema_text_t* line, const char* path)
     ema_text_add_foreign(line, path, length, length);
 }
 
-void ema_text_add_real(ema_text_t* line, double value)
+void ema_text_add_real(ema_text_t* line, double value, int significant)
 {
     char digits[40];
-    (void)snprintf(digits, sizeof digits, "%.9g", value);
+    (void)snprintf(digits, sizeof digits, "%.*g", significant, value);
     size_t kept = 0U;
     for (size_t i = 0U; digits[i] != '\0'; ++i) {
         const char c = digits[i];

@@ -23,8 +23,8 @@ void ema_text_add_foreign(ema_text_t* line, const char* begin, size_t length, si
 /* Adds a path; of a long one the end. */
 void ema_text_add_path(ema_text_t* line, const char* path);
 
-/* Adds a number in the shortest of the usual forms, with a decimal point in every locale. */
-void ema_text_add_real(ema_text_t* line, double value);
+/* Adds a number with at most `digits` digits, 1 to 17, with a decimal point in every locale. */
+void ema_text_add_real(ema_text_t* line, double value, int digits);
 void ema_text_add_whole(ema_text_t* line, int64_t value);
 
 /* Bytes of the UTF-8 character at `begin`, 0 when it is broken. */

@@ -27,6 +27,7 @@
 #define EXIT_BAD_USAGE 2
 
 #define MESSAGE_SIZE EMA_CSV_MESSAGE
+#define TRAVEL_DIGITS 4
 
 /* All memory of the program: what firmware would place itself. */
 typedef struct {
@@ -108,7 +109,7 @@ static bool ema_refuse_sample(ema_program_t* program, ema_status_t status)
         ema_text_add(&why, " samples; shorten it, or build with a larger EMA_IDENTIFY_ROWS");
     } else if (status == EMA_ERR_SCALE) {
         ema_text_add(&why, "command_mm or position_mm lies outside the actuator's travel of plus and minus ");
-        ema_text_add_real(&why, (double)program->actuator.params.travel_mm);
+        ema_text_add_real(&why, (double)program->actuator.params.travel_mm, TRAVEL_DIGITS);
         ema_text_add(&why, " mm; correct the unit of the column, or the actuator's travel_mm");
     } else {
         ema_text_add(&why, ema_status_text(status));

@@ -11,7 +11,8 @@
 #include "ema_csv.h"
 
 #define ROWS 150
-#define LONG_ROWS 10000000
+/* The reader is the same in both builds, so one of them reads the long recording. */
+#define LONG_ROWS (EMA_REAL64 ? 100000 : 10000000)
 
 static char path[] = "ema_csv_test_XXXXXX";
 static double table[ROWS][EMA_COLUMN_COUNT];
@@ -178,11 +179,8 @@ static int64_t maker_source(void* context, char* buffer, size_t size)
     return (int64_t)made;
 }
 
-static void test_ten_million_rows(void)
+static void test_ten_million_rows_in_constant_memory(void)
 {
-#if EMA_REAL64
-    TEST_IGNORE_MESSAGE("the reader is the same in both builds; the float32 build reads the ten million rows");
-#else
     static ema_csv_t reader;
     maker_t maker = {.row = -1};
     double row[EMA_COLUMN_COUNT];
@@ -203,7 +201,6 @@ static void test_ten_million_rows(void)
     TEST_ASSERT_EQUAL_INT64(LONG_ROWS + 1, reader.line);
     TEST_ASSERT_EQUAL_INT64(expected, sum);
     EMA_ASSERT_CLOSE(0.001, ema_csv_rows_period_s(&reader.rows), 1e-12, 0.0);
-#endif
 }
 
 int main(void)
@@ -214,6 +211,6 @@ int main(void)
     RUN_TEST(test_an_error_in_the_middle);
     RUN_TEST(test_files_that_cannot_be_opened);
     RUN_TEST(test_wrong_calls);
-    RUN_TEST(test_ten_million_rows);
+    RUN_TEST(test_ten_million_rows_in_constant_memory);
     return UNITY_END();
 }

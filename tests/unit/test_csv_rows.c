@@ -64,11 +64,11 @@ static void test_metres(void)
 {
     scale(EMA_COLUMN_COMMAND, 1.0e-3);
     scale(EMA_COLUMN_POSITION, 1.0e-3);
-    assert_fit(EMA_CSV_UNIT, "rec: command_mm: travels 0.00399");
+    assert_fit(EMA_CSV_UNIT, "rec: command_mm: travels 0.004 mm where at least 0.05 mm");
     assert_fit(EMA_CSV_UNIT, "looks like metres; multiply the column by 1000");
     /* the position alone */
     scale(EMA_COLUMN_COMMAND, 1.0e3);
-    assert_fit(EMA_CSV_UNIT, "rec: position_mm: travels 0.00379");
+    assert_fit(EMA_CSV_UNIT, "rec: position_mm: travels 0.0038 mm along");
     assert_fit(EMA_CSV_UNIT, "looks like metres");
 }
 
@@ -77,24 +77,24 @@ static void test_metres_of_the_whole_stroke(void)
 {
     scale(EMA_COLUMN_COMMAND, 12.49e-3);
     scale(EMA_COLUMN_POSITION, 12.49e-3);
-    assert_fit(EMA_CSV_UNIT, "rec: command_mm: travels 0.0499");
+    assert_fit(EMA_CSV_UNIT, "rec: command_mm: travels 0.04996 mm");
     assert_fit(EMA_CSV_UNIT, "looks like metres");
 }
 
 static void test_micrometres(void)
 {
     scale(EMA_COLUMN_POSITION, 1.0e3);
-    assert_fit(EMA_CSV_UNIT, "rec: position_mm: travels 37");
+    assert_fit(EMA_CSV_UNIT, "rec: position_mm: travels 3800 mm");
     assert_fit(EMA_CSV_UNIT, "looks like micrometres; divide the column by 1000");
     scale(EMA_COLUMN_COMMAND, 1.0e3);
-    assert_fit(EMA_CSV_UNIT, "rec: command_mm: travels 39");
+    assert_fit(EMA_CSV_UNIT, "rec: command_mm: travels 4000 mm");
     assert_fit(EMA_CSV_UNIT, "looks like micrometres");
     /* inside a long stroke the command gives it away */
     setUp();
     scale(EMA_COLUMN_COMMAND, 0.5);
     scale(EMA_COLUMN_POSITION, 0.5e3);
     TEST_ASSERT_EQUAL_INT(EMA_CSV_UNIT, fit(990.0));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, " mm along with a command over 1.9"), message);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, " mm along with a command over 2 mm"), message);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, "looks like micrometres"), message);
 }
 

@@ -26,6 +26,7 @@ from ema_tools.balances import (
     mechanical_model,
 )
 from ema_tools.errors import InputError, MissingSignal
+from ema_tools.linear import VALUES, ForceModel, at_rod, lead_m_per_rad
 from ema_tools.native import CHANNELS, Reals
 from ema_tools.parallel import each
 from ema_tools.records import Record, simulated
@@ -82,9 +83,18 @@ class Calibration:
                 }
                 for parameter in self.parameters
             },
+            "at_rod": {title: model.as_dict() for title, model in self.at_rod().items()},
             "error": {"before": self.errors_before, "after": self.errors_after},
             "left_out": self.left_out,
         }
+
+    def at_rod(self) -> dict[str, ForceModel]:
+        """The mechanics as a force model at the rod: `before`, `after`, `std`; empty when they were not calibrated."""
+        found = {parameter.name: parameter for parameter in self.parameters}
+        if not set(VALUES) <= set(found):
+            return {}
+        lead = lead_m_per_rad(self.actuator)
+        return {title: at_rod({name: getattr(found[name], title) for name in VALUES}, lead) for title in ("before", "after", "std")}
 
 
 def channel_errors(actuator: Actuator, records: Sequence[Record]) -> dict[str, float]:

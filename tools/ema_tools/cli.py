@@ -8,10 +8,12 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
+from ema_tools import __version__
 from ema_tools.console import complain, output, progress
 from ema_tools.definitions import DefinitionError
 from ema_tools.errors import InputError, MissingSignal
@@ -55,7 +57,7 @@ def command_line() -> str:
 
 
 @click.group(context_settings=_CONTEXT)
-@click.version_option(package_name="ema_tools", prog_name="ema")
+@click.version_option(__version__, prog_name="ema")
 def cli() -> None:
     """Model, identify and watch over an electromechanical actuator.
 
@@ -152,14 +154,16 @@ def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | No
 @click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the search; the actuator's own when absent.")
 @click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
+@click.option("--weight", "weights", metavar="COLUMN=W,...", help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
 @precision_option("32")
 @json_option
-def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | None, seeds: int, fitted: str | None, precision: str, json_path: str | None, force: bool) -> None:
+def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | None, seeds: int, weights: str | None, fitted: str | None, precision: str, json_path: str | None, force: bool) -> None:
     """Find CSJ and BLK on RECORD with the onboard module's own search."""
     from ema_tools import show
     from ema_tools.actuator import read_actuator
     from ema_tools.identify import identify as work
+    from ema_tools.identify import weight_of
     from ema_tools.native import Search
     from ema_tools.records import read_record, simulated
     from ema_tools.results import curves, provenance
@@ -168,8 +172,9 @@ def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | N
     model = read_actuator(actuator)
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
+    weight = weight_of(weights)
     with progress("identifying", model["search.evaluation_budget"]) as bar:
-        found = work(model, measured, references, Search(seed=seed), seeds, int(precision), lambda run, _, best: bar.update(run, f"best {best:.3g} mm2 s"))
+        found = work(model, measured, references, Search(seed=seed, weight=weight), seeds, int(precision), lambda run, _, best: bar.update(run, f"best {best:.3g}"))
     if fitted:
         found.actuator.write(fitted, force)
     if json_path:
@@ -178,6 +183,49 @@ def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | N
         result = {"command": "identify", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
         save(json_path, result, force)
     show.identification(output(), found)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.option("-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
+@click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
+@json_option
+def export(actuator: str, out: str, flat: str | None, json_path: str | None, force: bool) -> None:
+    """Write ACTUATOR as the configuration that firmware compiles in."""
+    from ema_tools import export as work
+    from ema_tools.actuator import read_actuator
+    from ema_tools.files import write_text
+
+    writable(out, flat, json_path, force=force)
+    model = read_actuator(actuator)
+    work.check_for_firmware(model)
+    write_text(out, work.header_text(model), force)
+    if flat:
+        write_text(flat, work.flat_text(model), force)
+    save(json_path, {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}, force)
+    output().print(f"{out} written" + (f", {flat} written" if flat else ""), highlight=False)
+
+
+@cli.command()
+@click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
+@click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")
+@click.option("--force", is_flag=True, help="Overwrite files that exist.")
+def report(results: tuple[str, ...], out: str, force: bool) -> None:
+    """Make a page of results that identify or compare wrote with --json."""
+    from ema_tools.report import write_report
+
+    writable(out, force=force)
+    write_report([Path(result) for result in results], Path(out), command_line(), force)
+    output().print(f"{out} written", highlight=False)
+
+
+@cli.command()
+@click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
+def demo(folder: str | None) -> None:
+    """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
+    from ema_tools import demo as work
+
+    work.run(output(), Path(folder) if folder else work.output_folder())
 
 
 @cli.group(name="import")

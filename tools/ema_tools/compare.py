@@ -67,7 +67,7 @@ class Place:
     @property
     def name(self) -> str:
         """In words."""
-        return f"{self.source}: {self.by} {self.part}" if self.by else f"{self.source} {self.part}"
+        return f"{self.source}: {self.by} {self.part}" if self.by else f"{self.source}: {self.part}"
 
     @property
     def surprise(self) -> float:
@@ -174,7 +174,7 @@ def _where(
     weights = {name: error.excess_percent**2 for name, error in balances.items() if not error.reason}
     total = sum(weights.values())
     if total > 0.0:
-        places = [Place("balances", "", name, weight / total, None) for name, weight in weights.items()]
+        places = [Place("all balances", "", name, weight / total, None) for name, weight in weights.items()]
     states = _states(actuator, record)
     for balance in found.values():
         if isinstance(balance, Balance):

@@ -15,22 +15,13 @@ import numpy as np
 from ema_tools.actuator import Actuator, reference_actuator
 from ema_tools.errors import InputError
 from ema_tools.files import may_write, reason
+from ema_tools.linear import ForceModel, to_values
 from ema_tools.native import Reals
 from ema_tools.records import Record, write_record
 
 LEAD_MM = 2.5
 N_M_PER_RAD = 1e-3 * LEAD_MM / (2.0 * math.pi)
 OUTPUT_LIMIT_V = 10.0
-
-
-@dataclass(frozen=True)
-class ForceModel:
-    """force = mass a + viscous v + coulomb sgn v + offset, at the carriage."""
-
-    mass_kg: float
-    viscous_N_s_per_m: float
-    coulomb_N: float
-    offset_N: float
 
 
 PUBLISHED = ForceModel(mass_kg=95.1089, viscous_N_s_per_m=203.5034, coulomb_N=20.3935, offset_N=-3.1648)
@@ -79,28 +70,6 @@ def emps_record(signals: dict[str, Reals], file: str) -> Record:
     )
 
 
-def to_actuator_values(model: ForceModel) -> dict[str, float]:
-    """A force model at the carriage as values of the rotary actuator."""
-    n = N_M_PER_RAD
-    return {
-        "screw.inertia_kgm2": model.mass_kg * n * n,
-        "screw.viscous_Nm_s_per_rad": model.viscous_N_s_per_m * n * n,
-        "screw.csj_Nm": model.coulomb_N * n,
-        "screw.load_torque_Nm": model.offset_N * n,
-    }
-
-
-def to_force_model(values: dict[str, float]) -> ForceModel:
-    """Values of the rotary actuator (or their standard errors) as a force model at the carriage; the reverse of `to_actuator_values`."""
-    n = N_M_PER_RAD
-    return ForceModel(
-        mass_kg=values["screw.inertia_kgm2"] / (n * n),
-        viscous_N_s_per_m=values["screw.viscous_Nm_s_per_rad"] / (n * n),
-        coulomb_N=values["screw.csj_Nm"] / n,
-        offset_N=values["screw.load_torque_Nm"] / n,
-    )
-
-
 def emps_actuator(gains: dict[str, float], period_s: float, file: str) -> Actuator:
     """The axis with its controller and the published reference model."""
     values = {
@@ -126,10 +95,12 @@ def emps_actuator(gains: dict[str, float], period_s: float, file: str) -> Actuat
         "screw.travel_mm": 500.0,
         "encoder.side": 1.0,
         "timing.step_s": period_s,
+        # Two steps of the encoder, 50000 per turn.
+        "verdict.position_noise_mm": 2.0 * LEAD_MM / 50000.0,
         "search.csj_lower_Nm": 0.2 * PUBLISHED.coulomb_N * N_M_PER_RAD,
         "search.csj_upper_Nm": 10.0 * PUBLISHED.coulomb_N * N_M_PER_RAD,
         "search.blk_upper_mm": 0.1,
-        **to_actuator_values(PUBLISHED),
+        **to_values(PUBLISHED, N_M_PER_RAD),
     }
     about = {
         "name": "EMPS ball-screw axis",

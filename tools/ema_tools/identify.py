@@ -9,14 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.actuator import Actuator, row_of, shown
+from ema_tools.actuator import Actuator, nearest, row_of, shown
 from ema_tools.errors import InputError
-from ema_tools.native import Estimate, Identification, Progress, Search, library
+from ema_tools.native import CHANNELS, Estimate, Identification, Progress, Search, library
 from ema_tools.parallel import each
 from ema_tools.records import Record
 
 # Keys of the result for the values that are identified by default.
 KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
+BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
+MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
@@ -42,11 +44,16 @@ class Identified:
     seed: int
     precision: int
     wall_s: float
+    weighted: bool
 
     def result(self) -> dict[str, Any]:
         """For JSON: the keys that programs read, and more."""
         answer = self.answer
-        found: dict[str, Any] = {}
+        found: dict[str, Any] = {
+            key: {"estimate": None, "std": None, "shift_percent": None, "healthy": 0.0, "reason": "the healthy value is zero, and a shift is counted in % of it"}
+            for name, key in KEYS.items()
+            if name not in identified_of(self.healthy)
+        }
         for estimate in answer.identified:
             found[KEYS.get(estimate.name, estimate.name)] = {
                 "estimate": estimate.estimate,
@@ -85,20 +92,19 @@ class Identified:
             ],
         }
 
+    def _cost(self, value: float) -> str:
+        return f"{value:.3g}{'' if self.weighted else ' mm2 s'}"
+
     def sentence(self) -> str:
         """The answer in one sentence."""
         answer = self.answer
         shifts = ", ".join(_shift(estimate, self.healthy[estimate.name]) for estimate in answer.identified)
-        found = f"in {answer.evaluations} model runs, error {_cost(answer.objective_before)} before and {_cost(answer.objective_after)} after"
+        found = f"in {answer.evaluations} model runs, error {self._cost(answer.objective_before)} before and {self._cost(answer.objective_after)} after"
         if answer.verdict == "healthy":
             return f"Healthy: {shifts}; found {found}."
         if answer.verdict == "fault":
             return f"Fault: {shifts}; found {found}."
         return f"Undecided, because {'; '.join(answer.reasons)}: the search reads {shifts}, {found}."
-
-
-def _cost(value: float) -> str:
-    return f"{value:.3g} mm2 s"
 
 
 def _shift(estimate: Estimate, healthy: float) -> str:
@@ -114,9 +120,39 @@ def _decimals(doubt_percent: float) -> int:
     return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
 
 
-def check_record(actuator: Actuator, record: Record) -> None:
-    """Raises InputError when the search cannot begin: a healthy value outside its bounds or at zero."""
-    for name, lower, upper in (("screw.csj_Nm", "search.csj_lower_Nm", "search.csj_upper_Nm"), ("screw.blk_mm", "search.blk_lower_mm", "search.blk_upper_mm")):
+def weight_of(text: str | None) -> tuple[float, float, float, float] | None:
+    """Weights in the order of CHANNELS from `column=weight,...`; None for the usual ones. Raises InputError that names the column."""
+    if not text:
+        return None
+    weight = dict.fromkeys(CHANNELS, 0.0)
+    for part in filter(None, text.split(",")):
+        name, _, value = part.partition("=")
+        if name.strip() not in weight:
+            raise InputError(f"--weight {part}: unknown column{nearest(name.strip(), CHANNELS)}: columns are {', '.join(CHANNELS)}")
+        try:
+            weight[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(f"--weight {part}: not a number: write for example --weight position_mm=1,current_A=0.01") from None
+    numbers = list(weight.values())
+    if not all(0.0 <= number < float("inf") for number in numbers) or not any(numbers):
+        raise InputError(f"--weight {text}: not weights: give numbers of zero or more, one of them above zero")
+    return numbers[0], numbers[1], numbers[2], numbers[3]
+
+
+def identified_of(actuator: Actuator) -> tuple[str, ...]:
+    """The values that are searched: those whose healthy value is not zero, since a shift is counted in % of it."""
+    return tuple(name for name in KEYS if actuator[name] > 0.0)
+
+
+def check_record(actuator: Actuator, record: Record, search: Search) -> None:
+    """Raises InputError when the search cannot begin: a healthy value or a bound that does not fit, or a weight on a signal that is not recorded."""
+    for name, weight in zip(CHANNELS, search.weight or (), strict=False):
+        if weight > 0.0 and record.channel(name) is None:
+            raise InputError(f"{record.file}: {name}: weighted but not recorded: recorded are {', '.join(record.present)}")
+    if not identified_of(actuator):
+        raise InputError(f"{actuator.file}: screw.csj_Nm = 0: the healthy value is zero, and a shift is counted in % of it: give one, or calibrate")
+    for name in identified_of(actuator):
+        lower, upper = BOUNDS[name]
         if not actuator[lower] < actuator[upper]:
             raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
         if not actuator[lower] <= actuator[name] <= actuator[upper]:
@@ -125,6 +161,10 @@ def check_record(actuator: Actuator, record: Record) -> None:
 
 def run(actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None) -> Identification:
     """One search on one record. Raises InputError."""
+    names = identified_of(actuator)
+    if search.identified is None and len(names) < len(KEYS):
+        lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
+        search = replace(search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names))
     values, options = actuator.arrays()
     return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
 
@@ -163,13 +203,13 @@ def identify(
 
     `seeds` further searches (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
     """
-    check_record(actuator, record)
     settings = search or Search()
+    check_record(actuator, record, settings)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
     settings = replace(settings, seed=seed)
     baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None
     known = actuator.changed(baseline.values) if baseline else actuator
-    check_record(known, record)
+    check_record(known, record, settings)
     costs: list[float] = []
 
     def seen(evaluation: int, cost: float, best: float) -> None:
@@ -182,4 +222,4 @@ def identify(
     wall_s = time.perf_counter() - begun
     others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
     found = known.changed({estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper) for estimate in answer.identified})
-    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s)
+    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None)

@@ -276,6 +276,10 @@ class Library:
             raise InputError(f"{doing}: {name}: {self.status_text(status)}: correct it in the actuator")
         raise InputError(f"{doing}: {self.status_text(status)}: correct the actuator or the record")
 
+    def check(self, values: Reals, options: Integers) -> None:
+        """Raises InputError that names the value which this build of the module refuses."""
+        self._raise_on(self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), None), "actuator", values, options)
+
     def simulate(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0) -> Simulation:
         """Simulate one recorded row per entry of `command_mm` [rows], held over its model steps, from rest at `start_mm`.
 

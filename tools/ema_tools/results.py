@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 
+from ema_tools import __version__
 from ema_tools.native import OUTPUTS, Reals, Simulation
 from ema_tools.records import Record
 
@@ -38,9 +38,5 @@ def curves(record: Record, models: Mapping[str, Simulation]) -> dict[str, Any] |
 
 def provenance(command: str, **entries: object) -> dict[str, str]:
     """What made a result: the command line, versions, and further entries as text."""
-    try:
-        own = version("ema_tools")
-    except PackageNotFoundError:
-        own = "not installed"
-    found = {"command": command, "ema": own, "python": platform.python_version(), "numpy": np.__version__}
+    found = {"command": command, "ema": __version__, "python": platform.python_version(), "numpy": np.__version__}
     return {**found, **{name.replace("_", " "): str(value) for name, value in entries.items()}}

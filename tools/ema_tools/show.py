@@ -9,9 +9,9 @@ from ema_tools.actuator import row_of, shown
 from ema_tools.calibrate import Calibration
 from ema_tools.compare import TITLES, UNITS, Comparison
 from ema_tools.console import number, table
-from ema_tools.emps import ForceModel
-from ema_tools.identify import Identified
 from ema_tools.identify import TITLES as FAULTS
+from ema_tools.identify import Identified
+from ema_tools.linear import ForceModel
 
 _PLACES = 8
 
@@ -60,6 +60,9 @@ def calibration(console: Console, found: Calibration) -> None:
     console.print(shown_table)
     for names, why in found.left_out.items():
         say(console, f"No balance for {names}: {why}.")
+    if found.at_rod():
+        console.print()
+        force_models(console, "The mechanics at the rod: force = M a + Fv v + Fc sgn v + offset", found.at_rod())
     console.print()
     errors = table("Measured minus simulated, rms", "channel", "unit", "before", "after", text_columns=2)
     for name, before in found.errors_before.items():
@@ -98,7 +101,7 @@ def identification(console: Console, found: Identified) -> None:
 
 def force_models(console: Console, title: str, models: dict[str, ForceModel]) -> None:
     """Force models at a carriage, side by side."""
-    rows = table(title, "model", "M kg", "Fv N s/m", "Fc N", "offset N")
+    rows = table(title, "", "M kg", "Fv N s/m", "Fc N", "offset N")
     for name, model in models.items():
         rows.add_row(name, f"{model.mass_kg:.4f}", f"{model.viscous_N_s_per_m:.4f}", f"{model.coulomb_N:.4f}", f"{model.offset_N:.4f}")
     console.print(rows)

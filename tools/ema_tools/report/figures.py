@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,9 @@ Figure = dict[str, Any]
 
 def scalars(result: Identified) -> Figure:
     """Diagnostic scalars: estimated against actual shift in % of the healthy value, one row per fault parameter."""
-    names = [LABELS[name] for name in FAULTS]
-    estimates = [result.faults[name].shift_percent for name in FAULTS]
-    spread = [_WIDTH_95 * result.faults[name].std_percent for name in FAULTS]
+    names = [LABELS[name] for name in result.faults]
+    estimates = [result.faults[name].shift_percent for name in result.faults]
+    spread = [_WIDTH_95 * result.faults[name].std_percent for name in result.faults]
     stems: Figure = {
         "type": "scatter",
         "mode": "lines",
@@ -39,11 +40,11 @@ def scalars(result: Identified) -> Figure:
     traces = [stems]
     values = list(estimates)
     if result.case is not None:
-        actual = [result.case.shift_percent(name) for name in FAULTS]
+        actual = [result.case.shift_percent(name) for name in result.faults]
         values += actual
         traces.append(_marker(actual, names, "Actual", "measured", "circle-open", 17, 2.5))
     if result.paper is not None:
-        paper = [result.paper.paper_shift_percent(name) for name in FAULTS]
+        paper = [result.paper.paper_shift_percent(name) for name in result.faults]
         values += paper
         traces.append(_marker(paper, names, "Found in the paper", "paper", "diamond-open", 10, 1.5))
     estimated = _marker(estimates, names, "Estimated here", "after", "circle", 8, 0)
@@ -53,9 +54,9 @@ def scalars(result: Identified) -> Figure:
     margin = 0.1 * (high - low or 1.0)
     layout = {
         "xaxis": {"title": {"text": "Shift, % of the healthy value"}, "range": [low - margin, high + margin], "zeroline": True},
-        "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "range": [-0.5, 1.75], "showgrid": False},
+        "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "range": [-0.5, len(names) - 0.25], "showgrid": False},
         "margin": {"l": 46, "r": 14, "t": 8, "b": 44},
-        "annotations": [_reading(result, name, place) for place, name in enumerate(reversed(FAULTS))],
+        "annotations": [_reading(result, name, place) for place, name in enumerate(reversed(result.faults))],
     }
     return {"data": traces, "layout": layout, "height": 260, "label": _scalars_label(result)}
 
@@ -81,6 +82,7 @@ def _marker(x: list[float], y: list[str], name: str, role: str, symbol: str, siz
         "y": y,
         "name": name,
         "meta": {"role": role},
+        "cliponaxis": False,
         "marker": {"symbol": symbol, "size": size, "line": {"width": line}},
         "hovertemplate": f"{name}: %{{y}} %{{x:+.3f}} %<extra></extra>",
     }
@@ -88,7 +90,7 @@ def _marker(x: list[float], y: list[str], name: str, role: str, symbol: str, siz
 
 def _scalars_label(result: Identified) -> str:
     parts = []
-    for name in FAULTS:
+    for name in result.faults:
         text = f"{LABELS[name]} estimated {shift(result.faults[name].shift_percent, 2)}"
         if result.case is not None:
             text += f", actual {shift(result.case.shift_percent(name), 2)}"
@@ -190,7 +192,8 @@ def _error(x: list[float], y: list[str], name: str, role: str, symbol: str) -> F
 def shares(result: Compared) -> Figure:
     """Where more of the squared error lies than of the time: both shares of the most telling parts."""
     places = result.where[:_PLACES_MAX]
-    names = [place.name for place in places]
+    # Two lines, so that a phone keeps room for the figure.
+    names = [escape(place.name).replace(": ", ":<br>") for place in places]
     shares = [place.share_percent for place in places]
     times = [place.time_percent for place in places]
     joins: Figure = {
@@ -211,4 +214,4 @@ def shares(result: Compared) -> Figure:
         "margin": {"l": 20, "r": 14, "t": 8, "b": 44},
     }
     label = "Parts that hold more of the squared error than of the time: " + "; ".join(f"{p.name} {p.share_percent:.0f} % in {p.time_percent:.0f} % of the time" for p in places)
-    return {"data": [joins, time, error], "layout": layout, "height": 70 + 28 * len(places), "label": label}
+    return {"data": [joins, time, error], "layout": layout, "height": 70 + 38 * len(places), "label": label}

@@ -9,14 +9,16 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from plotly.offline import get_plotlyjs
-
 from ema_tools.report import figures, words
 from ema_tools.report.curves import pack
-from ema_tools.report.results import FAULTS, Compared, Curves, Identified
+from ema_tools.report.results import Compared, Curves, Identified
 from ema_tools.report.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
+
+
+# The browser itself sees to it that the page asks nothing of any network.
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 
 
 class _Page:
@@ -58,17 +60,17 @@ def render(results: list[Identified | Compared], command: str) -> str:
     _next(page, identified, compared)
     _origin(page, results, command)
     page.add("</main>")
-    return _document(_title(results[0]), page)
+    return _document(_short_title(results[0]), page)
 
 
 def sentence(result: Identified) -> str:
     """The verdict in one sentence, e.g. for the page's title and the terminal."""
-    carries = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in FAULTS)
+    carries = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     subject = "This recorded chirp of the reference actuator" if result.case is not None else f"The record {result.name}"
     return f"{subject} carries {carries}."
 
 
-def found(result: Identified) -> str:
+def finding(result: Identified) -> str:
     """How it was found and what became of the error, in one sentence."""
     time = f" in {words.duration(result.wall_s)}" if result.wall_s is not None else ""
     return (
@@ -93,7 +95,23 @@ def verdict(result: Identified) -> str:
 
 
 def _title(result: Identified | Compared) -> str:
-    return sentence(result) if isinstance(result, Identified) else result.sentence or result.title
+    return sentence(result) if isinstance(result, Identified) else _worst(result)
+
+
+def _worst(result: Compared) -> str:
+    """The title of a comparison: the balance that the model misses most, else the rod position."""
+    known = {name: value[1] for name, value in result.balances.items() if isinstance(value, tuple)}
+    if known:
+        name = max(known, key=lambda key: known[key])
+        return f"{result.title}: {name} balance off by {words.number(known[name])} %"
+    share = result.channels.get("position_mm", (0.0, None))[1]
+    return f"{result.title}: rod position off by {words.number(share)} %" if share is not None else result.title
+
+
+def _short_title(result: Identified | Compared) -> str:
+    if isinstance(result, Compared):
+        return result.title
+    return ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults) + f": {result.verdict}"
 
 
 def _head(page: _Page, results: list[Identified | Compared]) -> None:
@@ -101,7 +119,9 @@ def _head(page: _Page, results: list[Identified | Compared]) -> None:
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
     if isinstance(first, Identified):
         made = " The record was made by an independent model of this actuator in double precision; the module saw the record alone." if first.case else ""
-        page.add(f'<p class="lead">{_text(found(first) + made)}</p>')
+        page.add(f'<p class="lead">{_text(finding(first) + made)}</p>')
+    elif first.sentence:
+        page.add(f'<p class="lead">{_text(first.sentence)}</p>')
     if len(results) < 2:
         return
     page.add('<nav aria-label="Results"><ul class="tiles">')
@@ -115,7 +135,7 @@ def _tile(result: Identified | Compared) -> str:
         position = result.channels.get("position_mm")
         small = f"rod position {words.number(position[1])} % off" if position else "no rod position"
         return f'<span class="head"><span>{escape(result.name)}</span></span><span class="big">Model against record</span><span class="small">{small}</span>'
-    shifts = "<br>".join(f"{_NAMES[name][0]}\u00a0{words.shift(result.faults[name].shift_percent)}" for name in FAULTS)
+    shifts = "<br>".join(f"{_NAMES[name][0]}\u00a0{words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     return (
         f'<span class="head"><span>{escape(result.title)}</span><span class="verdict {result.verdict}">{result.verdict}</span></span>'
         f'<span class="big">{shifts}</span>'
@@ -127,7 +147,7 @@ def _identified(page: _Page, result: Identified, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     page.add(f'<p><span class="verdict {result.verdict}">{result.verdict.capitalize()}:</span> {escape(verdict(result))}</p>')
     page.add('<dl class="facts">')
-    for name in FAULTS:
+    for name in result.faults:
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
         actual = f"true {getattr(result.case, name):g}, " if result.case is not None else ""
@@ -181,8 +201,9 @@ def _curves(page: _Page, curves: Curves, identity: str, models: dict[str, str]) 
         page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>')
         page.add(f'<div class="plot" data-curves="{identity}" data-model="{key}" role="img" aria-label="{escape(label)}" style="height:{height}px"></div></figure>')
     page.add("</div>")
+    scale, follow = (", on the same scale before and after", "; all follow") if len(models) > 1 else ("", "")
     derived = " Speed is the slope of the position over 9 rows, the same for every curve." if curves.derived else ""
-    page.add(f'<p class="note">Under each signal: measured minus simulated, on one scale for all plots of the row. Drag across a plot to zoom; all follow.{derived}</p>')
+    page.add(f'<p class="note">Under each signal: measured minus simulated{scale}. Drag across a plot to zoom{follow}.{derived}</p>')
 
 
 def _role(model: str) -> str:
@@ -203,8 +224,8 @@ def _paper(page: _Page, results: list[Identified]) -> None:
 
 def _compared(page: _Page, result: Compared, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
-    if result.sentence:
-        page.add(f"<p>{escape(result.sentence)}</p>")
+    if result.sentence and identity != "result-1":
+        page.add(f"<p>{_text(result.sentence)}</p>")
     if result.curves is not None:
         _curves(page, result.curves, identity, {"model": "Measured and simulated"})
     page.add(compared_tables(result))
@@ -240,10 +261,10 @@ def _code(text: str) -> str:
 
 def _origin(page: _Page, results: list[Identified | Compared], command: str) -> None:
     page.add('<section id="origin" aria-labelledby="origin-title"><div class="wrap"><h2 id="origin-title">Where this comes from</h2><dl class="origin">')
-    page.add(f"<dt>This page</dt><dd><code>{escape(command)}</code></dd>")
+    page.add(f"<dt>page</dt><dd><code>{escape(command)}</code></dd>")
     shared = _shared([result.provenance for result in results])
     for key, value in shared.items():
-        page.add(f"<dt>{escape(key.replace('_', ' ').capitalize())}</dt><dd>{escape(value)}</dd>")
+        page.add(f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>")
     for result in results:
         own = {key: value for key, value in result.provenance.items() if key not in shared}
         if own:
@@ -262,6 +283,12 @@ def _shared(tables: Iterable[dict[str, str]]) -> dict[str, str]:
     return {key: value for key, value in first.items() if all(other.get(key) == value for other in others)}
 
 
+def _plotly() -> str:
+    """plotly.js as the package brings it, with control characters in its strings escaped: HTML does not allow them."""
+    source = (resources.files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
+    return re.sub(r"[\x00-\x08\x0b\x0e-\x1f\x7f]", lambda found: f"\\x{ord(found.group()):02x}", source)
+
+
 def _document(title: str, page: _Page) -> str:
     assets = resources.files("ema_tools.report") / "assets"
     style = (assets / "page.css").read_text(encoding="utf-8")
@@ -274,6 +301,7 @@ def _document(title: str, page: _Page) -> str:
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{_POLICY}">
 <meta name="color-scheme" content="light dark">
 <link rel="icon" href="data:,">
 <title>{escape(title)}</title>
@@ -284,7 +312,7 @@ def _document(title: str, page: _Page) -> str:
 {body}
 <noscript><div class="wrap"><p>The curves need JavaScript; the sentences and tables do not.</p></div></noscript>
 <script id="page-data" type="application/json">{data}</script>
-<script>{get_plotlyjs()}</script>
+<script>{_plotly()}</script>
 <script>
 {script}</script>
 </body>

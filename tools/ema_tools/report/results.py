@@ -77,7 +77,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Identified:
-    """A result of `ema identify`. `case` is set where the truth is known, `noise` names the sensor noise in the record."""
+    """A result of `ema identify`. `faults` by FAULTS holds what was identified; `case` is set where the truth is known, `noise` names the sensor noise in the record."""
 
     name: str
     faults: dict[str, Estimate]
@@ -143,7 +143,7 @@ class Compared:
     @property
     def title(self) -> str:
         """What the page calls it."""
-        return f"Model against the record {self.name}"
+        return f"Model against {self.name}"
 
 
 def read_result(path: Path) -> Identified | Compared:
@@ -158,11 +158,11 @@ def read_result(path: Path) -> Identified | Compared:
 def parse_result(data: dict[str, Any], source: str, stem: str) -> Identified | Compared:
     """The result in `data`; `source` names it in errors, `stem` on the page when it has no name of its own."""
     reader = _Reader(data, source)
-    if "csj_Nm" in data:
+    if any(name in data for name in FAULTS):
         return _identified(reader, stem)
     if "balances" in data:
         return _compared(reader, stem)
-    raise InputError(f"{source}: holds neither `csj_Nm` nor `balances`: give the --json result of `ema identify` or `ema compare`")
+    raise InputError(f"{source}: holds none of `csj_Nm`, `blk_mm` and `balances`: give the --json result of `ema identify` or `ema compare`")
 
 
 class _Reader:
@@ -217,13 +217,16 @@ class _Reader:
 
 def _identified(reader: _Reader, stem: str) -> Identified:
     faults: dict[str, Estimate] = {}
-    for name in FAULTS:
+    for name in (name for name in FAULTS if name in reader.data):
         part = reader.table(name)
         estimate, shift = part.number("estimate"), part.number("shift_percent")
         if shift <= -100.0:
             raise part.fail("shift_percent", "is not above -100")
-        faults[name] = Estimate(estimate, part.number("std"), shift, estimate / (1.0 + shift / 100.0))
+        healthy = part.number("healthy") if "healthy" in part.data else estimate / (1.0 + shift / 100.0)
+        faults[name] = Estimate(estimate, part.number("std"), shift, healthy)
     letter = reader.text("case", "")
+    if letter and len(faults) < len(FAULTS):
+        raise reader.fail(next(name for name in FAULTS if name not in faults), "is missing, which a case needs")
     cases = {case.letter: case for case in CASES}
     if letter and letter not in cases:
         raise reader.fail("case", f"names no case ({letter!r}; known: {', '.join(cases)})")

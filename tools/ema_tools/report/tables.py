@@ -23,6 +23,10 @@ _BALANCES = {
 }
 
 
+_SUB, _HERE = ' class="sub"', ' class="here"'
+_PAPER_HERE = '<th scope="col">paper</th><th scope="col">here</th>'
+
+
 def beside_paper(results: list[Identified]) -> str:
     """Truth, estimate and error of every case, here and in the paper."""
     rows = []
@@ -49,15 +53,15 @@ def beside_paper(results: list[Identified]) -> str:
                     _cell(words.shift(paper.paper_reduction_percent, 2) if paper else None, 2),
                     _cell(words.reduction(result.before_mm2s, result.after_mm2s), 2, here=True),
                 ]
-            rows.append(f'<tr{" class=sub" if index else ""}>{head}<th scope="row">{label}</th>{"".join(cells)}</tr>')
+            rows.append(f'<tr{_SUB if index else ""}>{head}<th scope="row">{label}</th>{"".join(cells)}</tr>')
     return (
-        '<div class="scroll" role="region" aria-label="Beside the paper" tabindex="0"><table>'
+        '<div class="scroll" role="region" aria-label="Table: estimates here and in the paper" tabindex="0"><table>'
         "<caption>Error: estimate minus truth, in % of the healthy value. Reduction: of the integrated squared position error.</caption>"
         '<colgroup><col><col><col></colgroup><colgroup span="2"></colgroup><colgroup span="2"></colgroup><colgroup span="2"></colgroup><colgroup span="2"></colgroup>'
         '<thead><tr class="groups"><th rowspan="2" class="left" scope="col">Case</th><th rowspan="2" class="left" scope="col">Fault</th><th rowspan="2" scope="col">Truth</th>'
         '<th colspan="2" scope="colgroup">Found</th><th colspan="2" scope="colgroup">Error</th>'
         '<th colspan="2" scope="colgroup">Runs, time</th><th colspan="2" scope="colgroup">Reduction</th></tr>'
-        f"<tr>{'<th scope=col>paper</th><th scope=col>here</th>' * 4}</tr></thead><tbody>"
+        f"<tr>{_PAPER_HERE * 4}</tr></thead><tbody>"
         + "".join(rows)
         + "</tbody></table></div>"
     )
@@ -66,7 +70,7 @@ def beside_paper(results: list[Identified]) -> str:
 def _cell(text: str | None, rows: int = 1, here: bool = False) -> str:
     """A number's cell over `rows` rows; a dash where there is none."""
     span = f' rowspan="{rows}"' if rows > 1 else ""
-    return f"<td{span}{' class=here' if here else ''}>{text if text is not None else '–'}</td>"
+    return f"<td{span}{_HERE if here else ''}>{text if text is not None else '–'}</td>"
 
 
 def compared_tables(result: Compared) -> str:
@@ -74,9 +78,10 @@ def compared_tables(result: Compared) -> str:
     rows = []
     for name, (rmse, relative) in result.channels.items():
         label, unit = _CHANNELS.get(name, (name, ""))
-        rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td><td>{'–' if relative is None else words.number(relative) + ' %'}</td></tr>')
+        share = None if relative is None else f"{words.number(relative)} %"
+        rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td>{_cell(share)}</tr>')
     channels = (
-        '<div class="scroll" role="region" aria-label="Error per channel" tabindex="0"><table><caption>Measured minus simulated.</caption>'
+        '<div class="scroll" role="region" aria-label="Table: error per channel" tabindex="0"><table><caption>Measured minus simulated; a few rows at the ends of the record are left out.</caption>'
         '<thead><tr><th class="left" scope="col">Channel</th><th scope="col">rms</th><th scope="col">of the measured</th></tr></thead><tbody>' + "".join(rows) + "</tbody></table></div>"
     )
     rows = []
@@ -91,8 +96,8 @@ def compared_tables(result: Compared) -> str:
         else:
             rows.append(f"<tr>{head}<td>{words.number(value[0])} {unit}</td><td>{words.number(value[1])} %</td></tr>")
     balances = (
-        '<div class="scroll" role="region" aria-label="Balances" tabindex="0"><table><caption>Each balance uses measured signals alone; its residual accuses one group of blocks.</caption>'
-        '<thead><tr><th class="left" scope="col">Balance</th><th class="left" scope="col">sets</th><th scope="col">rms</th><th scope="col">of the driving side</th></tr></thead><tbody>'
+        '<div class="scroll" role="region" aria-label="Table: balances" tabindex="0"><table><caption>Each balance uses measured signals alone; its residual accuses one group of blocks.</caption>'
+        '<thead><tr><th class="left" scope="col">Balance</th><th class="left" scope="col">What it weighs</th><th scope="col">rms</th><th scope="col">of the driving side</th></tr></thead><tbody>'
         + "".join(rows)
         + "</tbody></table></div>"
     )

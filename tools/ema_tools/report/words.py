@@ -45,6 +45,8 @@ def reduction(before: float, after: float) -> str:
     if before <= 0.0:
         return "no error to reduce"
     left = after / before
+    if after == 0.0:
+        return "−100 %"
     if left >= 1.0:
         return shift(100.0 * (left - 1.0))
     digits = 1 if left > 0.01 else min(4, 1 - int(f"{100.0 * left:.0e}".split("e")[1]))

@@ -59,6 +59,12 @@
     const power = 10 ** Math.floor(Math.log10(top)), lead = top / power;
     return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
   };
+  const reach = (series) => {
+    let low = Infinity, high = -Infinity;
+    for (const values of series) for (const value of values) { low = Math.min(low, value); high = Math.max(high, value); }
+    const margin = 0.04 * (high - low) || 1;
+    return [low - margin, high + margin];
+  };
   const largest = (values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
 
   class CurveSet {
@@ -75,7 +81,7 @@
         const all = Object.values(models);
         return {
           ...channel, measured, models,
-          top: 1.06 * Math.max(largest(measured), ...all.map((m) => largest(m.simulated))),
+          range: reach([measured, ...all.map((m) => m.simulated)]),
           strip: 1.2 * Math.max(...all.map((m) => largest(m.residual))) || 1,
         };
       });
@@ -121,7 +127,7 @@
         add("simulated", model.simulated, main, role === "before" ? "before" : "after", 1.4, channel.unit);
         add("residual", model.residual, strip, role === "before" ? "before" : "after", 1.1, channel.residual_unit);
         const title = (text) => ({ text, standoff: 6, font: { size: 11 } });
-        layout["yaxis" + main] = { domain: [split + 0.012, foot + share - (index === 0 ? 0 : 0.012)], range: [-channel.top, channel.top], title: title(channel.unit), nticks: 5 };
+        layout["yaxis" + main] = { domain: [split + 0.012, foot + share - (index === 0 ? 0 : 0.012)], range: channel.range, title: title(channel.unit), nticks: 5 };
         layout["yaxis" + strip] = { domain: [foot + gap, split - 0.012], range: [-channel.strip, channel.strip], title: title(channel.residual_unit), tickvals: [-tick, tick], zeroline: true };
         const note = (text, y, anchor) => annotations.push({ text, x: anchor === "left" ? 0 : 1, xref: "paper", xanchor: anchor, y, yref: "paper", yanchor: "bottom", showarrow: false, font: { size: 12, color: css("ink") } });
         note(channel.title, foot + share - (index === 0 ? 0 : 0.012), "left");

@@ -1,0 +1,315 @@
+"""The page: what it takes, what it refuses, and that the file is whole."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from report_results import ROWS, compared, identified
+
+from ema_tools.cases import CASES
+from ema_tools.errors import InputError
+from ema_tools.report import figures, write_report
+from ema_tools.report.curves import pack
+from ema_tools.report.results import SLOPE_ROWS, Compared, Identified, parse_result, slope
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_VOID = {"meta", "link", "br", "col", "img", "input", "hr"}
+
+
+def _made(data: dict[str, Any]) -> Identified:
+    result = parse_result(data, "today.json", "today")
+    assert isinstance(result, Identified)
+    return result
+
+
+def _page(folder: Path, *results: dict[str, Any]) -> str:
+    files = []
+    for place, result in enumerate(results):
+        files.append(folder / f"result_{place}.json")
+        files[-1].write_text(json.dumps(result), encoding="utf-8")
+    output = folder / "page.html"
+    write_report(files, output, "ema report result_0.json -o page.html", force=True)
+    return output.read_text(encoding="utf-8")
+
+
+def _without_scripts(page: str) -> str:
+    return re.sub(r"<script>.*?</script>", "", page, flags=re.DOTALL)
+
+
+class _Structure(HTMLParser):
+    """Collects problems of nesting and identity, and every address that the page could load."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.identities: list[str] = []
+        self.references: list[str] = []
+        self.loads: list[str] = []
+        self.problems: list[str] = []
+        self.texts: list[str] = []
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        if tag not in _VOID:
+            self.open.append(tag)
+        for name, value in attributes:
+            if name == "id":
+                self.identities.append(value or "")
+            if name == "aria-labelledby" or (name == "href" and (value or "").startswith("#")):
+                self.references.append((value or "").lstrip("#"))
+            elif name in ("src", "href", "srcset", "data", "action"):
+                self.loads.append(value or "")
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self.open or self.open.pop() != tag:
+            self.problems.append(f"</{tag}> at {self.getpos()}")
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+
+def _structure(page: str) -> _Structure:
+    found = _Structure()
+    found.feed(page)
+    found.close()
+    return found
+
+
+def test_page_is_well_formed_and_loads_nothing(tmp_path: Path) -> None:
+    page = _page(tmp_path, identified(case="A"), identified(case="B", noise="5 µm sensor noise"), identified(name="today"), compared())
+    assert len(page.encode()) < 8_000_000
+    found = _structure(_without_scripts(page))
+    assert found.problems == [] and found.open == []
+    assert len(found.identities) == len(set(found.identities))
+    assert set(found.references) <= set(found.identities)
+    assert found.loads == ["data:,"]
+    assert "@import" not in page.split("</style>")[0] and "url(" not in page.split("</style>")[0]
+    # Control characters make a document invalid; plotly.js has some in its strings.
+    assert not re.search(r"[\x00-\x08\x0b\x0e-\x1f\x7f]", page)
+
+
+def test_page_says_what_was_found(tmp_path: Path) -> None:
+    texts = _structure(_without_scripts(_page(tmp_path, identified(case="A")))).texts
+    text = " ".join("".join(texts).replace("\u00a0", " ").split())
+    assert "This recorded chirp of the reference actuator carries CSJ +117.4 % and BLK +25.0 %." in text
+    assert "7 model runs in 0.070 s" in text
+    assert "0.674 → 2.50×10⁻⁴ mm² s (−99.962 %)" in text
+    assert "ema report result_0.json -o page.html" in text
+    assert "ema identify reference.toml today.csv" in text
+
+
+def test_names_cannot_break_the_page(tmp_path: Path) -> None:
+    hostile = "</script><script>alert(1)</script>\"'&"
+    page = _page(tmp_path, identified(name=hostile, provenance={hostile: hostile}), compared(sentence=hostile, where=[{"name": hostile, "share_percent": 60.0, "time_share": 0.1}]))
+    assert "alert(1)</script>" not in page
+    assert page.count("<script") == 3
+    assert hostile in "".join(_structure(_without_scripts(page)).texts)
+
+
+def test_undecided_verdict_gets_advice(tmp_path: Path) -> None:
+    reason = "an estimate lies on a bound of its search"
+    page = _page(tmp_path, identified(verdict="undecided", reasons=[reason]))
+    assert f"{reason}." in page and "Widen the bounds" in page
+
+
+def test_result_without_curves_and_search_is_shown(tmp_path: Path) -> None:
+    bare = {key: value for key, value in identified().items() if key not in ("curves", "search", "wall_s", "provenance")}
+    page = _page(tmp_path, bare)
+    assert "data-curves=" not in _without_scripts(page)
+    assert "Diagnostic scalars" in page and "The search" not in page
+
+
+def _broken(path: str, value: Any) -> dict[str, Any]:
+    """The sound result with one entry replaced, or removed where `value` is Ellipsis."""
+    result = identified()
+    *outer, last = path.split(".")
+    table = result
+    for key in outer:
+        table = table[key]
+    if value is ...:
+        del table[last]
+    else:
+        table[last] = value
+    return result
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "expected"),
+    [
+        ("csj_Nm.std", ..., "field csj_Nm.std is missing"),
+        ("csj_Nm.estimate", "0.3", "field csj_Nm.estimate is not a number"),
+        ("csj_Nm.shift_percent", -100.0, "field csj_Nm.shift_percent is not above -100"),
+        ("evaluations", True, "field evaluations is not a number"),
+        ("reasons", "none", "field reasons is not a list of texts"),
+        ("case", "Z", "field case names no case"),
+        ("search.cost_mm2s", [], "field search.cost_mm2s is not a list of numbers"),
+        ("search.cost_mm2s", [1.0, None], "field search.cost_mm2s is not finite at row 2"),
+        ("curves.period_s", 0.0, "field curves.period_s is not positive"),
+        ("curves.after.position_mm", [0.0] * 5, f"field curves.after.position_mm has 5 rows where measured.position_mm has {ROWS}"),
+        ("curves.before.position_mm", ..., "field curves.before.position_mm is missing"),
+        ("provenance", [], "field provenance is not an object"),
+    ],
+)
+def test_bad_field_is_named(path: str, value: Any, expected: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_result(_broken(path, value), "today.json", "today")
+    message = str(caught.value)
+    assert message.startswith("today.json: ") and expected in message and "\n" not in message and "--json" in message
+
+
+def test_one_fault_alone_is_shown(tmp_path: Path) -> None:
+    alone = {key: value for key, value in identified().items() if key != "blk_mm"}
+    page = _page(tmp_path, alone)
+    assert "carries CSJ +117.4" in page and "BLK" not in _without_scripts(page)
+    with pytest.raises(InputError, match="field blk_mm is missing"):
+        parse_result({**alone, "case": "A"}, "today.json", "today")
+
+
+def test_comparison_names_the_worst_balance(tmp_path: Path) -> None:
+    page = _page(tmp_path, compared(name="today.csv"))
+    assert "<h1>Model against today.csv: mechanical balance off by 4.08\u00a0%</h1>" in page
+    assert page.count("Most of the error is in the mechanical balance.") == 1
+    page = _page(tmp_path, compared(name="today.csv", balances={}))
+    assert "<h1>Model against today.csv: rod position off by 5.00\u00a0%</h1>" in page
+
+
+def test_other_json_and_missing_file_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="none of `csj_Nm`, `blk_mm` and `balances`"):
+        parse_result({"rows": 5}, "x.json", "x")
+    with pytest.raises(InputError, match="absent.json"):
+        write_report([tmp_path / "absent.json"], tmp_path / "page.html", "ema report")
+    with pytest.raises(InputError, match="no result"):
+        write_report([], tmp_path / "page.html", "ema report")
+    assert not (tmp_path / "page.html").exists()
+
+
+def test_nothing_is_overwritten_unless_asked(tmp_path: Path) -> None:
+    _page(tmp_path, identified())
+    before = (tmp_path / "page.html").read_bytes()
+    with pytest.raises(InputError, match="--force"):
+        write_report([tmp_path / "result_0.json"], tmp_path / "page.html", "another")
+    assert (tmp_path / "page.html").read_bytes() == before
+
+
+def test_slope_is_exact_for_a_line_and_smooths_noise() -> None:
+    time = np.arange(200) * 1e-3
+    assert slope(3.0 - 40.0 * time, 1e-3) == pytest.approx(np.full(200, -40.0), abs=1e-9)
+    noise = np.random.default_rng(1).normal(0.0, 1.0, 5000)
+    inner = slope(noise, 1.0)[SLOPE_ROWS:-SLOPE_ROWS]
+    # Standard error of a slope over 9 rows: 1 / sqrt(60).
+    assert float(np.std(inner)) == pytest.approx(1.0 / np.sqrt(60.0), rel=0.05)
+
+
+def _unpack(packed: dict[str, Any]) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(packed["int16"]), dtype="<i2") * packed["scale"]
+
+
+def test_packed_curves_keep_their_values() -> None:
+    curves = _made(identified()).curves
+    assert curves is not None
+    packed = pack(curves)
+    assert [channel["title"] for channel in packed["channels"]] == ["Rod position", "Rod speed", "Motor current"]
+    position = packed["channels"][0]
+    assert np.max(np.abs(_unpack(position["measured"]) - curves.measured["position_mm"])) <= 2.0 / 65000.0
+    residual_um = 1000.0 * (curves.measured["position_mm"] - curves.models["after"]["position_mm"])
+    assert np.max(np.abs(_unpack(position["residual"]["after"]) - residual_um)) <= 1.0 / 65000.0
+    assert position["rms"]["after"] == pytest.approx(1.0)
+    assert "kept" not in packed["time"]
+
+
+def test_long_record_keeps_its_extremes() -> None:
+    data = identified()
+    spike = 777
+    data["curves"]["after"]["current_A"][spike] += 50.0
+    curves = _made(data).curves
+    assert curves is not None
+    packed = pack(curves, thin=200)
+    kept = np.frombuffer(base64.b64decode(packed["time"]["kept"]), dtype="<u4")
+    assert kept.size <= 200 + 2 and kept[0] == 0 and kept[-1] == ROWS - 1 and np.all(np.diff(kept.astype(int)) > 0)
+    assert spike in kept
+    current = packed["channels"][2]
+    assert _unpack(current["residual"]["after"])[list(kept).index(spike)] == pytest.approx(-50.01, abs=0.01)
+
+
+def test_figures_are_valid_plotly() -> None:
+    result = _made(identified(case="A"))
+    comparison = parse_result(compared(), "c.json", "c")
+    assert isinstance(comparison, Compared)
+    for figure in (figures.scalars(result), figures.search(result), figures.accuracy([result]), figures.shares(comparison)):
+        go.Figure({"data": figure["data"], "layout": figure["layout"]})
+        assert figure["label"] and all("role" in trace["meta"] for trace in figure["data"])
+
+
+def test_scalars_show_estimate_truth_and_paper() -> None:
+    traces = {trace.get("name"): trace for trace in figures.scalars(_made(identified(case="A")))["data"]}
+    assert traces["Actual"]["x"] == pytest.approx([117.3913, 25.0], abs=1e-3)
+    assert traces["Estimated here"]["x"] == pytest.approx([117.3913, 25.0])
+    assert traces["Found in the paper"]["x"] == pytest.approx([CASES[0].paper_shift_percent(name) for name in ("csj_Nm", "blk_mm")])
+    noisy = [trace.get("name") for trace in figures.scalars(_made(identified(case="A", noise="5 µm")))["data"]]
+    assert "Found in the paper" not in noisy and "Actual" in noisy
+
+
+def test_search_shows_every_candidate_and_the_best() -> None:
+    candidates, best = figures.search(_made(identified()))["data"]
+    assert candidates["y"] == [0.674, 1.2, 0.1, 0.3, 0.01, 2.5e-4, 2.6e-4]
+    assert best["y"] == [0.674, 0.674, 0.1, 0.1, 0.01, 2.5e-4, 2.5e-4]
+    exact = figures.search(_made(identified(search={"cost_mm2s": [0.5, 0.0]})))["data"]
+    assert min(exact[0]["y"]) > 0.0
+
+
+def test_places_without_surprise_are_left_out() -> None:
+    result = parse_result(compared(), "c.json", "c")
+    assert isinstance(result, Compared)
+    assert [place.name for place in result.where] == ["rod position: speed 0 to 5 mm/s"]
+
+
+@pytest.fixture(scope="module")
+def browser() -> str:
+    """A browser of the machine, else the test is skipped."""
+    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
+    return found
+
+
+@pytest.mark.slow
+def test_browser_draws_every_plot_without_complaint(tmp_path: Path, browser: str) -> None:
+    page = _page(tmp_path, identified(case="A"), identified(name="today"), compared())
+    done = subprocess.run(
+        [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1280,9000",
+         "--virtual-time-budget=10000", "--enable-logging=stderr", "--dump-dom", (tmp_path / "page.html").as_uri()],
+        capture_output=True, text=True, timeout=180, check=True,
+    )  # fmt: skip
+    # The page's policy forbids every request, so that a request would be a complaint too.
+    assert "default-src 'none'" in page
+    assert [line for line in done.stderr.splitlines() if "CONSOLE" in line] == []
+    expected = page.count('class="plot"')
+    assert expected == 2 * 2 + 2 * 2 + 1 + 1 + 1
+    # Plotly marks each element that it has drawn into, and every curve is a path with points.
+    drawn = _without_scripts(done.stdout)
+    assert drawn.count('class="plot js-plotly-plot"') == expected
+    # Five curve plots of three channels with measured, simulated and residual.
+    assert len(re.findall(r'<path class="js-line"[^>]* d="M[^"]{10,}"', drawn)) >= 5 * 9
+
+
+def test_browser_complains_about_a_page_with_an_error(tmp_path: Path, browser: str) -> None:
+    """What the test above relies on: an error and a forbidden request each reach the log."""
+    page = tmp_path / "bad.html"
+    policy = "<meta http-equiv='Content-Security-Policy' content=\"default-src 'none'; script-src 'unsafe-inline'\">"
+    page.write_text(f"<!doctype html>{policy}<title>x</title><img src='http://example.invalid/x.png' alt=''><script>missing()</script>", encoding="utf-8")
+    done = subprocess.run(
+        [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=2000",
+         "--enable-logging=stderr", "--dump-dom", page.as_uri()],
+        capture_output=True, text=True, timeout=120, check=True,
+    )  # fmt: skip
+    complaints = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    assert any("example.invalid" in line for line in complaints) and any("missing is not defined" in line for line in complaints)
