@@ -66,7 +66,7 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
         ema_effect_##name##_adjust(&effects->name, params);          \
     }
 #define EMA_ADJUST_PARAMETER(name) EMA_ADJUST(name)
-#define EMA_ADJUST_TRANSMISSION(name) EMA_ADJUST(name)
+#define EMA_ADJUST_TRANSMISSION(name)
 #define EMA_ADJUST_FRICTION(name)
 #define EMA_ADJUST_TORQUE(name)
 #define EMA_ADJUST_LOAD(name)
@@ -74,6 +74,12 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 #define EMA_ADJUST_MOTOR(name)
 #define EMA_ADJUST_PRESLIDING(name)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ADJUST_##site(name)
+#include "ema/ema_effects.def"
+    /* a transmission takes its mass off the total inertia, so that total must be known before */
+#undef EMA_ADJUST_PARAMETER
+#undef EMA_ADJUST_TRANSMISSION
+#define EMA_ADJUST_PARAMETER(name)
+#define EMA_ADJUST_TRANSMISSION(name) EMA_ADJUST(name)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 }
