@@ -77,7 +77,7 @@ static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_state_t* s
                              point->angle_rad,
                              plant->gearbox.lead_mm_per_rad * point->angle_rad,
                              point->current_A,
-                             applied->voltage_V};
+                             applied->current_loop ? applied->voltage_V : applied->input};
     ema_forces_t forces = {applied->input, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     if (!applied->current_loop && (plant->active.voltage != 0U)) {
         forces.input += ema_site_voltage(plant, &site);
