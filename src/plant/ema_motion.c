@@ -92,7 +92,9 @@ static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_state_t* s
     }
     if (plant->active.motor != 0U) {
         const ema_real change = ema_site_motor(plant, &site);
-        forces.torque_Nm += change * plant->motor.torque_constant_Nm_per_A * site.current_A;
+        const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
+        /* the limit holds for the torque with its change */
+        forces.torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
         forces.input -= applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
     }
     if (state->motion == (int32_t)EMA_MOTION_STUCK) {
