@@ -91,21 +91,30 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
     return status;
 }
 
-void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, ema_real output)
+/* What was asked `age` steps ago. */
+static ema_drive_output_t ema_tick_asked(const ema_plant_t* plant, const ema_state_t* state, uint32_t age)
 {
-    const uint32_t mask = EMA_DELAY_SAMPLES - 1U;
-    state->delay_output[state->step & mask] = output;
-    const uint32_t late = state->step - plant->drive.delay_steps;
-    const ema_real earlier = state->delay_output[(late - 1U) & mask];
-    const ema_real later = state->delay_output[late & mask];
+    const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
+    return ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
+}
+
+ema_drive_output_t ema_tick_late(const ema_plant_t* plant, ema_state_t* state, ema_real output)
+{
+    state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
+    const bool parted = plant->drive.delay_part > EMA_R(0.0);
+    return ema_tick_asked(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U));
+}
+
+void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* first)
+{
     if (plant->drive.delay_part > EMA_R(0.0)) {
-        const ema_drive_output_t first = ema_drive_step(&plant->drive, &plant->motor, earlier, state->current_A, state->speed_rad_s);
-        ema_tick_current(plant, state, &first);
-        ema_motion_part(plant, state, &first, plant->drive.delay_part);
+        ema_motion_part(plant, state, first, plant->drive.delay_part);
+        const ema_drive_output_t second = ema_tick_asked(plant, state, plant->drive.delay_steps);
+        ema_tick_current(plant, state, &second);
+        ema_motion_part(plant, state, &second, EMA_R(1.0) - plant->drive.delay_part);
+    } else {
+        ema_motion_part(plant, state, first, EMA_R(1.0));
     }
-    const ema_drive_output_t second = ema_drive_step(&plant->drive, &plant->motor, later, state->current_A, state->speed_rad_s);
-    ema_tick_current(plant, state, &second);
-    ema_motion_part(plant, state, &second, EMA_R(1.0) - plant->drive.delay_part);
 }
 
 void ema_model_restart(ema_model_t* model)
