@@ -28,7 +28,7 @@ typedef enum {
     EMA_MOTION_BACKWARD = -1,
     EMA_MOTION_STUCK = 0,
     EMA_MOTION_FORWARD = 1,
-    EMA_MOTION_ELASTIC = 2 /* with presliding the shaft never sticks: dry friction is a spring that slips */
+    EMA_MOTION_ELASTIC = 2 /* with presliding the shaft rests at an end of travel alone: dry friction is a spring that slips */
 } ema_motion_t;
 
 /* Everything that changes while the model runs: a plain value without pointers. A copy is a checkpoint; writing it back resumes,

@@ -43,10 +43,10 @@ static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_
     return ema_max(total_Nm, EMA_R(0.0));
 }
 
-/* Torque of dry friction on a shaft that slides, or stretches its contact. */
+/* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at rest. */
 static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, const ema_site_t* site, ema_real load_Nm)
 {
-    if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
+    if (plant->active.presliding == 0U) {
         const ema_real direction = (ema_real)state->motion;
         return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
     }
@@ -97,7 +97,7 @@ static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_state_t* s
         forces.torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
         forces.input -= applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
     }
-    if (state->motion == (int32_t)EMA_MOTION_STUCK) {
+    if ((state->motion == (int32_t)EMA_MOTION_STUCK) && (plant->active.presliding == 0U)) {
         forces.level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
         forces.level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
     } else {
@@ -453,6 +453,12 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const 
     state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces.level_forward_Nm, forces.level_backward_Nm);
 }
 
+/* How a shaft moves once it has left its rest. */
+static int32_t ema_motion_left(const ema_plant_t* plant, ema_motion_t direction)
+{
+    return (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)direction;
+}
+
 static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, const ema_event_t* event)
 {
     switch (event->kind) {
@@ -463,18 +469,16 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
         state->angle_rad = event->value;
         state->angle_low_rad = EMA_R(0.0);
         state->speed_rad_s = EMA_R(0.0);
-        if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
-            state->motion = (int32_t)EMA_MOTION_STUCK;
-        }
+        state->motion = (int32_t)EMA_MOTION_STUCK;
         break;
     case EMA_EVENT_CURRENT:
         state->current_A = event->value;
         break;
     case EMA_EVENT_FORWARD:
-        state->motion = (int32_t)EMA_MOTION_FORWARD;
+        state->motion = ema_motion_left(plant, EMA_MOTION_FORWARD);
         break;
     case EMA_EVENT_BACKWARD:
-        state->motion = (int32_t)EMA_MOTION_BACKWARD;
+        state->motion = ema_motion_left(plant, EMA_MOTION_BACKWARD);
         break;
     case EMA_EVENT_RELEASE:
     case EMA_EVENT_NONE:
@@ -506,13 +510,12 @@ static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* cir
         } else {
             left_s -= left_s * event.at;
             ++events;
-            /* an elastic contact rests against the stop for what is left of the step */
-            done = !(left_s > EMA_R(0.0)) || ((event.kind == EMA_EVENT_STOP) && (state->motion == (int32_t)EMA_MOTION_ELASTIC));
+            done = !(left_s > EMA_R(0.0));
         }
     }
     if (!done) {
         state->speed_rad_s = EMA_R(0.0);
-        state->motion = (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
+        state->motion = ema_motion_left(plant, EMA_MOTION_STUCK);
         ++state->crowded_steps;
     }
 }
