@@ -87,7 +87,9 @@ static bool ema_prepare(ema_program_t* program)
     ema_model_t model;
     ema_status_t status = ema_model_init(&model, &program->actuator, EMA_R(0.0));
     if (status != EMA_OK) {
-        return ema_refuse(program, ema_actuator_name(program), ema_status_text(status), "; correct the actuator");
+        /* Single values are in range by now; only the sum of the delays can still be outside. */
+        return ema_refuse(program, ema_actuator_name(program), ema_status_text(status),
+                          (status == EMA_ERR_RANGE) ? "; keep encoder.delay_s and effects.feedback_delay.delay_s together within 12 model steps" : "; correct the actuator");
     }
     status = ema_session_init(&program->session, &program->config);
     if (status != EMA_OK) {

@@ -190,7 +190,7 @@ static void ema_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
 /* One integration step with effects but without an event; false, and nothing changed, when something would happen. */
 static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    if (!(ema_abs(state->current_A) <= plant->linear_current_A)) {
+    if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
         return false;
     }
     ema_real turn_rad;
@@ -218,33 +218,6 @@ static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* cir
     return smooth;
 }
 
-/* What the current does over a segment that is located. */
-typedef struct {
-    bool held;                 /* the drive holds it at its limit */
-    ema_real rate;             /* of the free circuit at the start, A/s */
-    ema_real saturated_Nm;     /* motor torque while it is saturated, else zero */
-} ema_regime_t;
-
-static ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input)
-{
-    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
-    const ema_real current_A = state->current_A;
-    const ema_real limit_A = plant->drive.current_limit_A;
-    if (circuit->algebraic) {
-        regime.held = ema_abs((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input)) > limit_A;
-    } else {
-        regime.rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
-        regime.held = ((current_A >= limit_A) && (regime.rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (regime.rate < EMA_R(0.0)));
-    }
-    /* on the bound itself the direction decides */
-    const ema_real size_A = ema_abs(current_A);
-    const bool outward = (regime.rate * current_A) > EMA_R(0.0);
-    if ((size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && outward)) {
-        regime.saturated_Nm = (current_A > EMA_R(0.0)) ? plant->motor.torque_limit_Nm : -plant->motor.torque_limit_Nm;
-    }
-    return regime;
-}
-
 typedef enum {
     EMA_EVENT_NONE,
     EMA_EVENT_REST,     /* the speed reaches zero */
@@ -260,6 +233,39 @@ typedef struct {
     ema_real at;      /* fraction of the span */
     ema_real value;   /* of the quantity that reached its bound */
 } ema_event_t;
+
+/* What the current does over a segment that is located. */
+typedef struct {
+    bool held;                 /* the drive holds it at its limit */
+    ema_real rate;             /* of the free circuit at the start, A/s */
+    ema_real saturated_Nm;     /* motor torque while it is saturated, else zero */
+} ema_regime_t;
+
+/* `last` is what happened just before and `was` the regime until then: on a bound itself they decide, for rounding puts the current on either side. */
+static ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, const ema_regime_t* was)
+{
+    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
+    const ema_real limit_A = plant->drive.current_limit_A;
+    ema_real current_A = state->current_A;
+    if (circuit->algebraic) {
+        const ema_real free_A = (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
+        current_A = ema_clamp(free_A, -limit_A, limit_A);
+        regime.held = (current_A != free_A) || ((last->kind == EMA_EVENT_CURRENT) && (ema_abs(last->value) == limit_A));
+    } else {
+        regime.rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
+        regime.held = ((current_A >= limit_A) && (regime.rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (regime.rate < EMA_R(0.0)));
+    }
+    regime.held = regime.held && (last->kind != EMA_EVENT_RELEASE);
+    const ema_real size_A = ema_abs(current_A);
+    bool saturated = (size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && ((regime.rate * current_A) > EMA_R(0.0)));
+    if ((last->kind == EMA_EVENT_CURRENT) && (ema_abs(last->value) == plant->torque_limit_A)) {
+        saturated = was->saturated_Nm == EMA_R(0.0);
+    }
+    if (saturated) {
+        regime.saturated_Nm = (current_A > EMA_R(0.0)) ? plant->motor.torque_limit_Nm : -plant->motor.torque_limit_Nm;
+    }
+    return regime;
+}
 
 /* A span as a series, and what was assumed for it. */
 typedef struct {
@@ -324,8 +330,19 @@ static void ema_event_current(ema_event_t* event, ema_located_t* located, ema_re
         if ((end_A * side_A) < (bound_A * bound_A)) {
             ema_event_take(event, EMA_EVENT_CURRENT, located->series.current_A, side_A, EMA_R(0.0));
         }
-    } else if ((ema_abs(end_A) > bound_A) && (ema_abs(start_A) < bound_A)) {
-        ema_event_take(event, EMA_EVENT_CURRENT, located->series.current_A, (end_A > EMA_R(0.0)) ? bound_A : -bound_A, EMA_R(0.0));
+    } else if (ema_abs(end_A) > bound_A) {
+        const ema_real side_A = (end_A > EMA_R(0.0)) ? bound_A : -bound_A;
+        const ema_real from = (start_A == side_A) ? EMA_ROOT_FROM : EMA_R(0.0);
+        const ema_real from_A = ema_series_at(located->series.current_A, from);
+        if ((end_A > EMA_R(0.0)) ? (from_A < side_A) : (from_A > side_A)) {
+            ema_event_take(event, EMA_EVENT_CURRENT, located->series.current_A, side_A, from);
+        } else if ((start_A == side_A) && ((event->kind == EMA_EVENT_NONE) || (from < event->at))) {
+            event->kind = EMA_EVENT_CURRENT;
+            event->at = from;
+            event->value = side_A;
+        } else {
+            /* beyond it from the start, or something else comes first */
+        }
     } else {
         /* stays inside */
     }
@@ -443,6 +460,16 @@ static void ema_motion_to(const ema_plant_t* plant, ema_state_t* state, const em
 /* The speed is zero: dry friction holds the shaft, or it reverses at once. */
 static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
+    /* a turning point beyond a stop is the stop */
+    if (state->angle_rad > plant->screw.stop_upper_rad) {
+        state->angle_rad = plant->screw.stop_upper_rad;
+        state->angle_low_rad = EMA_R(0.0);
+    } else if (state->angle_rad < plant->screw.stop_lower_rad) {
+        state->angle_rad = plant->screw.stop_lower_rad;
+        state->angle_low_rad = EMA_R(0.0);
+    } else {
+        /* inside the travel */
+    }
     /* a turning point is the extreme that the play sees */
     ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
     state->speed_rad_s = EMA_R(0.0);
@@ -493,17 +520,24 @@ static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* cir
     ema_real left_s = span_s;
     uint32_t events = 0U;
     bool done = false;
+    ema_event_t event = {EMA_EVENT_NONE, EMA_R(0.0), EMA_R(0.0)};
+    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
     while (!done && (events < EMA_EVENTS_MAX)) {
         ema_located_t located;
         located.segment = ema_segment_open(plant, state, applied, left_s);
-        located.regime = ema_regime_of(plant, circuit, state, located.segment.forces.input);
+        regime = ema_regime_of(plant, circuit, state, located.segment.forces.input, &event, &regime);
+        located.regime = regime;
         ema_located_build(plant, state, circuit, left_s, &located);
         if (plant->active.any) {
             ema_segment_correct(plant, state, applied, left_s, &located.segment);
             ema_located_build(plant, state, circuit, left_s, &located);
         }
-        const ema_event_t event = ema_event_find(plant, circuit, state, &located);
+        event = ema_event_find(plant, circuit, state, &located);
         ema_motion_to(plant, state, &located.series, event.at);
+        /* an excursion beyond the limit that another event cuts short is not located */
+        if (ema_abs(state->current_A) > plant->drive.current_limit_A) {
+            state->current_A = ema_clamp(state->current_A, -plant->drive.current_limit_A, plant->drive.current_limit_A);
+        }
         ema_event_apply(plant, state, applied, &event);
         if (event.kind == EMA_EVENT_NONE) {
             done = true;

@@ -25,7 +25,8 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
 {
     const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
     const ema_real current_A = state->current_A;
-    bool plain;
+    /* on a limit or beyond it, the step is not the linear one even when it ends inside */
+    bool plain = ema_abs(current_A) < plant->linear_current_A;
     if (state->motion != (int32_t)EMA_MOTION_STUCK) {
         const bool forward = state->motion > 0;
         const ema_real torque_Nm = forward ? plant->screw.forward_torque_Nm : plant->screw.backward_torque_Nm;
@@ -35,7 +36,7 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
         ema_real angle_rad = state->angle_rad;
         ema_real low_rad = state->angle_low_rad;
         ema_add_compensated(&angle_rad, &low_rad, ema_response_at(&circuit->angle, current_A, speed_rad_s, applied->input, torque_Nm));
-        plain = (forward ? (next_rad_s > EMA_R(0.0)) : (next_rad_s < EMA_R(0.0))) && (ema_abs(next_A) <= plant->linear_current_A)
+        plain = plain && (forward ? (next_rad_s > EMA_R(0.0)) : (next_rad_s < EMA_R(0.0))) && (ema_abs(next_A) <= plant->linear_current_A)
                 && (angle_rad < plant->screw.stop_upper_rad) && (angle_rad > plant->screw.stop_lower_rad);
         if (plain) {
             state->current_A = next_A;
@@ -46,7 +47,7 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
     } else {
         const ema_real next_A = (circuit->stuck_from_current * current_A) + (circuit->stuck_from_voltage * applied->input);
         const ema_real torque_Nm = plant->motor.torque_constant_Nm_per_A * next_A;
-        plain = (torque_Nm <= plant->screw.hold_upper_Nm) && (torque_Nm >= plant->screw.hold_lower_Nm) && (ema_abs(next_A) <= plant->linear_current_A);
+        plain = plain && (torque_Nm <= plant->screw.hold_upper_Nm) && (torque_Nm >= plant->screw.hold_lower_Nm) && (ema_abs(next_A) <= plant->linear_current_A);
         if (plain) {
             state->current_A = next_A;
         }

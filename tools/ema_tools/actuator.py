@@ -35,6 +35,13 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" (did you mean {found[0]}?)" if found else ""
 
 
+def all_rows() -> tuple[Row, ...]:
+    """Every row of both lists: parameters and options, then the effects' values."""
+    known = load_definitions()
+    rows: list[Row] = [*known.parameters, *known.effect_values]
+    return tuple(rows)
+
+
 def row_of(name: str) -> Row:
     """The row of a value given as `section.field`, `effect.field` or `effects.effect.field`.
 
@@ -42,7 +49,7 @@ def row_of(name: str) -> Row:
     """
     known = load_definitions()
     short = name.removeprefix("effects.")
-    for row in (*known.parameters, *known.effect_values):
+    for row in all_rows():
         if row.name == short:
             return row
     names = [row.name for row in known.parameters] + ["effects." + row.name for row in known.effect_values]
@@ -154,16 +161,16 @@ class Actuator:
     def arrays(self) -> tuple[Reals, Integers]:
         """Values [value count] and options [option count] in the order of the C module."""
         known = load_definitions()
-        values = np.array([self[row.name] for row in (*known.reals, *known.effect_values)], dtype=np.float64)
+        names = [*(row.name for row in known.reals), *(row.name for row in known.effect_values)]
+        values = np.array([self[name] for name in names], dtype=np.float64)
         options = np.array([self[row.name] for row in known.options], dtype=np.int32)
         return values, options
 
     def written_text(self) -> str:
         """The file's text: the document with the present values, comments kept; a fresh one when there was none."""
         document = copy.deepcopy(self.document) if self.document is not None else _fresh_document(self)
-        known = load_definitions()
         _update_about(document, self.about)
-        for row in (*known.parameters, *known.effect_values):
+        for row in all_rows():
             _update(document, row, self[row.name])
         return tomlkit.dumps(document)
 
@@ -177,9 +184,10 @@ def _update_about(document: tomlkit.TOMLDocument, about: Mapping[str, str]) -> N
         return
     if "actuator" not in document:
         document.add("actuator", tomlkit.table())
+    table: Any = document["actuator"]
     for key, text in about.items():
-        if document["actuator"].get(key) != text:  # type: ignore[union-attr]
-            document["actuator"][key] = text  # type: ignore[index]
+        if table.get(key) != text:
+            table[key] = text
 
 
 def _update(document: tomlkit.TOMLDocument, row: Row, number: float) -> None:

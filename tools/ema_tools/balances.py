@@ -11,8 +11,8 @@ axis this reproduces the published force error: A. Janot, M. Gautier, M. Brunot,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -122,36 +122,35 @@ class Balance:
 
 def adjusted(actuator: Actuator) -> dict[str, float]:
     """The values with the enabled PARAMETER effects in them, by name."""
-    from ema_tools.reference.actuator import build
-    from ema_tools.reference.effects import module_of
-
     values = dict(actuator.values)
-    for effect in load_definitions().effects:
-        if effect.site == "PARAMETER" and effect.name in actuator.active_effects:
-            values.update(module_of(effect.name).change_values(getattr(build(values).effects, effect.name), values))
+    for module, effect in _active(actuator, "PARAMETER"):
+        values.update(module.change_values(effect, values))
     return values
 
 
-def _function_sum(actuator: Actuator, site: str, call: Callable[[Any, Any], float]) -> float:
+def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
+    """The reference module and the values of every active effect of a site."""
+    names = [effect.name for effect in load_definitions().effects if effect.site == site and effect.name in actuator.active_effects]
+    if not names:
+        return
     from ema_tools.reference.actuator import build
     from ema_tools.reference.effects import module_of
 
     effects = build(actuator.values).effects
-    active = (effect.name for effect in load_definitions().effects if effect.site == site and effect.name in actuator.active_effects)
-    return sum(call(module_of(name), getattr(effects, name)) for name in active)
+    for name in names:
+        yield module_of(name), getattr(effects, name)
 
 
 def _at_points(actuator: Actuator, motion: Motion, site: str, call: Callable[[Any, Any, Any], float]) -> Reals:
     """Sum over the active effects of a site, on every row; zeros at no cost when there are none."""
-    rows = motion.speed_rad_s.size
-    sites = {effect.name: effect.site for effect in load_definitions().effects}
-    if not any(sites[name] == site for name in actuator.active_effects):
-        return np.zeros(rows)
+    functions = list(_active(actuator, site))
+    if not functions:
+        return np.zeros(motion.speed_rad_s.size)
     from ema_tools.reference.point import Point
 
     columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm)
     points = (Point(float(i), float(w), float(a), float(x), 0.0) for i, w, a, x in zip(*columns, strict=True))
-    return np.array([_function_sum(actuator, site, lambda module, effect, point=point: call(module, effect, point)) for point in points])
+    return np.array([sum(call(module, effect, point) for module, effect in functions) for point in points])
 
 
 def drive_current(actuator: Actuator, record: Record) -> Reals:
@@ -191,32 +190,33 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
     return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
 
 
-def friction_change_Nm(actuator: Actuator, motion: Motion) -> Reals:
-    """What effects add to the level of sliding friction, on every row."""
-    level = actuator["screw.dynamic_ratio"] * actuator["screw.csj_Nm"]
+def _friction_change_Nm(actuator: Actuator, motion: Motion, level: float) -> Reals:
+    """What effects add to the level of dry friction, on every row."""
     return _at_points(actuator, motion, "FRICTION", lambda module, effect, point: module.level_change_Nm(effect, level, point))
 
 
 @dataclass(frozen=True)
 class Mechanical:
-    """The mechanical balance as a linear model on smoothed rows: drive = known + columns @ parameters, all [rows] or [rows, 4].
+    """The mechanical balance as a linear model on smoothed rows, all [rows] or [rows, 4].
 
-    columns: acceleration (inertia), speed (viscous), direction (level of sliding friction), one (load against extension).
+    drive = load + extra direction + columns @ parameters; columns: acceleration (inertia), speed (viscous), direction (level of sliding friction),
+    one (load against extension). `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level.
     """
 
     smoother: Smoother
     drive_Nm: Reals
-    known_Nm: Reals
+    load_Nm: Reals
+    extra_Nm: Reals
+    static_extra_Nm: Reals
     columns: Reals
     time_s: Reals
     resting: NDArray[np.bool_]
 
-    def decimated(self) -> tuple[Reals, Reals, Reals, NDArray[np.bool_]]:
-        """Drive minus known torque [samples], columns [samples, 4], time, and which samples no rest touches."""
-        use = self.smoother
-        columns = np.column_stack([use.decimated(column) for column in self.columns.T])
-        touched = np.convolve(self.resting, np.ones(2 * use.every + 1), mode="same") > 0.5
-        return use.decimated(self.drive_Nm - self.known_Nm), columns, use.kept(self.time_s), ~use.kept(touched)
+    def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
+        """What balances the torque, up to the static level, on every row; `parameters` [4] of the columns."""
+        net = self.drive_Nm - self.load_Nm - self.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
+        static = static_Nm + self.static_extra_Nm
+        return np.clip(net, -static, static)
 
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
@@ -257,12 +257,17 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
     load = _at_points(actuator, motion, "LOAD", lambda module, effect, point: module.load_Nm(effect, point))
     passed = load + values["screw.load_torque_Nm"]
     efficiency = values["gearbox.efficiency"]
-    loss = np.where(passed * direction > 0.0, 1.0 / efficiency - 1.0, 1.0 - efficiency) * np.abs(passed)
+    opposing = (1.0 / efficiency - 1.0) * np.abs(passed)
+    loss = np.where(passed * direction > 0.0, opposing, (1.0 - efficiency) * np.abs(passed))
+    static = values["screw.csj_Nm"]
+    still = replace(motion, speed_rad_s=np.zeros_like(direction))
     torque = _at_points(actuator, motion, "TORQUE", lambda module, effect, point: module.torque_Nm(effect, point))
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        known_Nm=load - torque + (loss + friction_change_Nm(actuator, motion)) * direction,
+        load_Nm=load - torque,
+        extra_Nm=loss + _friction_change_Nm(actuator, motion, values["screw.dynamic_ratio"] * static),
+        static_extra_Nm=opposing + _friction_change_Nm(actuator, still, static),
         columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, direction, np.ones_like(direction)]),
         time_s=record.time_s,
         resting=_resting(motion, _speed_noise_rad_s(actuator, record, use), use),
@@ -307,16 +312,16 @@ def mechanical(actuator: Actuator, record: Record, smoother: Smoother | None = N
     values = adjusted(actuator)
     static = values["screw.csj_Nm"]
     parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
-    net = model.drive_Nm - model.columns @ parameters
-    sliding = model.known_Nm + values["screw.dynamic_ratio"] * static * model.columns[:, 2]
-    friction = np.where(model.resting, np.clip(net, -static, static), sliding)
+    sliding = (values["screw.dynamic_ratio"] * static + model.extra_Nm) * model.columns[:, 2]
+    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, static), sliding)
+    residual = model.drive_Nm - model.load_Nm - model.columns @ parameters - friction
     use = model.smoother
     return Balance(
         "mechanical",
         "Nm",
         use.kept(model.time_s),
         use.decimated(model.drive_Nm),
-        use.decimated(net - friction),
+        use.decimated(residual),
         100.0 * float(np.mean(use.inner(model.resting))),
     )
 
@@ -454,12 +459,24 @@ def controller(actuator: Actuator, record: Record) -> Balance:
     return Balance("controller", "V", inner(record.time_s), inner(record.voltage_V), inner(record.voltage_V - scale * output))
 
 
-def all_balances(actuator: Actuator, record: Record) -> dict[str, Balance | str]:
-    """Every balance by name: a `Balance`, or in one sentence why it cannot be had."""
+_OTHERS: dict[str, Callable[[Actuator, Record], Balance]] = {"electrical": electrical, "kinematic": kinematic, "controller": controller}
+
+
+def filter_of(actuator: Actuator, record: Record) -> Smoother:
+    """The filter of a record's mechanical balance; the usual one where there is no such balance."""
+    try:
+        return quiet_smoother(actuator, record)
+    except MissingSignal:
+        return Smoother.of(record.period_s)
+
+
+def all_balances(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> dict[str, Balance | str]:
+    """Every balance by name: a `Balance`, or in one sentence why it cannot be had. `smoother` is the mechanical one's, to compare like with like."""
+    use = smoother or filter_of(actuator, record)
     found: dict[str, Balance | str] = {}
-    for name, make in zip(BALANCES, (mechanical, electrical, kinematic, controller), strict=True):
+    for name in BALANCES:
         try:
-            found[name] = make(actuator, record)
+            found[name] = mechanical(actuator, record, use) if name == "mechanical" else _OTHERS[name](actuator, record)
         except MissingSignal as missing:
             found[name] = str(missing)
     return found

@@ -150,13 +150,11 @@ def from_mechanics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actua
 
 def _with_rest(model: Mechanical, parameters: Reals, ratio: float) -> tuple[Reals, Reals]:
     """Target and columns in which friction at rest is what the present parameters say: whatever balances the torque, up to the static level."""
-    static = abs(parameters[2]) / ratio
-    net = model.drive_Nm - model.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
-    friction = np.where(model.resting, np.clip(net, -static, static), model.known_Nm)
+    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, abs(float(parameters[2])) / ratio), model.extra_Nm * model.columns[:, 2])
     columns = model.columns.copy()
     columns[model.resting, 2] = 0.0
     use = model.smoother
-    return use.decimated(model.drive_Nm - friction), np.column_stack([use.decimated(column) for column in columns.T])
+    return use.decimated(model.drive_Nm - model.load_Nm - friction), np.column_stack([use.decimated(column) for column in columns.T])
 
 
 def from_electrics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
@@ -177,8 +175,11 @@ def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actu
         return float(sum(residual @ residual for residual in residuals(width_mm)))
 
     row = row_of(PLAY)
-    # More than the largest gap between the two positions changes nothing any more.
-    widest = 2.0 * max(float(np.ptp(record.position_mm - record.motor_position_mm)) for record in records if record.motor_position_mm is not None)
+    gaps = [record.position_mm - record.motor_position_mm for record in records if record.motor_position_mm is not None]
+    if len(gaps) < len(records):
+        raise MissingSignal("motor_position_mm is not recorded")
+    # A play wider than twice the range of the gap between the two positions is not in the records.
+    widest = 2.0 * max(float(np.ptp(gap)) for gap in gaps)
     found = float(minimize_scalar(cost, bounds=(row.lower, min(row.upper, widest)), method="bounded", options={"xatol": 1e-7}).x)
     step = max(_STEP * found, 1e-6)
     slopes = [(high - low) / (2.0 * step) for high, low in zip(residuals(found + step), residuals(max(found - step, 0.0)), strict=True)]
@@ -215,26 +216,27 @@ class _Loop:
         self.names = tuple(names)
         self.rows = [row_of(name) for name in names]
         # A value that may be zero is measured by what it competes with: load by friction.
-        self.size = np.array([actuator[name] if actuator[name] else max(actuator[FRICTION], 1e-6) for name in names])
-        self.lower = np.array([row.lower for row in self.rows]) / np.abs(self.size)
-        self.upper = np.array([row.upper for row in self.rows]) / np.abs(self.size)
-        self.size = np.abs(self.size)
+        self.size = np.array([abs(actuator[name]) or max(actuator[FRICTION], 1e-6) for name in names])
+        self.lower = np.array([row.lower for row in self.rows]) / self.size
+        self.upper = np.array([row.upper for row in self.rows]) / self.size
 
     def start(self) -> Reals:
-        return np.clip(np.array([self.actuator[name] for name in self.names]) / self.size, self.lower, self.upper)
+        """The actuator's own values."""
+        return np.asarray(np.clip(np.array([self.actuator[name] for name in self.names]) / self.size, self.lower, self.upper))
 
     def at(self, point: Reals) -> Actuator:
+        """The actuator at a point, held inside the ranges."""
         return self.actuator.changed(dict(zip(self.names, np.clip(point, self.lower, self.upper) * self.size, strict=True)))
 
     def errors(self, point: Reals, record: Record) -> Reals:
         """Measured minus simulated, [rows, channels]."""
         simulation = simulated(self.at(point), record)
-        return np.column_stack([record.channel(name) - getattr(simulation, name) for name in CHANNELS if record.channel(name) is not None])
+        return np.column_stack([record.recorded(name) - getattr(simulation, name) for name in CHANNELS if name in record.present])
 
     def trust(self, record: Record) -> Reals:
         """Smallest error that is believed, per channel."""
         sizes = [float(np.sqrt(np.mean(values**2))) for name in CHANNELS if (values := record.channel(name)) is not None]
-        return np.maximum(_TRUST * np.array(sizes), 1e-12)
+        return np.asarray(np.maximum(_TRUST * np.array(sizes), 1e-12))
 
     def slopes(self, point: Reals) -> list[Reals]:
         """Central differences of the errors, per record [rows, channels, parameters], all simulations in parallel."""

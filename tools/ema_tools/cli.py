@@ -112,7 +112,8 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     writable(json_path, force=force)
     model = read_actuator(actuator)
     measured = read_record(record, model)
-    found = work(model, measured, int(precision))
+    with progress("comparing", 3) as bar:
+        found = work(model, measured, int(precision), bar.update)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     drawn = curves(measured, {"model": found.simulation})
     result = {"command": "compare", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
@@ -141,7 +142,8 @@ def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | No
     chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
     with progress("calibrating", 3) as bar:
         found = work(model, measured, chosen, loop, bar.update)
-    found.actuator.changed({}, {"source": f"calibrated on {', '.join(record.file for record in measured)}"}).write(out, force)
+    said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
+    found.actuator.changed({}, {"source": said}).write(out, force)
     origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
     save(json_path, {"command": "calibrate", "actuator": out, **found.result(), "provenance": origin}, force)
     show.calibration(output(), found)

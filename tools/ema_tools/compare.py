@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ema_tools.actuator import Actuator
-from ema_tools.balances import BALANCES, Balance, Smoother, all_balances, noise_of
+from ema_tools.balances import BALANCES, Balance, Smoother, all_balances, filter_of, noise_of
 from ema_tools.native import OUTPUTS, Reals, Simulation
 from ema_tools.records import Record, simulated
+
+Report = Callable[[float, str], None]
 
 UNITS = {"position_mm": "mm", "motor_position_mm": "mm", "current_A": "A", "voltage_V": "V", "speed_mm_s": "mm/s"}
 TITLES = {"position_mm": "rod position", "motor_position_mm": "motor position", "current_A": "current", "voltage_V": "voltage", "speed_mm_s": "rod speed"}
@@ -120,8 +123,8 @@ class Comparison:
         }
 
 
-def compare(actuator: Actuator, record: Record, bits: int = 64) -> Comparison:
-    """Compare the C model with a record. Raises InputError when the model refuses the actuator."""
+def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:
+    """Compare the C model with a record; `report` is told of the three passes. Raises InputError when the model refuses the actuator."""
     simulation = simulated(actuator, record, bits)
     inner = Smoother.of(record.period_s).inner
     channels: dict[str, ChannelError] = {}
@@ -135,9 +138,14 @@ def compare(actuator: Actuator, record: Record, bits: int = 64) -> Comparison:
         relative = 100.0 * float(np.linalg.norm(difference)) / size if size > 0.0 else math.nan
         channels[name] = ChannelError(float(np.sqrt(np.mean(difference**2))), relative)
         errors[name] = Balance(name, UNITS[name], inner(record.time_s), inner(measured), difference)
-    found = all_balances(actuator, record)
-    noisy = all_balances(actuator, _with_own_noise(record))
-    own = all_balances(actuator, _as_recorded(simulation, record))
+    # One filter for all three, so that what noise and method leave is comparable with what the record leaves.
+    smoother = filter_of(actuator, record)
+    passes = []
+    for like in (record, _with_own_noise(record), _as_recorded(simulation, record)):
+        passes.append(all_balances(actuator, like, smoother))
+        if report is not None:
+            report(len(passes), "")
+    found, noisy, own = passes
     balances = {name: _balance_error(found[name], noisy[name], own[name]) for name in BALANCES}
     where = _where(actuator, record, found, errors, balances)
     return Comparison(channels, balances, where, _sentence(balances, where, record), simulation)
@@ -146,23 +154,20 @@ def compare(actuator: Actuator, record: Record, bits: int = 64) -> Comparison:
 def _with_own_noise(record: Record) -> Record:
     """The record with as much white noise again as it seems to hold, to see what noise makes of a result."""
     random = np.random.default_rng(1)
-    names = [name for name in ("position_mm", "motor_position_mm", "current_A") if record.channel(name) is not None]
-    return replace(record, **{name: record.channel(name) + random.normal(0.0, noise_of(record.channel(name)), record.rows) for name in names})
+    measured = {name: record.recorded(name) for name in ("position_mm", "motor_position_mm", "current_A") if name in record.present}
+    return record.with_columns({name: values + random.normal(0.0, noise_of(values), record.rows) for name, values in measured.items()})
 
 
 def _as_recorded(simulation: Simulation, record: Record) -> Record:
     """The simulated run as a record with the same channels."""
-    channels = {name: getattr(simulation, name) for name in OUTPUTS if record.channel(name) is not None}
-    return replace(record, **channels)
+    return record.with_columns({name: getattr(simulation, name) for name in OUTPUTS if name in record.present})
 
 
 def _balance_error(found: Balance | str, noisy: Balance | str, own: Balance | str) -> BalanceError:
     if isinstance(found, str):
         return BalanceError("", math.nan, math.nan, math.nan, math.nan, math.nan, found)
-    noise = math.nan
-    if isinstance(noisy, Balance) and noisy.residual.size == found.residual.size:
-        noise = float(np.sqrt(np.mean((noisy.residual - found.residual) ** 2)))
-    method = own.rms if isinstance(own, Balance) else math.nan
+    noise = float(np.sqrt(np.mean((noisy.residual - found.residual) ** 2))) if isinstance(noisy, Balance) else 0.0
+    method = own.rms if isinstance(own, Balance) else 0.0
     return BalanceError(found.unit, found.rms, found.relative_percent, noise, method, found.resting_percent)
 
 
@@ -196,7 +201,10 @@ class _State:
 
 
 def _even(by: str, values: Reals, unit: str, period_s: float) -> _State | None:
+    """Parts of equal width between the lowest and the highest value; None when nothing changes."""
     low, high = float(np.min(values)), float(np.max(values))
+    # A size begins at zero; its smallest sample is only close to it.
+    low = 0.0 if 0.0 < low < 0.01 * high else low
     if not high > low:
         return None
     edges = tuple(float(edge) for edge in np.linspace(low, high, _BINS + 1))
@@ -227,7 +235,7 @@ def _since_reversal_s(direction: Reals, period_s: float) -> Reals:
     rows = np.arange(direction.size)
     starts = np.concatenate(([True], (direction[1:] != direction[:-1]) & (direction[1:] != 0.0)))
     last = np.maximum.accumulate(np.where(starts, rows, 0))
-    return (rows - last) * period_s
+    return np.asarray((rows - last) * period_s, dtype=np.float64)
 
 
 def _divided(source: str, balance: Balance, states: list[_State], first_time_s: float) -> list[Place]:

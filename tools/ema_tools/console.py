@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from types import TracebackType
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 _SHOW_AFTER_S = 0.5
@@ -37,7 +37,7 @@ class Bar:
         self._total = total
         self._begun_s = time.monotonic()
         self._progress: Progress | None = None
-        self._task = None
+        self._task: TaskID | None = None
         self._shown = sys.stderr.isatty()
 
     def __enter__(self) -> Bar:
@@ -54,7 +54,8 @@ class Bar:
             self._progress = Progress(*columns, console=Console(stderr=True), transient=True)
             self._progress.start()
             self._task = self._progress.add_task(self._title, total=self._total, note="")
-        self._progress.update(self._task, completed=done, note=note)  # type: ignore[arg-type]
+        if self._task is not None:
+            self._progress.update(self._task, completed=done, note=note)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._progress is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -60,8 +61,7 @@ def run(output: Console, folder: Path) -> Path:
     files: list[Path] = []
     with terminal.progress("identifying", budget * len(RECORDINGS)) as bar:
         for place, shipped in enumerate(RECORDINGS):
-            done = place * budget
-            data = _identified(actuator, shipped, lambda run, _, best, done=done: bar.update(done + run, f"best {best:.2g} mm2 s"))
+            data = _identified(actuator, shipped, partial(_tell, bar, place * budget))
             files.append(folder / f"{Path(shipped.file).stem}.json")
             write_json(files[-1], data, force=True)
             results.append(_parsed(data, files[-1]))
@@ -69,6 +69,11 @@ def run(output: Console, folder: Path) -> Path:
     write_report(files, page, COMMAND, force=True)
     _print(output, results, page)
     return page
+
+
+def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float) -> None:
+    """Progress after a model run; `before` runs belong to earlier recordings."""
+    bar.update(before + run_number, f"best {best:.2g} mm2 s")
 
 
 def _identified(actuator: Actuator, shipped: Shipped, progress: Progress) -> dict[str, Any]:

@@ -38,7 +38,7 @@ def long_run(scores: Reals) -> Reals:
     for step in range(1, lag + 1):
         product = scores[step:].T @ scores[:-step]
         total += (1.0 - step / (lag + 1.0)) * (product + product.T)
-    return total * (samples / max(1, samples - scores.shape[1]))
+    return np.asarray(total * (samples / max(1, samples - scores.shape[1])))
 
 
 def _bandwidth(scores: Reals) -> int:

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,8 +191,8 @@ def _library_path(bits: int) -> Path:
     return path
 
 
-def _doubles(array: Reals | None) -> ctypes.Array[c_double] | None:
-    return None if array is None else array.ctypes.data_as(POINTER(c_double))
+def _doubles(array: Reals) -> Any:
+    return array.ctypes.data_as(POINTER(c_double))
 
 
 def _flat(array: object, shape: tuple[int, ...], name: str) -> Reals:
@@ -298,7 +299,7 @@ class Library:
             ctypes.byref(crowded),
         )
         self._raise_on(status, "simulate", values, options)
-        return Simulation(*out, crowded.value)
+        return Simulation(out[0], out[1], out[2], out[3], out[4], crowded.value)
 
     def command(self, kind: str, numbers: dict[str, float], step_s: float, rows: int) -> Reals:
         """Samples [rows] of the command `kind` (of COMMAND_KINDS) at multiples of `step_s`; `numbers` by COMMAND_NUMBERS.

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ema_tools.actuator import Actuator
 from ema_tools.errors import InputError
 from ema_tools.files import reason, write_text
-from ema_tools.actuator import Actuator
 from ema_tools.native import CHANNELS, RECORD_COLUMNS, Reals, Simulation, library
 
 COLUMNS = RECORD_COLUMNS
@@ -42,7 +43,7 @@ class Record:
     @property
     def time_s(self) -> Reals:
         """Time of each row, [rows]."""
-        return self.first_time_s + self.period_s * np.arange(self.rows)
+        return self.first_time_s + self.period_s * np.arange(self.rows, dtype=np.float64)
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -56,7 +57,20 @@ class Record:
 
     def table(self) -> Reals:
         """The channels of the C module, [rows, 4], NaN where not recorded."""
-        return np.column_stack([np.full(self.rows, np.nan) if self.channel(name) is None else self.channel(name) for name in CHANNELS])
+        absent = np.full(self.rows, np.nan)
+        return np.column_stack([self.recorded(name) if name in self.present else absent for name in CHANNELS])
+
+    def recorded(self, name: str) -> Reals:
+        """A column that is there. Raises KeyError when it is not."""
+        values = self.channel(name)
+        if values is None:
+            raise KeyError(name)
+        return values
+
+    def with_columns(self, columns: Mapping[str, Reals]) -> Record:
+        """A copy with some columns replaced."""
+        changed: dict[str, Any] = dict(columns)
+        return replace(self, **changed)
 
     def with_noise(self, std: Mapping[str, float], seed: int) -> Record:
         """A copy with white Gaussian noise of standard deviation `std[column]` added, the same for the same seed."""
@@ -64,11 +78,10 @@ class Record:
         changed = {}
         for name in COLUMNS[1:]:
             if name in std:
-                values = self.channel(name)
-                if values is None:
+                if name not in self.present:
                     raise InputError(f"{self.file}: noise on {name}: the column is not there: name one of {', '.join(self.present)}")
-                changed[name] = values + random.normal(0.0, std[name], self.rows)
-        return replace(self, **changed)
+                changed[name] = self.recorded(name) + random.normal(0.0, std[name], self.rows)
+        return self.with_columns(changed)
 
 
 # How many standard deviations of sensor noise, besides half the play, the first position may be off a command at which the rod rests.
@@ -106,7 +119,7 @@ def write_record(path: str | Path, record: Record, comments: tuple[str, ...] = (
     """
     names = record.present
     shape = f"%.{digits}g"
-    numbers = np.column_stack([record.channel(name) for name in names])
+    numbers = np.column_stack([record.recorded(name) for name in names])
     lines = [f"# {line}" for line in comments]
     lines.append(",".join(("time_s", *names)))
     row = "%.12g," + ",".join([shape] * len(names))

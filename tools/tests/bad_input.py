@@ -168,6 +168,10 @@ ACTUATORS = (
     _config("a healthy value outside its search bounds", "screw.csj_Nm = 5\n",
             "a value is outside its range; let the bounds of [search] hold the healthy screw.csj_Nm and screw.blk_mm, neither of them zero,"
             " and correct its other settings"),
+    _config("a mass on the spring that the inertia does not hold", "screw.inertia_kgm2 = 1e-5\neffects.transmission_compliance.period_s = 0.02\neffects.transmission_compliance.mass_kg = 500\n",
+            "the mass on the spring is heavier than the total inertia allows; correct the actuator"),
+    _config("more delay than the model holds", "encoder.delay_s = 0.012\neffects.feedback_delay.delay_s = 0.006\n",
+            "a value is outside its range; keep encoder.delay_s and effects.feedback_delay.delay_s together within 12 model steps"),
     _config("search bounds the wrong way round", "search.blk_lower_mm = 0.2\n",
             "a lower bound is not below its upper bound; let the bounds of [search] hold the healthy screw.csj_Nm and screw.blk_mm, neither of them"
             " zero, and correct its other settings"),

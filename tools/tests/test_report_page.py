@@ -119,6 +119,12 @@ def test_undecided_verdict_gets_advice(tmp_path: Path) -> None:
     reason = "an estimate lies on a bound of its search"
     page = _page(tmp_path, identified(verdict="undecided", reasons=[reason]))
     assert f"{reason}." in page and "Widen the bounds" in page
+    assert "<h1>No verdict on the record result_0: the search reads CSJ" in page and f"Because {reason}." in page
+
+
+def test_healthy_verdict_is_not_called_a_fault(tmp_path: Path) -> None:
+    page = _page(tmp_path, identified(verdict="healthy"))
+    assert "<h1>The record result_0 is of a healthy actuator: CSJ" in page and "carries" not in _without_scripts(page)
 
 
 def test_result_without_curves_and_search_is_shown(tmp_path: Path) -> None:
@@ -182,10 +188,15 @@ def test_comparison_names_the_worst_balance(tmp_path: Path) -> None:
     assert "<h1>Model against today.csv: rod position off by 5.00\u00a0%</h1>" in page
 
 
+def test_rod_that_does_not_move_is_said(tmp_path: Path) -> None:
+    still = compared(name="still", channels={"position_mm": {"rmse": 0.0, "relative_percent": None}})
+    assert "rod position does not move" in _page(tmp_path, still, identified())
+
+
 def test_other_json_and_missing_file_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="none of `csj_Nm`, `blk_mm` and `balances`"):
         parse_result({"rows": 5}, "x.json", "x")
-    with pytest.raises(InputError, match="absent.json"):
+    with pytest.raises(InputError, match=r"absent\.json"):
         write_report([tmp_path / "absent.json"], tmp_path / "page.html", "ema report")
     with pytest.raises(InputError, match="no result"):
         write_report([], tmp_path / "page.html", "ema report")

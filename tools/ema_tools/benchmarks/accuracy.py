@@ -52,15 +52,15 @@ class Trial:
 
     def worst_percent(self) -> Reals:
         """Largest error of CSJ and BLK, [2]."""
-        return np.max(np.abs(self.errors_percent), axis=0)
+        return np.asarray(np.max(np.abs(self.errors_percent), axis=0))
 
     def rms_percent(self) -> Reals:
         """Rms error of CSJ and BLK, [2]."""
-        return np.sqrt(np.mean(self.errors_percent**2, axis=0))
+        return np.asarray(np.sqrt(np.mean(self.errors_percent**2, axis=0)))
 
     def covered(self) -> Reals:
         """Share of searches whose stated 95 % interval holds the truth, [2]."""
-        return np.mean(np.abs(self.errors_percent) <= _WIDTH_95 * self.std_percent, axis=0)
+        return np.asarray(np.mean(np.abs(self.errors_percent) <= _WIDTH_95 * self.std_percent, axis=0))
 
 
 @dataclass(frozen=True)

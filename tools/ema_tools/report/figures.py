@@ -38,7 +38,7 @@ def scalars(result: Identified) -> Figure:
         "hoverinfo": "skip",
     }
     traces = [stems]
-    values = list(estimates)
+    values = [estimate + sign * width for estimate, width in zip(estimates, spread, strict=True) for sign in (-1.0, 1.0)]
     if result.case is not None:
         actual = [result.case.shift_percent(name) for name in result.faults]
         values += actual
@@ -63,8 +63,8 @@ def scalars(result: Identified) -> Figure:
 
 def _reading(result: Identified, name: str, place: int) -> Figure:
     """The numbers of one row, above it at the left."""
-    text = f"<b>{shift(result.faults[name].shift_percent, 2)}</b>"
     spread = _WIDTH_95 * result.faults[name].std_percent
+    text = f"<b>{shift(result.faults[name].shift_percent, 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2)}</b>"
     if spread >= 0.005:
         text += f" ± {number(spread, 2)}"
     if result.case is not None:

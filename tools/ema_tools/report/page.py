@@ -65,9 +65,13 @@ def render(results: list[Identified | Compared], command: str) -> str:
 
 def sentence(result: Identified) -> str:
     """The verdict in one sentence, e.g. for the page's title and the terminal."""
-    carries = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults)
-    subject = "This recorded chirp of the reference actuator" if result.case is not None else f"The record {result.name}"
-    return f"{subject} carries {carries}."
+    shifts = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults)
+    subject = "this recorded chirp of the reference actuator" if result.case is not None else f"the record {result.name}"
+    if result.verdict == "fault":
+        return f"{subject[0].upper()}{subject[1:]} carries {shifts}."
+    if result.verdict == "healthy":
+        return f"{subject[0].upper()}{subject[1:]} is of a healthy actuator: {shifts}."
+    return f"No verdict on {subject}: the search reads {shifts}."
 
 
 def finding(result: Identified) -> str:
@@ -119,7 +123,8 @@ def _head(page: _Page, results: list[Identified | Compared]) -> None:
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
     if isinstance(first, Identified):
         made = " The record was made by an independent model of this actuator in double precision; the module saw the record alone." if first.case else ""
-        page.add(f'<p class="lead">{_text(finding(first) + made)}</p>')
+        doubt = f"Because {verdict(first)} " if first.verdict == "undecided" else ""
+        page.add(f'<p class="lead">{_text(doubt + finding(first) + made)}</p>')
     elif first.sentence:
         page.add(f'<p class="lead">{_text(first.sentence)}</p>')
     if len(results) < 2:
@@ -132,8 +137,8 @@ def _head(page: _Page, results: list[Identified | Compared]) -> None:
 
 def _tile(result: Identified | Compared) -> str:
     if isinstance(result, Compared):
-        position = result.channels.get("position_mm")
-        small = f"rod position {words.number(position[1])} % off" if position else "no rod position"
+        share = result.channels.get("position_mm", (0.0, None))[1]
+        small = f"rod position {words.number(share)} % off" if share is not None else "rod position does not move"
         return f'<span class="head"><span>{escape(result.name)}</span></span><span class="big">Model against record</span><span class="small">{small}</span>'
     shifts = "<br>".join(f"{_NAMES[name][0]}\u00a0{words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     return (

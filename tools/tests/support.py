@@ -1,0 +1,73 @@
+"""What the tests of the command `ema` share: the project's files, and the command run inside this process."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from ema_tools.actuator import Actuator, reference_actuator
+from ema_tools.commands import make_command
+from ema_tools.records import Record
+from ema_tools.simulate import simulate_record
+
+ROOT = Path(__file__).resolve().parents[2]
+REFERENCE = ROOT / "actuators" / "reference.toml"
+RECORDINGS = ROOT / "recordings"
+
+
+@dataclass(frozen=True)
+class Ran:
+    """Exit code and what was printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+def run_ema(*arguments: object) -> Ran:
+    """The command line `ema` with these arguments."""
+    from ema_tools.cli import main
+
+    out, err = io.StringIO(), io.StringIO()
+    before = sys.argv
+    sys.argv = ["ema", *(str(argument) for argument in arguments)]
+    code = 0
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            main()
+    except SystemExit as end:
+        code = int(end.code or 0)
+    finally:
+        sys.argv = before
+    return Ran(code, out.getvalue(), err.getvalue())
+
+
+def complaint(ran: Ran) -> str:
+    """The one line of a refused input; fails when it is not exactly that."""
+    assert ran.code == 1, ran
+    assert ran.out == ""
+    lines = ran.err.splitlines()
+    assert len(lines) == 1, ran.err
+    assert lines[0].startswith("ema: ")
+    return lines[0].removeprefix("ema: ")
+
+
+def emps_path() -> Path:
+    """EMPS's measured data, or the test is skipped."""
+    shared = Path(os.environ.get("EMA_SHARED", ROOT.parent / "shared"))
+    path = shared / "measurements" / "emps" / "DATA_EMPS.mat"
+    if not path.is_file():
+        pytest.skip(f"DATA_EMPS.mat is not in {path.parent}: point EMA_SHARED at the folder above measurements")
+    return path
+
+
+def chirp_record(actuator: Actuator | None = None, text: str = "chirp", bits: int = 64) -> Record:
+    """The record that an actuator (the reference one) leaves under a command."""
+    model = actuator or reference_actuator()
+    return simulate_record(model, make_command(text, model), bits)

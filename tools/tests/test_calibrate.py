@@ -1,0 +1,100 @@
+"""Calibration: values come back from healthy records, with standard errors that hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.actuator import read_actuator, reference_actuator
+from ema_tools.calibrate import calibrate, free_parameters
+from ema_tools.errors import InputError
+from ema_tools.records import read_record
+from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
+
+WRONG = {"screw.csj_Nm": 0.2, "screw.inertia_kgm2": 8e-5, "screw.viscous_Nm_s_per_rad": 2e-4, "motor.resistance_ohm": 1.2, "motor.inductance_H": 1e-3, "screw.blk_mm": 0.05}
+NOISE = {"position_mm": 0.005, "motor_position_mm": 0.005, "current_A": 0.03}
+
+
+def test_healthy_record_gives_the_values_of_the_independent_plant() -> None:
+    record = read_record(RECORDINGS / "healthy.csv", reference_actuator())
+    found = calibrate(reference_actuator().changed(WRONG), [record])
+    assert {parameter.source for parameter in found.parameters} == {"loop"}
+    for name in WRONG:
+        assert found.actuator[name] == pytest.approx(reference_actuator()[name], rel=1e-3)
+    assert found.errors_after["position_mm"] < 1e-6 < found.errors_before["position_mm"]
+
+
+def test_balances_alone_come_near() -> None:
+    record = read_record(RECORDINGS / "healthy.csv", reference_actuator())
+    found = calibrate(reference_actuator().changed(WRONG), [record], loop=False)
+    assert {parameter.source for parameter in found.parameters} == {"balance"}
+    for name, accuracy in (("screw.csj_Nm", 0.01), ("screw.inertia_kgm2", 0.01), ("motor.resistance_ohm", 0.01), ("motor.back_emf_V_s_per_rad", 0.01), ("screw.blk_mm", 0.001)):
+        assert found.actuator[name] == pytest.approx(reference_actuator()[name], rel=accuracy)
+
+
+@pytest.mark.slow
+def test_stated_errors_hold_under_sensor_noise() -> None:
+    truth = reference_actuator()
+    record = chirp_record()
+    deviations = []
+    for seed in range(6):
+        found = calibrate(truth, [record.with_noise(NOISE, seed)], loop=True)
+        deviations.append([(parameter.after - truth[parameter.name]) / parameter.std for parameter in found.parameters])
+    rms = np.sqrt(np.mean(np.square(deviations), axis=0))
+    assert np.all(rms < 2.0)
+    assert np.mean(rms) > 0.4
+
+
+def test_effects_that_the_actuator_has_are_not_calibrated_into_its_values() -> None:
+    changes = {"winding_heating.rise_degC": 60.0, "constant_load.torque_Nm": 0.03, "stribeck_friction.rise": 0.3}
+    truth = reference_actuator().changed(changes)
+    found = calibrate(truth.changed({"motor.resistance_ohm": 1.2, "screw.load_torque_Nm": 0.01}), [chirp_record(truth)], loop=False)
+    assert found.actuator["motor.resistance_ohm"] == pytest.approx(truth["motor.resistance_ohm"], rel=0.01)
+    assert found.actuator["screw.load_torque_Nm"] == pytest.approx(0.0, abs=2e-3)
+    assert found.actuator["screw.csj_Nm"] == pytest.approx(truth["screw.csj_Nm"], rel=0.03)
+
+
+def test_more_records_lower_the_errors() -> None:
+    records = [chirp_record().with_noise(NOISE, seed) for seed in range(4)]
+    one = calibrate(reference_actuator(), records[:1], ["screw.csj_Nm", "screw.blk_mm"], loop=True)
+    four = calibrate(reference_actuator(), records, ["screw.csj_Nm", "screw.blk_mm"], loop=True)
+    for first, second in zip(one.parameters, four.parameters, strict=True):
+        assert 0.35 < second.std / first.std < 0.7
+
+
+def test_what_is_free_depends_on_the_signals() -> None:
+    record = chirp_record()
+    bare = replace(record, motor_position_mm=None, current_A=None, voltage_V=None)
+    assert free_parameters(reference_actuator(), [bare]) == ("screw.csj_Nm", "screw.blk_mm")
+    assert len(free_parameters(reference_actuator(), [record])) == 8
+    assert "screw.blk_mm" not in free_parameters(reference_actuator().changed({"screw.blk_mm": 0.0}), [record])
+    found = calibrate(reference_actuator().changed({"screw.csj_Nm": 0.2, "screw.blk_mm": 0.05}), [bare])
+    assert found.actuator["screw.csj_Nm"] == pytest.approx(0.138, rel=1e-4)
+    assert found.actuator["screw.blk_mm"] == pytest.approx(0.033, rel=1e-3)
+    with pytest.raises(InputError, match="nothing to fit without the closed loop"):
+        calibrate(reference_actuator(), [bare], loop=False)
+
+
+def test_value_that_the_record_does_not_determine_is_named() -> None:
+    with pytest.raises(InputError, match=r"calibrate: screw\.travel_mm: the records do not determine it"):
+        calibrate(reference_actuator(), [chirp_record()], ["screw.travel_mm"], loop=True)
+    with pytest.raises(InputError, match=r"screw.csj: unknown value \(did you mean screw.csj_Nm\?\)"):
+        calibrate(reference_actuator(), [chirp_record()], ["screw.csj"])
+
+
+def test_command_keeps_the_comments_and_the_original(tmp_path: Path) -> None:
+    original = tmp_path / "a.toml"
+    original.write_text("# my machine\n" + REFERENCE.read_text(encoding="utf-8").replace("csj_Nm = 0.138", "csj_Nm = 0.2"), encoding="utf-8")
+    before = original.read_text(encoding="utf-8")
+    new = tmp_path / "new.toml"
+    ran = run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", new, "--json", tmp_path / "c.json")
+    assert ran.code == 0, ran.err
+    assert original.read_text(encoding="utf-8") == before
+    assert new.read_text(encoding="utf-8").startswith("# my machine\n")
+    assert read_actuator(new)["screw.csj_Nm"] == pytest.approx(0.138, rel=1e-4)
+    assert read_actuator(new).about["source"].endswith("; calibrated on healthy.csv")
+    assert "exists already" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", new))
+    assert "exists already" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", original))

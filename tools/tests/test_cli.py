@@ -1,0 +1,166 @@
+"""The command line: help, exit codes, one line per complaint, nothing overwritten."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import ema_tools
+from ema_tools.definitions import load_definitions
+from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
+
+COMMANDS = ("simulate", "compare", "calibrate", "identify", "export", "report", "demo", "import", "effects")
+
+
+def test_help_names_every_command() -> None:
+    ran = run_ema("--help")
+    assert ran.code == 0
+    for command in COMMANDS:
+        assert f"  {command}" in ran.out
+        assert run_ema(command, "--help").code == 0
+
+
+def test_version_is_the_projects() -> None:
+    ran = run_ema("--version")
+    assert ran.out.strip() == f"ema, version {ema_tools.__version__}"
+    assert f'version = "{ema_tools.__version__}"' in (ROOT / "tools" / "pyproject.toml").read_text(encoding="utf-8")
+    assert f"project(EMA VERSION {ema_tools.__version__} " in (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("nothing",),
+        ("simulate",),
+        ("simulate", REFERENCE, "--command", "chirp"),
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--seed", "one"),
+        ("identify", REFERENCE),
+        ("identify", REFERENCE, "a.csv", "b.csv"),
+        ("identify", REFERENCE, "a.csv", "--precision", "16"),
+        ("identify", REFERENCE, "a.csv", "--seeds", "0"),
+        ("calibrate", REFERENCE, "-o", "n.toml"),
+        ("export", REFERENCE),
+        ("import", "other", "x.mat"),
+        ("compare", "--wrong", REFERENCE, "a.csv"),
+    ],
+)
+def test_wrong_usage_ends_with_two(arguments: tuple[object, ...]) -> None:
+    ran = run_ema(*arguments)
+    assert ran.code == 2
+    assert "Usage: ema" in ran.err
+    assert ran.out == ""
+
+
+BAD = [
+    (("simulate", "none.toml", "--command", "chirp", "-o", "r.csv"), "none.toml: no such file or directory: check the path"),
+    (("simulate", REFERENCE, "--command", "none.csv", "-o", "r.csv"), "command none.csv: neither a file nor a command"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj=1"), "screw.csj: unknown value (did you mean screw.csj_Nm?)"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj_Nm"), "--set screw.csj_Nm: no value: write --set section.field=value"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj_Nm=999"), "--set screw.csj_Nm = 999.0: outside 0 .. 100 Nm: give a value inside"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "drive.mode=torque"), "--set drive.mode = torque: not a choice: use one of voltage, current"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position=1"), "--noise position=1: unknown column (did you mean position_mm?)"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=x"), "--noise position_mm=x: not a number"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=-1"), "--noise position_mm=-1: not a standard deviation"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"), "simulate: the step is too long for the electrical time constant"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "."), ".: is a folder: name a file"),
+    (("compare", REFERENCE, "none.csv"), "none.csv: there is no such file; check the path"),
+    (("compare", RECORDINGS / "case_a.csv", RECORDINGS / "case_a.csv"), "case_a.csv: not TOML: "),
+    (("compare", REFERENCE, REFERENCE), "reference.toml: "),
+    (("identify", REFERENCE, "none.mat"), "none.mat: no such file or directory: check the path"),
+    (("calibrate", REFERENCE, RECORDINGS / "healthy.csv", "-o", "n.toml", "--fit", "csj"), "csj: unknown value"),
+    (("effects", "stribek_friction"), "effect stribek_friction: unknown (did you mean stribeck_friction?)"),
+    (("import", "emps", "none.mat", "-o", "emps"), "none.mat: no such file or directory: check the path"),
+    (("report", "none.json", "-o", "p.html"), "none.json: no such file or directory: check the path"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD, ids=[" ".join(str(part) for part in case[0][-2:]) for case in BAD])
+def test_bad_input_ends_with_one_and_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[object, ...], message: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = complaint(run_ema(*arguments))
+    assert message in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_is_overwritten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("r.csv", "r.json", "a.h", "a.txt"):
+        (tmp_path / name).write_text("mine", encoding="utf-8")
+    for arguments in (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv"),
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "new.csv", "--json", "r.json"),
+        ("compare", REFERENCE, RECORDINGS / "case_a.csv", "--json", "r.json"),
+        ("identify", REFERENCE, RECORDINGS / "case_a.csv", "--json", "r.json"),
+        ("export", REFERENCE, "-o", "a.h"),
+        ("export", REFERENCE, "-o", "new.h", "--flat", "a.txt"),
+        ("effects", "--json", "r.json"),
+    ):
+        assert "exists already: choose another name or give --force" in complaint(run_ema(*arguments))
+    assert all((tmp_path / name).read_text(encoding="utf-8") == "mine" for name in ("r.csv", "r.json", "a.h", "a.txt"))
+    assert not (tmp_path / "new.csv").exists()
+    assert not (tmp_path / "new.h").exists()
+    assert run_ema("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--force").code == 0
+    assert (tmp_path / "r.csv").read_text(encoding="utf-8") != "mine"
+
+
+def test_folders_are_made_and_results_are_json(tmp_path: Path) -> None:
+    target = tmp_path / "new" / "deep" / "c.json"
+    ran = run_ema("compare", REFERENCE, RECORDINGS / "case_a_noisy.csv", "--json", target)
+    assert ran.code == 0, ran.err
+    assert ran.err == ""
+    result = json.loads(target.read_text(encoding="utf-8"))
+    assert result["command"] == "compare"
+    assert result["balances"]["mechanical"]["relative_percent"] > 10.0
+    assert result["curves"]["period_s"] == pytest.approx(1e-3)
+    assert len(result["curves"]["model"]["position_mm"]) == 10000
+    assert ran.out.splitlines()[0] == result["sentence"]
+    page = tmp_path / "page.html"
+    assert run_ema("report", target, "-o", page).code == 0
+    assert page.stat().st_size > 10_000
+
+
+def test_effects_are_listed_and_explained(tmp_path: Path) -> None:
+    listed = run_ema("effects")
+    for effect in load_definitions().effects:
+        assert effect.name in listed.out
+        one = run_ema("effects", effect.name)
+        assert one.code == 0
+        for value in effect.parameters:
+            assert value.field in one.out
+    run_ema("effects", "spring_load", "--json", tmp_path / "e.json")
+    result = json.loads((tmp_path / "e.json").read_text(encoding="utf-8"))
+    assert [effect["name"] for effect in result["effects"]] == ["spring_load"]
+    assert result["effects"][0]["parameters"][0]["unit"] == "Nm/mm"
+    assert result["effects"][0]["parameters"][0]["zero"] == 0.0
+
+
+def test_simulate_sets_effects_and_reports_them(tmp_path: Path) -> None:
+    ran = run_ema("simulate", REFERENCE, "--command", "step:duration_s=1", "-o", tmp_path / "s.csv", "--set", "effects.spring_load.stiffness_Nm_per_mm=0.1", "--precision", "32")
+    assert ran.code == 0, ran.err
+    text = (tmp_path / "s.csv").read_text(encoding="utf-8")
+    assert "# Changed: effects.spring_load.stiffness_Nm_per_mm=0.1." in text
+    assert "32 bit" in text
+    assert len([line for line in text.splitlines() if not line.startswith("#")]) == 1001
+
+
+def test_process_ends_with_the_code_and_without_a_traceback(tmp_path: Path) -> None:
+    ran = subprocess.run([sys.executable, "-m", "ema_tools", "compare", "none.toml", "none.csv"], capture_output=True, text=True, cwd=tmp_path, env=_environment())
+    assert ran.returncode == 1
+    assert ran.stderr == "ema: none.toml: no such file or directory: check the path\n"
+    assert ran.stdout == ""
+
+
+def test_output_may_be_cut_off(tmp_path: Path) -> None:
+    ran = subprocess.run(f'"{sys.executable}" -m ema_tools effects | head -1', shell=True, capture_output=True, text=True, cwd=tmp_path, env=_environment())
+    assert "Traceback" not in ran.stderr
+    assert ran.stdout.count("\n") == 1
+
+
+def _environment() -> dict[str, str]:
+    import os
+
+    return {**os.environ, "PYTHONPATH": str(ROOT / "tools")}

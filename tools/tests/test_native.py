@@ -1,0 +1,131 @@
+"""The C module behind Python: both precisions, its complaints, progress, threads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.actuator import reference_actuator
+from ema_tools.definitions import load_definitions
+from ema_tools.errors import InputError
+from ema_tools.native import Library, LibraryError, Search, library
+from ema_tools.parallel import each
+from support import chirp_record
+
+VALUES, OPTIONS = reference_actuator().arrays()
+
+
+def test_library_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("EMA_LIBRARY_DIR", str(tmp_path))
+    library.cache_clear()
+    with pytest.raises(LibraryError, match="ema_desk64.*build the project"):
+        library(64)
+    library.cache_clear()
+
+
+def test_library_that_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "libema_desk64.so"
+    path.write_bytes(b"no library")
+    with pytest.raises(LibraryError, match="cannot be loaded"):
+        Library(path, 64)
+    with pytest.raises(LibraryError, match="calculates with 32 bits, 64 expected"):
+        Library(library(32).path, 64)
+
+
+def test_both_precisions_agree() -> None:
+    command = chirp_record().command_mm
+    wide = library(64).simulate(VALUES, OPTIONS, command)
+    narrow = library(32).simulate(VALUES, OPTIONS, command)
+    assert np.sqrt(np.mean((wide.position_mm - narrow.position_mm) ** 2)) < 2e-4
+    assert not np.array_equal(wide.position_mm, narrow.position_mm)
+    assert wide.crowded_steps == 0
+
+
+def test_objective_is_the_integral_of_the_squared_error() -> None:
+    healthy = chirp_record()
+    seized = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.3, "screw.blk_mm": 0.04125}))
+    objective = library().objective(VALUES, OPTIONS, seized.command_mm, seized.table())
+    assert objective == pytest.approx(np.sum((seized.position_mm - healthy.position_mm) ** 2) * 1e-3, rel=1e-9)
+    # The paper's case A begins at 0.655 mm2 s.
+    assert objective == pytest.approx(0.675, abs=0.005)
+    weighted = library().objective(VALUES, OPTIONS, seized.command_mm, seized.table(), (0.0, 0.0, 2.0, 0.0))
+    assert weighted == pytest.approx(2.0 * np.sum((seized.current_A - healthy.current_A) ** 2) * 1e-3, rel=1e-9)
+
+
+def test_refused_actuator_is_named() -> None:
+    values = VALUES.copy()
+    values[load_definitions().ids["screw.csj_Nm"]] = np.nan
+    for call in (
+        lambda: library().simulate(values, OPTIONS, np.zeros(100)),
+        lambda: library().check(values, OPTIONS),
+        lambda: library().objective(values, OPTIONS, np.zeros(100), np.zeros((100, 4))),
+        lambda: library().identify(values, OPTIONS, np.zeros(100), np.zeros((100, 4))),
+    ):
+        with pytest.raises(InputError, match="screw.csj_Nm: a value is NaN or infinite"):
+            call()
+    stiff, _ = reference_actuator().changed({"motor.inductance_H": 1e-9}).arrays()
+    with pytest.raises(InputError, match="simulate: the step is too long for the electrical time constant"):
+        library().simulate(stiff, OPTIONS, np.zeros(100))
+
+
+def test_sample_that_cannot_be_taken_is_counted() -> None:
+    record = chirp_record()
+    channels = record.table()
+    channels[41, 0] = np.nan
+    with pytest.raises(InputError, match="identify: sample 42 of the record: a value is NaN or infinite"):
+        library(32).identify(VALUES, OPTIONS, record.command_mm, channels)
+    with pytest.raises(InputError, match="identify: the record is too short"):
+        library(32).identify(VALUES, OPTIONS, record.command_mm[:50], record.table()[:50])
+
+
+def test_progress_sees_the_search_and_can_end_it() -> None:
+    record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
+    seen: list[tuple[int, float, float]] = []
+    answer = library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), None, lambda *what: seen.append(what))
+    bests = [best for _, _, best in seen]
+    assert bests == sorted(bests, reverse=True)
+    assert [run for run, _, _ in seen] == sorted({run for run, _, _ in seen})
+    assert len(seen) <= answer.evaluations
+
+    class Enough(Exception):
+        pass
+
+    def stop(run: int, _cost: float, _best: float) -> None:
+        if run >= 10:
+            raise Enough
+
+    with pytest.raises(Enough):
+        library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), None, stop)
+
+
+def test_slices_and_threads_change_nothing() -> None:
+    record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
+    answers = each(
+        lambda steps: library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), Search(slice_steps=steps)),
+        [1, 777, 100_000, 777],
+    )
+    assert len(set(answers)) == 1
+
+
+def test_search_takes_its_settings() -> None:
+    record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
+    answer = library().identify(
+        VALUES, OPTIONS, record.command_mm, record.table(), Search(identified=("screw.csj_Nm",), lower=(0.1,), upper=(0.3,), start=(0.25,), evaluation_budget=150)
+    )
+    assert [estimate.name for estimate in answer.identified] == ["screw.csj_Nm"]
+    assert answer.identified[0].estimate == pytest.approx(0.2, abs=1e-5)
+    assert answer.evaluations <= 155
+    short = library().identify(VALUES, OPTIONS, record.command_mm, record.table(), Search(evaluation_budget=5))
+    assert short.outcome == "budget"
+    assert short.verdict == "undecided"
+    assert any("used up" in reason for reason in short.reasons)
+
+
+def test_first_exception_of_parallel_work_is_raised_and_order_is_kept() -> None:
+    counted: list[int] = []
+    assert each(lambda item: item * item, list(range(20)), counted.append) == [item * item for item in range(20)]
+    assert counted == list(range(1, 21))
+    with pytest.raises(ZeroDivisionError):
+        each(lambda item: 1 // item, [1, 0, 2])
