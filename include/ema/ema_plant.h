@@ -186,12 +186,14 @@ typedef struct {
     ema_effects_t effects;
     ema_circuit_t motor_circuit;
     ema_circuit_t current_loop;
+    ema_circuit_t whole_step;  /* of the circuit that the drive's mode uses, over a whole model step */
     ema_real linear_current_A; /* below it neither the drive nor the motor's torque saturates */
     ema_real torque_limit_A;   /* current at which the motor's torque saturates */
     ema_real start_mm;
     ema_real step_s;
     ema_real substep_s;
     uint32_t substeps;
+    bool tries_whole_step;     /* effects ask for substeps that the plant itself does not need */
 } ema_plant_t;
 
 #endif

@@ -49,16 +49,20 @@ static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* p
         return EMA_ERR_STIFF;
     }
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
+    plant->tries_whole_step = plant->substeps == 1U;
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(&plant->effects);
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
+    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && plant->active.any;
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
     plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
     plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
-    ema_circuit_prepare(&plant->motor_circuit, plant);
-    ema_circuit_prepare(&plant->current_loop, plant);
+    plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
+    ema_circuit_prepare(&plant->motor_circuit, plant, plant->substep_s);
+    ema_circuit_prepare(&plant->current_loop, plant, plant->substep_s);
+    ema_circuit_prepare(&plant->whole_step, plant, plant->step_s);
     return EMA_OK;
 }
 

@@ -9,6 +9,9 @@
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
+/* How far the forces half way may be off an even rise, as a share of the torques at work, or of the voltage: far below what an effect that can be seen makes. */
+#define EMA_UNEVEN EMA_R(1.0e-3)
+
 /* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
 typedef struct {
     ema_real input;             /* of the circuit */
@@ -187,29 +190,42 @@ static void ema_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
     ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
-/* One integration step with effects but without an event; false, and nothing changed, when something would happen. */
-static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
+/* Whether the forces half way are those of an even rise, nearly: then the rise stands for the whole segment. */
+static bool ema_segment_even(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, const ema_segment_t* segment)
+{
+    const ema_point_t half = {EMA_R(0.5) * (segment->start.current_A + segment->end.current_A), EMA_R(0.5) * (segment->start.speed_rad_s + segment->end.speed_rad_s),
+                              segment->start.angle_rad + (EMA_R(0.125) * span_s * ((EMA_R(3.0) * segment->start.speed_rad_s) + segment->end.speed_rad_s))};
+    const ema_forces_t forces = ema_forces_at(plant, state, applied, &half);
+    const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
+    const ema_real torque_off_Nm = forces.torque_Nm - (segment->forces.torque_Nm + (EMA_R(0.5) * segment->torque_rise_Nm));
+    const ema_real input_off = forces.input - (segment->forces.input + (EMA_R(0.5) * segment->input_rise));
+    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN * ema_abs(applied->input)));
+}
+
+/* One integration step with effects but without an event; false, and nothing changed, when something would happen, or, with `even`, when the effects do
+ * not rise evenly over it. */
+static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, bool even)
 {
     if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
         return false;
     }
     ema_real turn_rad;
-    ema_segment_t segment = ema_segment_open(plant, state, applied, plant->substep_s);
+    ema_segment_t segment = ema_segment_open(plant, state, applied, span_s);
     ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
-    ema_segment_correct(plant, state, applied, plant->substep_s, &segment);
+    ema_segment_correct(plant, state, applied, span_s, &segment);
     ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
 
     bool smooth = ema_abs(segment.end.current_A) <= plant->linear_current_A;
     if (state->motion != (int32_t)EMA_MOTION_STUCK) {
         const bool keeps = (state->motion == (int32_t)EMA_MOTION_ELASTIC) || (((ema_real)state->motion * segment.end.speed_rad_s) > EMA_R(0.0));
-        smooth = smooth && keeps && (segment.end.angle_rad < plant->screw.stop_upper_rad)
-                 && (segment.end.angle_rad > plant->screw.stop_lower_rad);
+        smooth = smooth && keeps && (segment.end.angle_rad < plant->screw.stop_upper_rad) && (segment.end.angle_rad > plant->screw.stop_lower_rad);
     } else {
         const ema_real gain = plant->motor.torque_constant_Nm_per_A;
         const ema_real first_Nm = segment.forces.torque_Nm + (gain * segment.start.current_A);
         const ema_real last_Nm = segment.forces.torque_Nm + segment.torque_rise_Nm + (gain * segment.end.current_A);
         smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment.forces.level_forward_Nm) && (ema_min(first_Nm, last_Nm) >= -segment.forces.level_backward_Nm);
     }
+    smooth = smooth && (!even || ema_segment_even(plant, state, applied, span_s, &segment));
     if (smooth) {
         state->current_A = segment.end.current_A;
         state->speed_rad_s = segment.end.speed_rad_s;
@@ -554,15 +570,9 @@ static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* cir
     }
 }
 
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
+/* Moves the rod behind the play over an integration step. */
+static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, ema_real play_start_mm, ema_real span_s)
 {
-    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
-    const ema_real play_start_mm = state->play_mm;
-    /* the prepared responses hold for a whole integration step alone */
-    const bool whole = span_s == plant->substep_s;
-    if (!plant->active.any || !whole || !ema_motion_smooth(plant, circuit, state, applied)) {
-        ema_motion_events(plant, circuit, state, applied, span_s);
-    }
     if (plant->active.transmission != 0U) {
         ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
         const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
@@ -570,6 +580,29 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_
         state->rod_mm = rod.rod_mm;
         state->rod_speed_mm_s = rod.rod_speed_mm_s;
     }
+}
+
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
+{
+    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    const ema_real play_start_mm = state->play_mm;
+    /* the prepared responses hold for a whole integration step alone */
+    const bool whole = span_s == plant->substep_s;
+    if (!plant->active.any || !whole || !ema_motion_smooth(plant, circuit, state, applied, span_s, false)) {
+        ema_motion_events(plant, circuit, state, applied, span_s);
+    }
+    ema_transmission_move(plant, state, play_start_mm, span_s);
+}
+
+bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    const ema_real play_start_mm = state->play_mm;
+    /* the whole step is prepared for the circuit of the drive's mode alone */
+    const bool whole = (applied->current_loop == plant->drive.current_mode) && ema_motion_smooth(plant, &plant->whole_step, state, applied, plant->step_s, true);
+    if (whole) {
+        ema_transmission_move(plant, state, play_start_mm, plant->step_s);
+    }
+    return whole;
 }
 
 void ema_motion_part(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real part)
