@@ -10,7 +10,8 @@
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
 /* How far the forces half way may be off an even rise, as a share of the torques at work, or of the voltage: far below what an effect that can be seen makes. */
-#define EMA_UNEVEN EMA_R(1.0e-3)
+#define EMA_UNEVEN EMA_R(3.0e-4)
+#define EMA_UNEVEN_INPUT EMA_R(1.0e-4)
 
 /* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
 typedef struct {
@@ -199,7 +200,7 @@ static bool ema_segment_even(const ema_plant_t* plant, const ema_state_t* state,
     const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
     const ema_real torque_off_Nm = forces.torque_Nm - (segment->forces.torque_Nm + (EMA_R(0.5) * segment->torque_rise_Nm));
     const ema_real input_off = forces.input - (segment->forces.input + (EMA_R(0.5) * segment->input_rise));
-    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN * ema_abs(applied->input)));
+    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(applied->input)));
 }
 
 /* One integration step with effects but without an event; false, and nothing changed, when something would happen, or, with `even`, when the effects do
