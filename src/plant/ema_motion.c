@@ -191,10 +191,20 @@ static void ema_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
     ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
-/* Whether the forces half way are those of an even rise, nearly: then the rise stands for the whole segment. */
-static bool ema_segment_even(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, const ema_segment_t* segment)
+/* Current half way through a segment, from its values and rates at both ends: forces that follow the current bend with it. */
+static ema_real ema_segment_half_current(const ema_circuit_t* circuit, ema_real span_s, const ema_segment_t* segment)
 {
-    const ema_point_t half = {EMA_R(0.5) * (segment->start.current_A + segment->end.current_A), EMA_R(0.5) * (segment->start.speed_rad_s + segment->end.speed_rad_s),
+    const ema_real change_A = segment->start.current_A - segment->end.current_A;
+    const ema_real slowing_rad_s = segment->start.speed_rad_s - segment->end.speed_rad_s;
+    const ema_real bend_A_s = (circuit->rate_current * change_A) + (circuit->rate_speed * slowing_rad_s) - (circuit->rate_voltage * segment->input_rise);
+    const ema_real even_A = EMA_R(0.5) * (segment->start.current_A + segment->end.current_A);
+    return circuit->algebraic ? even_A : (even_A + (EMA_R(0.125) * span_s * bend_A_s));
+}
+
+/* Whether the forces half way are those of an even rise, nearly: then the rise stands for the whole segment. */
+static bool ema_segment_even(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, const ema_segment_t* segment)
+{
+    const ema_point_t half = {ema_segment_half_current(circuit, span_s, segment), EMA_R(0.5) * (segment->start.speed_rad_s + segment->end.speed_rad_s),
                               segment->start.angle_rad + (EMA_R(0.125) * span_s * ((EMA_R(3.0) * segment->start.speed_rad_s) + segment->end.speed_rad_s))};
     const ema_forces_t forces = ema_forces_at(plant, state, applied, &half);
     const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
@@ -226,7 +236,7 @@ static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* cir
         const ema_real last_Nm = segment.forces.torque_Nm + segment.torque_rise_Nm + (gain * segment.end.current_A);
         smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment.forces.level_forward_Nm) && (ema_min(first_Nm, last_Nm) >= -segment.forces.level_backward_Nm);
     }
-    smooth = smooth && (!even || ema_segment_even(plant, state, applied, span_s, &segment));
+    smooth = smooth && (!even || ema_segment_even(plant, circuit, state, applied, span_s, &segment));
     if (smooth) {
         state->current_A = segment.end.current_A;
         state->speed_rad_s = segment.end.speed_rad_s;
