@@ -75,7 +75,7 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
         const ema_params_t* const params = &adjusted.params;
         if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
             || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
-            || !(params->resistance_ohm > EMA_R(0.0))) {
+            || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
             status = EMA_ERR_RANGE;
         } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * actuator->params.inertia_kgm2))) {
             status = EMA_ERR_INERTIA;
