@@ -103,8 +103,8 @@ typedef struct {
 /* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone and the given record. */
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record);
 
-/* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check and ema_record_init; EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of
- * parameters, an id or a healthy value outside its bounds. */
+/* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init; EMA_ERR_BOUNDS; EMA_ERR_RANGE for a
+ * number of parameters, an id, bounds wider than the parameter's own range, or a healthy value outside its bounds. */
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
 /* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of ema_record_append. */

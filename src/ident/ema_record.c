@@ -4,6 +4,11 @@
 
 #define EMA_INT16_FULL EMA_R(32767.0)
 
+static bool ema_scale_valid(ema_real full_scale)
+{
+    return (full_scale > EMA_R(0.0)) && ema_is_finite(full_scale);
+}
+
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config)
 {
     if ((record == NULL) || (config == NULL) || (config->buffer == NULL)) {
@@ -16,7 +21,7 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
     bool scales = true;
     if (config->command == NULL) {
         made.unit[0] = config->command_full_scale_mm / EMA_INT16_FULL;
-        scales = config->command_full_scale_mm > EMA_R(0.0);
+        scales = ema_scale_valid(config->command_full_scale_mm);
         made.stride = 1U;
     }
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
@@ -24,7 +29,7 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
         if ((channel == (uint32_t)EMA_CHANNEL_POSITION) || config->keep[channel]) {
             made.place[channel] = (int8_t)made.stride;
             made.unit[made.stride] = config->full_scale[channel] / EMA_INT16_FULL;
-            scales = scales && (config->full_scale[channel] > EMA_R(0.0));
+            scales = scales && ema_scale_valid(config->full_scale[channel]);
             ++made.stride;
         }
     }

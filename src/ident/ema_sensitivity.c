@@ -11,6 +11,22 @@
 ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
                                    const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm)
 {
+    if ((self == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL) || (ids == NULL) || (delta == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (record->count < 1U) {
+        return EMA_ERR_SHORT;
+    }
+    bool valid = count <= EMA_IDENTIFIED_MAX;
+    for (uint32_t k = 0; valid && (k < count); ++k) {
+        valid = (size_t)ids[k] < EMA_VALUE_COUNT;
+    }
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        valid = valid && (weight[channel] >= EMA_R(0.0)) && ((weight[channel] == EMA_R(0.0)) || (record->place[channel] >= 0));
+    }
+    if (!valid) {
+        return EMA_ERR_RANGE;
+    }
     const ema_sensitivity_t fresh = {0};
     *self = fresh;
     self->record = record;
@@ -24,14 +40,10 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t
     for (uint32_t k = 0; (status == EMA_OK) && (k < count); ++k) {
         ema_actuator_t beside = *actuator;
         ema_real value = EMA_R(0.0);
-        status = ema_actuator_get(actuator, ids[k], &value);
-        if (status == EMA_OK) {
-            self->delta[k] = delta[k];
-            status = ema_actuator_set(&beside, ids[k], value + delta[k]);
-        }
-        if (status == EMA_OK) {
-            status = ema_model_init(&self->model[1U + k], &beside, start_mm);
-        }
+        (void)ema_actuator_get(actuator, ids[k], &value);
+        (void)ema_actuator_set(&beside, ids[k], value + delta[k]);
+        self->delta[k] = delta[k];
+        status = ema_model_init(&self->model[1U + k], &beside, start_mm);
     }
     return status;
 }

@@ -363,12 +363,6 @@ static void ema_event_current(ema_event_t* event, ema_located_t* located, ema_re
         const ema_real from_A = ema_series_at(located->series.current_A, from);
         if ((end_A > EMA_R(0.0)) ? (from_A < side_A) : (from_A > side_A)) {
             ema_event_take(event, EMA_EVENT_CURRENT, located->series.current_A, side_A, from);
-        } else if ((start_A == side_A) && ((event->kind == EMA_EVENT_NONE) || (from < event->at))) {
-            event->kind = EMA_EVENT_CURRENT;
-            event->at = from;
-            event->value = side_A;
-        } else {
-            /* beyond it from the start, or something else comes first */
         }
     } else {
         /* stays inside */

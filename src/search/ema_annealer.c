@@ -120,7 +120,7 @@ static void ema_annealer_reanneal(ema_annealer_t* annealer)
     const ema_real spread = annealer->points[ema_worst_point(annealer)].cost - annealer->best.cost;
     annealer->temperature = ema_max(annealer->temperature, spread);
     for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
-        annealer->step[i] = ema_min(annealer->step[i] * EMA_R(4.0), annealer->config.first_step);
+        annealer->step[i] = ema_max(annealer->step[i], ema_min(annealer->step[i] * EMA_R(4.0), annealer->config.first_step));
     }
     annealer->accepted_since = 0U;
     ++annealer->info.reannealed;
@@ -128,7 +128,8 @@ static void ema_annealer_reanneal(ema_annealer_t* annealer)
 
 static void ema_annealer_decide(ema_annealer_t* annealer)
 {
-    const bool accepted = annealer->candidate.cost <= annealer->accept_limit;
+    /* before the first cost there is no limit either, and no cost is still none */
+    const bool accepted = (annealer->candidate.cost < EMA_NO_COST) && (annealer->candidate.cost <= annealer->accept_limit);
     if (annealer->walked) {
         ema_real* const step = &annealer->step[annealer->coordinate];
         *step = ema_clamp(*step * (accepted ? EMA_STEP_GROW : EMA_STEP_SHRINK), EMA_STEP_MIN, EMA_R(1.0));

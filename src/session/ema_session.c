@@ -73,6 +73,10 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         if (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK) {
             return EMA_ERR_RANGE;
         }
+        const ema_range_t* const range = ema_actuator_range(identified->id);
+        if ((identified->lower < range->lower) || (identified->upper > range->upper)) {
+            return EMA_ERR_RANGE;
+        }
         if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0)) || !(identified->min_shift_percent >= EMA_R(0.0))) {
             return EMA_ERR_RANGE;
         }
@@ -98,12 +102,16 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
         status = ema_record_init(&record, &config->record);
     }
     if (status == EMA_OK) {
+        /* the annealer refuses before anything has changed */
+        status = ema_annealer_init(&session->annealer, &annealer);
+    }
+    if (status == EMA_OK) {
         const ema_session_t fresh = {0};
         *session = fresh;
         session->config = config;
         session->record = record;
         session->phase = EMA_PHASE_FEEDING;
-        status = ema_annealer_init(&session->annealer, &annealer);
+        (void)ema_annealer_init(&session->annealer, &annealer);
     }
     return status;
 }
@@ -187,6 +195,9 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         return EMA_ERR_NULL;
     }
     ema_status_t status = EMA_OK;
+    /* a copy of a session reads its own record, not the original's */
+    session->run.record = &session->record;
+    session->weighing.record = &session->record;
     if (session->phase == EMA_PHASE_FEEDING) {
         if (session->record.count < EMA_ROWS_MIN) {
             return EMA_ERR_SHORT;

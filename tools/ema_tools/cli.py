@@ -211,23 +211,27 @@ def export(actuator: str, out: str, flat: str | None, json_path: str | None, for
 @cli.command()
 @click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")
-@click.option("--force", is_flag=True, help="Overwrite files that exist.")
-def report(results: tuple[str, ...], out: str, force: bool) -> None:
+@json_option
+def report(results: tuple[str, ...], out: str, json_path: str | None, force: bool) -> None:
     """Make a page of results that identify or compare wrote with --json."""
     from ema_tools.report import write_report
 
-    writable(out, force=force)
+    writable(out, json_path, force=force)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
+    save(json_path, {"command": "report", "results": list(results), "page": out}, force)
     output().print(f"{out} written", highlight=False)
 
 
 @cli.command()
 @click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
-def demo(folder: str | None) -> None:
+@json_option
+def demo(folder: str | None, json_path: str | None, force: bool) -> None:
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools import demo as work
 
-    work.run(output(), Path(folder) if folder else work.output_folder())
+    writable(json_path, force=force)
+    page = work.run(output(), Path(folder) if folder else work.output_folder())
+    save(json_path, {"command": "demo", "page": page, "results": sorted(path.name for path in page.parent.glob("*.json"))}, force)
 
 
 @cli.group(name="import")

@@ -164,3 +164,9 @@ def _environment() -> dict[str, str]:
     import os
 
     return {**os.environ, "PYTHONPATH": str(ROOT / "tools")}
+
+
+def test_every_command_writes_json() -> None:
+    for command in (*COMMANDS, "import emps"):
+        if command != "import":
+            assert "--json" in run_ema(*command.split(), "--help").out, command
