@@ -27,7 +27,8 @@ enum {
 typedef enum {
     EMA_MOTION_BACKWARD = -1,
     EMA_MOTION_STUCK = 0,
-    EMA_MOTION_FORWARD = 1
+    EMA_MOTION_FORWARD = 1,
+    EMA_MOTION_ELASTIC = 2 /* with presliding the shaft rests at an end of travel alone: dry friction is a spring that slips */
 } ema_motion_t;
 
 /* Everything that changes while the model runs: a plain value without pointers. A copy is a checkpoint; writing it back resumes,
@@ -46,6 +47,7 @@ typedef struct {
     ema_real previous_feedback_mm;
     ema_real previous_measure_mm;
     ema_real output;           /* held between control instants */
+    ema_real delay_output[EMA_DELAY_SAMPLES]; /* earlier outputs, while the drive delays them */
     ema_real effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
     ema_real delay_mm[EMA_DELAY_SAMPLES];
     uint32_t step;
@@ -114,6 +116,9 @@ typedef struct {
     ema_real command_scale_V;
     ema_real current_limit_A; /* largest finite number when there is none */
     ema_real loop_s;
+    uint32_t delay_steps;
+    ema_real delay_part;
+    bool delayed;
 } ema_drive_t;
 
 typedef struct {
@@ -125,6 +130,7 @@ typedef struct {
 } ema_motor_t;
 
 typedef struct {
+    ema_real lead_mm;         /* rod travel per screw turn */
     ema_real lead_mm_per_rad; /* rod travel per motor angle */
     ema_real loss_opposing;   /* dry friction per load torque that opposes the motion */
     ema_real loss_aiding;     /* and per load torque that aids it */
@@ -135,6 +141,7 @@ typedef struct {
     ema_real viscous_Nm_s_per_rad;
     ema_real static_Nm;
     ema_real dynamic_Nm;
+    ema_real asymmetry;
     ema_real load_torque_Nm;
     ema_real forward_torque_Nm;  /* constant torque on the shaft while it slides forward: load and dry friction */
     ema_real backward_torque_Nm;
@@ -162,6 +169,8 @@ typedef struct {
     uint32_t friction;
     uint32_t load;
     uint32_t voltage;
+    uint32_t motor;
+    uint32_t presliding;
     uint32_t transmission;
     bool any;
 } ema_active_t;
@@ -177,12 +186,14 @@ typedef struct {
     ema_effects_t effects;
     ema_circuit_t motor_circuit;
     ema_circuit_t current_loop;
+    ema_circuit_t whole_step;  /* of the circuit that the drive's mode uses, over a whole model step */
     ema_real linear_current_A; /* below it neither the drive nor the motor's torque saturates */
     ema_real torque_limit_A;   /* current at which the motor's torque saturates */
     ema_real start_mm;
     ema_real step_s;
     ema_real substep_s;
     uint32_t substeps;
+    bool tries_whole_step;     /* effects ask for substeps that the plant itself does not need */
 } ema_plant_t;
 
 #endif

@@ -12,6 +12,9 @@
 
 #include "ema/ema_real.h"
 
+/* One turn in rad. */
+#define EMA_TURN_RAD EMA_R(6.283185307179586)
+
 /* True unless x is NaN or infinite. A comparison, so that it needs no library call on any target. */
 static inline bool ema_is_finite(ema_real x)
 {

@@ -10,6 +10,10 @@ void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema
     drive->command_scale_V = params->command_scale_V;
     drive->current_limit_A = ema_limit_or_none(params->current_limit_A);
     drive->loop_s = params->current_loop_s;
+    const ema_real steps = params->output_delay_s / params->step_s;
+    drive->delayed = params->output_delay_s > EMA_R(0.0);
+    drive->delay_steps = (uint32_t)steps;
+    drive->delay_part = steps - (ema_real)drive->delay_steps;
 }
 
 ema_drive_output_t ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s)

@@ -1,9 +1,8 @@
 #include "ema_gearbox.h"
 
-#define EMA_TURN_RAD EMA_R(6.283185307179586)
-
 void ema_gearbox_prepare(ema_gearbox_t* gearbox, const ema_params_t* params)
 {
+    gearbox->lead_mm = params->lead_mm;
     gearbox->lead_mm_per_rad = params->lead_mm / (EMA_TURN_RAD * params->ratio);
     gearbox->loss_opposing = (EMA_R(1.0) / params->efficiency) - EMA_R(1.0);
     gearbox->loss_aiding = EMA_R(1.0) - params->efficiency;

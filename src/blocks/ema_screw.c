@@ -11,11 +11,12 @@ void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const e
     screw->viscous_Nm_s_per_rad = params->viscous_Nm_s_per_rad;
     screw->static_Nm = params->csj_Nm;
     screw->dynamic_Nm = params->csj_Nm * params->dynamic_ratio;
+    screw->asymmetry = params->friction_asymmetry;
     screw->load_torque_Nm = load_Nm;
-    screw->forward_torque_Nm = -load_Nm - (screw->dynamic_Nm + loss_forward_Nm);
-    screw->backward_torque_Nm = -load_Nm + (screw->dynamic_Nm + loss_backward_Nm);
-    screw->hold_upper_Nm = load_Nm + (screw->static_Nm + loss_forward_Nm);
-    screw->hold_lower_Nm = load_Nm - (screw->static_Nm + loss_backward_Nm);
+    screw->forward_torque_Nm = -load_Nm - (ema_screw_level(screw, screw->dynamic_Nm, EMA_R(1.0)) + loss_forward_Nm);
+    screw->backward_torque_Nm = -load_Nm + (ema_screw_level(screw, screw->dynamic_Nm, EMA_R(-1.0)) + loss_backward_Nm);
+    screw->hold_upper_Nm = load_Nm + (ema_screw_level(screw, screw->static_Nm, EMA_R(1.0)) + loss_forward_Nm);
+    screw->hold_lower_Nm = load_Nm - (ema_screw_level(screw, screw->static_Nm, EMA_R(-1.0)) + loss_backward_Nm);
     screw->stop_upper_rad = params->travel_mm / gearbox->lead_mm_per_rad;
     screw->stop_lower_rad = -screw->stop_upper_rad;
     screw->half_play_mm = EMA_R(0.5) * params->blk_mm;

@@ -7,6 +7,12 @@
 
 void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const ema_params_t* params);
 
+/* Level of dry friction for motion in `direction`: -1 or 1. */
+static inline ema_real ema_screw_level(const ema_screw_t* screw, ema_real level_Nm, ema_real direction)
+{
+    return level_Nm * (EMA_R(1.0) + (direction * screw->asymmetry));
+}
+
 /* Output of the play for the motor position `input_mm`: stays while inside, then follows at half its width. */
 static inline void ema_screw_play(const ema_screw_t* screw, ema_state_t* state, ema_real input_mm)
 {

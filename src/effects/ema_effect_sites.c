@@ -26,13 +26,15 @@ typedef struct {
 
 ema_active_t ema_effects_active(const ema_effects_t* effects)
 {
-    ema_active_t active = {0U, 0U, 0U, 0U, 0U, false};
+    ema_active_t active = {0U, 0U, 0U, 0U, 0U, 0U, 0U, false};
     uint32_t parameter = 0U;
 #define EMA_SET_PARAMETER parameter
 #define EMA_SET_FRICTION active.friction
 #define EMA_SET_TORQUE active.torque
 #define EMA_SET_LOAD active.load
 #define EMA_SET_VOLTAGE active.voltage
+#define EMA_SET_MOTOR active.motor
+#define EMA_SET_PRESLIDING active.presliding
 #define EMA_SET_TRANSMISSION active.transmission
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
     if (EMA_SIZE(effects, name) != EMA_R(0.0)) {                                            \
@@ -41,7 +43,7 @@ ema_active_t ema_effects_active(const ema_effects_t* effects)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
     (void)parameter;
-    active.any = (active.friction | active.torque | active.load | active.voltage | active.transmission) != 0U;
+    active.any = (active.friction | active.torque | active.load | active.voltage | active.motor | active.presliding | active.transmission) != 0U;
     return active;
 }
 
@@ -64,12 +66,20 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
         ema_effect_##name##_adjust(&effects->name, params);          \
     }
 #define EMA_ADJUST_PARAMETER(name) EMA_ADJUST(name)
-#define EMA_ADJUST_TRANSMISSION(name) EMA_ADJUST(name)
+#define EMA_ADJUST_TRANSMISSION(name)
 #define EMA_ADJUST_FRICTION(name)
 #define EMA_ADJUST_TORQUE(name)
 #define EMA_ADJUST_LOAD(name)
 #define EMA_ADJUST_VOLTAGE(name)
+#define EMA_ADJUST_MOTOR(name)
+#define EMA_ADJUST_PRESLIDING(name)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ADJUST_##site(name)
+#include "ema/ema_effects.def"
+    /* a transmission takes its mass off the total inertia, so that total must be known before */
+#undef EMA_ADJUST_PARAMETER
+#undef EMA_ADJUST_TRANSMISSION
+#define EMA_ADJUST_PARAMETER(name)
+#define EMA_ADJUST_TRANSMISSION(name) EMA_ADJUST(name)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 }
@@ -85,6 +95,8 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 #define EMA_CALL_TORQUE(name)
 #define EMA_CALL_LOAD(name)
 #define EMA_CALL_VOLTAGE(name)
+#define EMA_CALL_MOTOR(name)
+#define EMA_CALL_PRESLIDING(name)
 #define EMA_CALL_TRANSMISSION(name)
 #define EMA_EFFECT(name, site_name, memory, substeps, equation, source, look_alikes, parameters) EMA_CALL_##site_name(name)
 #include "ema/ema_effects.def"
@@ -133,6 +145,44 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 #undef EMA_CALL_VOLTAGE
 #define EMA_CALL_VOLTAGE(name)
     return voltage_V;
+}
+
+ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
+{
+    ema_real change = EMA_R(0.0);
+#undef EMA_CALL_MOTOR
+#define EMA_CALL_MOTOR(name)                                             \
+    if ((plant->active.motor & EMA_BIT(name)) != 0U) {                   \
+        change += ema_effect_##name(&plant->effects.name, site);         \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_MOTOR
+#define EMA_CALL_MOTOR(name)
+    return change;
+}
+
+ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad)
+{
+    ema_real share = EMA_R(0.0);
+#undef EMA_CALL_PRESLIDING
+#define EMA_CALL_PRESLIDING(name)                                                                        \
+    if ((plant->active.presliding & EMA_BIT(name)) != 0U) {                                              \
+        share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);       \
+    }
+#include "ema/ema_effects.def"
+    return share;
+}
+
+void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share)
+{
+#undef EMA_CALL_PRESLIDING
+#define EMA_CALL_PRESLIDING(name)                                   \
+    if ((plant->active.presliding & EMA_BIT(name)) != 0U) {         \
+        memory[EMA_MEMORY_PLACE(name)] = share;                     \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_PRESLIDING
+#define EMA_CALL_PRESLIDING(name)
 }
 
 ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory)

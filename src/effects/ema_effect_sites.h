@@ -8,6 +8,7 @@
 
 /* What an effect may look at, all at the same instant. */
 typedef struct {
+    const ema_plant_t* plant;
     ema_real speed_rad_s; /* motor shaft */
     ema_real angle_rad;
     ema_real position_mm; /* motor position expressed at the rod */
@@ -36,6 +37,8 @@ typedef struct {
 #define EMA_DECLARE_TORQUE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_DECLARE_LOAD(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_DECLARE_VOLTAGE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_MOTOR(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_PRESLIDING(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad);
 #define EMA_DECLARE_TRANSMISSION(name)                                                             \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);    \
     ema_rod_t ema_effect_##name(const ema_effect_##name##_t* effect, const ema_transmission_t* step, ema_real* memory);
@@ -47,6 +50,8 @@ typedef struct {
 #undef EMA_DECLARE_TORQUE
 #undef EMA_DECLARE_LOAD
 #undef EMA_DECLARE_VOLTAGE
+#undef EMA_DECLARE_MOTOR
+#undef EMA_DECLARE_PRESLIDING
 #undef EMA_DECLARE_TRANSMISSION
 
 /* Before the run: which effects differ from zero and act at which site; the substeps they need; and what those at site PARAMETER make of the parameters. */
@@ -59,6 +64,12 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site);
 ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site);
 ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site);
+/* Relative change of torque constant and back-EMF. */
+ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site);
+/* Share of dry friction, -1 to 1, that the contact carries after a turn from the share that `memory` holds; without changing it. */
+ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad);
+/* Keeps that share. */
+void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);
 ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory);
 
 #endif

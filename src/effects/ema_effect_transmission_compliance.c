@@ -6,8 +6,6 @@
 #include "ema_effect_sites.h"
 #include "ema_math.h"
 
-#define EMA_TURN_RAD EMA_R(6.283185307179586)
-
 void ema_effect_transmission_compliance_adjust(const ema_effect_transmission_compliance_t* effect, ema_params_t* params)
 {
     /* the total inertia already counts this mass as rigidly coupled */

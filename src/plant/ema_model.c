@@ -49,16 +49,20 @@ static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* p
         return EMA_ERR_STIFF;
     }
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
+    plant->tries_whole_step = plant->substeps == 1U;
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(&plant->effects);
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
+    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && plant->active.any;
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
     plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
     plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
-    ema_circuit_prepare(&plant->motor_circuit, plant);
-    ema_circuit_prepare(&plant->current_loop, plant);
+    plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
+    ema_circuit_prepare(&plant->motor_circuit, plant, plant->substep_s);
+    ema_circuit_prepare(&plant->current_loop, plant, plant->substep_s);
+    ema_circuit_prepare(&plant->whole_step, plant, plant->step_s);
     return EMA_OK;
 }
 
@@ -70,7 +74,8 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
         ema_effects_adjust(&actuator->effects, &adjusted.params);
         const ema_params_t* const params = &adjusted.params;
         if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
-            || !(params->resistance_ohm > EMA_R(0.0))) {
+            || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
+            || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
             status = EMA_ERR_RANGE;
         } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * actuator->params.inertia_kgm2))) {
             status = EMA_ERR_INERTIA;
@@ -90,12 +95,39 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
     return status;
 }
 
+/* What was asked `age` steps ago. */
+static ema_drive_output_t ema_tick_asked(const ema_plant_t* plant, const ema_state_t* state, uint32_t age)
+{
+    const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
+    return ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
+}
+
+ema_drive_output_t ema_tick_late(const ema_plant_t* plant, ema_state_t* state, ema_real output)
+{
+    state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
+    const bool parted = plant->drive.delay_part > EMA_R(0.0);
+    return ema_tick_asked(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U));
+}
+
+void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* first)
+{
+    if (plant->drive.delay_part > EMA_R(0.0)) {
+        ema_motion_part(plant, state, first, plant->drive.delay_part);
+        const ema_drive_output_t second = ema_tick_asked(plant, state, plant->drive.delay_steps);
+        ema_tick_current(plant, state, &second);
+        ema_motion_part(plant, state, &second, EMA_R(1.0) - plant->drive.delay_part);
+    } else {
+        ema_motion_part(plant, state, first, EMA_R(1.0));
+    }
+}
+
 void ema_model_restart(ema_model_t* model)
 {
     const ema_plant_t* const plant = &model->plant;
     const ema_state_t rest = {0};
     ema_state_t* const state = &model->state;
     *state = rest;
+    state->motion = (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
     state->angle_rad = plant->start_mm / plant->gearbox.lead_mm_per_rad;
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;

@@ -9,6 +9,10 @@
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
+/* How far the forces half way may be off an even rise, as a share of the torques at work, or of the voltage: far below what an effect that can be seen makes. */
+#define EMA_UNEVEN EMA_R(3.0e-4)
+#define EMA_UNEVEN_INPUT EMA_R(1.0e-4)
+
 /* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
 typedef struct {
     ema_real input;             /* of the circuit */
@@ -35,19 +39,49 @@ typedef struct {
 
 static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm, ema_real direction)
 {
-    ema_real total_Nm = level_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
+    const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, direction);
+    ema_real total_Nm = own_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
     if (plant->active.friction != 0U) {
-        total_Nm += ema_site_friction(plant, site, level_Nm);
+        total_Nm += ema_site_friction(plant, site, own_Nm);
     }
     return ema_max(total_Nm, EMA_R(0.0));
 }
 
-static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_drive_output_t* applied, int32_t motion, const ema_point_t* point)
+/* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at rest. */
+static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, const ema_site_t* site, ema_real load_Nm)
 {
-    /* past a reversal that is not located yet the friction keeps the direction of the motion */
-    const ema_real direction = (ema_real)motion;
-    const ema_real speed_rad_s = (motion == 0) ? EMA_R(0.0) : (direction * ema_max(direction * point->speed_rad_s, EMA_R(0.0)));
-    const ema_site_t site = {speed_rad_s, point->angle_rad, plant->gearbox.lead_mm_per_rad * point->angle_rad, point->current_A, applied->voltage_V};
+    if (plant->active.presliding == 0U) {
+        const ema_real direction = (ema_real)state->motion;
+        return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
+    }
+    const ema_real share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
+    return -share * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
+}
+
+/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion. */
+static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
+{
+    ema_real speed = speed_rad_s;
+    if (motion == (int32_t)EMA_MOTION_STUCK) {
+        speed = EMA_R(0.0);
+    } else if (motion == (int32_t)EMA_MOTION_FORWARD) {
+        speed = ema_max(speed_rad_s, EMA_R(0.0));
+    } else if (motion == (int32_t)EMA_MOTION_BACKWARD) {
+        speed = ema_min(speed_rad_s, EMA_R(0.0));
+    } else {
+        /* an elastic contact has no direction to keep */
+    }
+    return speed;
+}
+
+static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, const ema_point_t* point)
+{
+    const ema_site_t site = {plant,
+                             ema_force_speed(state->motion, point->speed_rad_s),
+                             point->angle_rad,
+                             plant->gearbox.lead_mm_per_rad * point->angle_rad,
+                             point->current_A,
+                             applied->current_loop ? applied->voltage_V : applied->input};
     ema_forces_t forces = {applied->input, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     if (!applied->current_loop && (plant->active.voltage != 0U)) {
         forces.input += ema_site_voltage(plant, &site);
@@ -60,11 +94,18 @@ static ema_forces_t ema_forces_at(const ema_plant_t* plant, const ema_drive_outp
     if (plant->active.torque != 0U) {
         forces.torque_Nm += ema_site_torque(plant, &site);
     }
-    if (motion == 0) {
+    if (plant->active.motor != 0U) {
+        const ema_real change = ema_site_motor(plant, &site);
+        const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
+        /* the limit holds for the torque with its change */
+        forces.torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
+        forces.input -= applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+    }
+    if ((state->motion == (int32_t)EMA_MOTION_STUCK) && (plant->active.presliding == 0U)) {
         forces.level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
         forces.level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
     } else {
-        forces.torque_Nm -= direction * ema_level(plant, &site, plant->screw.dynamic_Nm, load_Nm, direction);
+        forces.torque_Nm += ema_sliding_friction(plant, state, &site, load_Nm);
     }
     return forces;
 }
@@ -95,7 +136,7 @@ static ema_segment_t ema_segment_open(const ema_plant_t* plant, const ema_state_
     segment.start.speed_rad_s = state->speed_rad_s;
     segment.start.angle_rad = state->angle_rad;
     segment.end = segment.start;
-    segment.forces = ema_forces_at(plant, applied, state->motion, &segment.start);
+    segment.forces = ema_forces_at(plant, state, applied, &segment.start);
     segment.input_rise = EMA_R(0.0);
     segment.torque_rise_Nm = EMA_R(0.0);
     if (plant->active.transmission != 0U) {
@@ -107,11 +148,11 @@ static ema_segment_t ema_segment_open(const ema_plant_t* plant, const ema_state_
 /* Lets the forces rise evenly to those at the predicted end. */
 static void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
 {
-    const ema_forces_t last = ema_forces_at(plant, applied, state->motion, &segment->end);
+    const ema_forces_t last = ema_forces_at(plant, state, applied, &segment->end);
     ema_forces_t first = segment->forces;
     segment->input_rise = last.input - first.input;
     if (plant->active.transmission != 0U) {
-        first = ema_forces_at(plant, applied, state->motion, &segment->start);
+        first = ema_forces_at(plant, state, applied, &segment->start);
         const ema_rod_t rod = ema_transmission_trial(plant, state, ema_play_at(plant, state, segment->end.angle_rad), span_s);
         segment->forces.torque_Nm = first.torque_Nm + rod.reaction_start_Nm;
         segment->torque_rise_Nm = (last.torque_Nm + rod.reaction_end_Nm) - segment->forces.torque_Nm;
@@ -141,32 +182,65 @@ static void ema_segment_respond(const ema_circuit_t* circuit, int32_t motion, em
     }
 }
 
-/* One integration step with effects but without an event; false, and nothing changed, when something would happen. */
-static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
+/* Turns the shaft; an elastic contact follows. */
+static void ema_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
+{
+    if (state->motion == (int32_t)EMA_MOTION_ELASTIC) {
+        ema_site_presliding_keep(plant, state->effect_memory, ema_site_presliding(plant, state->effect_memory, turn_rad));
+    }
+    ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
+}
+
+/* Current half way through a segment, from its values and rates at both ends: forces that follow the current bend with it. */
+static ema_real ema_segment_half_current(const ema_circuit_t* circuit, ema_real span_s, const ema_segment_t* segment)
+{
+    const ema_real change_A = segment->start.current_A - segment->end.current_A;
+    const ema_real slowing_rad_s = segment->start.speed_rad_s - segment->end.speed_rad_s;
+    const ema_real bend_A_s = (circuit->rate_current * change_A) + (circuit->rate_speed * slowing_rad_s) - (circuit->rate_voltage * segment->input_rise);
+    const ema_real even_A = EMA_R(0.5) * (segment->start.current_A + segment->end.current_A);
+    return circuit->algebraic ? even_A : (even_A + (EMA_R(0.125) * span_s * bend_A_s));
+}
+
+/* Whether the forces half way are those of an even rise, nearly: then the rise stands for the whole segment. */
+static bool ema_segment_even(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, const ema_segment_t* segment)
+{
+    const ema_point_t half = {ema_segment_half_current(circuit, span_s, segment), EMA_R(0.5) * (segment->start.speed_rad_s + segment->end.speed_rad_s),
+                              segment->start.angle_rad + (EMA_R(0.125) * span_s * ((EMA_R(3.0) * segment->start.speed_rad_s) + segment->end.speed_rad_s))};
+    const ema_forces_t forces = ema_forces_at(plant, state, applied, &half);
+    const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
+    const ema_real torque_off_Nm = forces.torque_Nm - (segment->forces.torque_Nm + (EMA_R(0.5) * segment->torque_rise_Nm));
+    const ema_real input_off = forces.input - (segment->forces.input + (EMA_R(0.5) * segment->input_rise));
+    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(applied->input)));
+}
+
+/* One integration step with effects but without an event; false, and nothing changed, when something would happen, or, with `even`, when the effects do
+ * not rise evenly over it. */
+static bool ema_motion_smooth(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, bool even)
 {
     if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
         return false;
     }
     ema_real turn_rad;
-    ema_segment_t segment = ema_segment_open(plant, state, applied, plant->substep_s);
+    ema_segment_t segment = ema_segment_open(plant, state, applied, span_s);
     ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
-    ema_segment_correct(plant, state, applied, plant->substep_s, &segment);
+    ema_segment_correct(plant, state, applied, span_s, &segment);
     ema_segment_respond(circuit, state->motion, &segment, &turn_rad);
 
     bool smooth = ema_abs(segment.end.current_A) <= plant->linear_current_A;
-    if (state->motion != 0) {
-        smooth = smooth && (((ema_real)state->motion * segment.end.speed_rad_s) > EMA_R(0.0)) && (segment.end.angle_rad < plant->screw.stop_upper_rad)
-                 && (segment.end.angle_rad > plant->screw.stop_lower_rad);
+    if (state->motion != (int32_t)EMA_MOTION_STUCK) {
+        const bool keeps = (state->motion == (int32_t)EMA_MOTION_ELASTIC) || (((ema_real)state->motion * segment.end.speed_rad_s) > EMA_R(0.0));
+        smooth = smooth && keeps && (segment.end.angle_rad < plant->screw.stop_upper_rad) && (segment.end.angle_rad > plant->screw.stop_lower_rad);
     } else {
         const ema_real gain = plant->motor.torque_constant_Nm_per_A;
         const ema_real first_Nm = segment.forces.torque_Nm + (gain * segment.start.current_A);
         const ema_real last_Nm = segment.forces.torque_Nm + segment.torque_rise_Nm + (gain * segment.end.current_A);
         smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment.forces.level_forward_Nm) && (ema_min(first_Nm, last_Nm) >= -segment.forces.level_backward_Nm);
     }
+    smooth = smooth && (!even || ema_segment_even(plant, circuit, state, applied, span_s, &segment));
     if (smooth) {
         state->current_A = segment.end.current_A;
         state->speed_rad_s = segment.end.speed_rad_s;
-        ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
+        ema_turn(plant, state, turn_rad);
     }
     return smooth;
 }
@@ -332,7 +406,8 @@ static void ema_event_at_rest(ema_event_t* event, const ema_plant_t* plant, cons
     }
 }
 
-static void ema_event_sliding(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, ema_located_t* located)
+/* The speed reaches zero. */
+static void ema_event_reversal(ema_event_t* event, const ema_state_t* state, ema_located_t* located)
 {
     const ema_real direction = (ema_real)state->motion;
     ema_real* const speed_rad_s = located->series.speed_rad_s;
@@ -347,9 +422,29 @@ static void ema_event_sliding(ema_event_t* event, const ema_plant_t* plant, cons
             /* something else comes first */
         }
     }
-    const ema_real stop_rad = (state->motion > 0) ? plant->screw.stop_upper_rad : plant->screw.stop_lower_rad;
-    if ((direction * (located->segment.end.angle_rad - stop_rad)) >= EMA_R(0.0)) {
+}
+
+/* An end of travel that the shaft moves towards. */
+static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, ema_located_t* located)
+{
+    const ema_real end_rad = located->segment.end.angle_rad;
+    ema_real stop_rad = EMA_R(0.0);
+    bool reached = false;
+    if ((end_rad >= plant->screw.stop_upper_rad) && (end_rad > state->angle_rad)) {
+        stop_rad = plant->screw.stop_upper_rad;
+        reached = true;
+    } else if ((end_rad <= plant->screw.stop_lower_rad) && (end_rad < state->angle_rad)) {
+        stop_rad = plant->screw.stop_lower_rad;
+        reached = true;
+    } else {
+        /* inside the travel */
+    }
+    if (reached) {
+        const ema_event_t before = *event;
         ema_event_take(event, EMA_EVENT_STOP, located->series.angle_rad, stop_rad - state->angle_rad, EMA_R(0.0));
+        if (event->at != before.at) {
+            event->value = stop_rad;
+        }
     }
 }
 
@@ -365,18 +460,21 @@ static ema_event_t ema_event_find(const ema_plant_t* plant, const ema_circuit_t*
     if (state->motion == 0) {
         ema_event_at_rest(&event, plant, state, located);
     } else {
-        ema_event_sliding(&event, plant, state, located);
+        if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
+            ema_event_reversal(&event, state, located);
+        }
+        ema_event_stop(&event, plant, state, located);
     }
     return event;
 }
 
 /* Moves the state to the fraction `at` of the span. */
-static void ema_motion_to(ema_state_t* state, const ema_series_t* series, ema_real at)
+static void ema_motion_to(const ema_plant_t* plant, ema_state_t* state, const ema_series_t* series, ema_real at)
 {
     state->current_A = ema_series_at(series->current_A, at);
     if (state->motion != 0) {
         state->speed_rad_s = ema_series_at(series->speed_rad_s, at);
-        ema_add_compensated(&state->angle_rad, &state->angle_low_rad, ema_series_at(series->angle_rad, at));
+        ema_turn(plant, state, ema_series_at(series->angle_rad, at));
     }
 }
 
@@ -396,10 +494,17 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const 
     /* a turning point is the extreme that the play sees */
     ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
     state->speed_rad_s = EMA_R(0.0);
+    state->motion = (int32_t)EMA_MOTION_STUCK;
     const ema_point_t here = {state->current_A, EMA_R(0.0), state->angle_rad};
-    const ema_forces_t forces = ema_forces_at(plant, applied, 0, &here);
+    const ema_forces_t forces = ema_forces_at(plant, state, applied, &here);
     const ema_real torque_Nm = forces.torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
     state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces.level_forward_Nm, forces.level_backward_Nm);
+}
+
+/* How a shaft moves once it has left its rest. */
+static int32_t ema_motion_left(const ema_plant_t* plant, ema_motion_t direction)
+{
+    return (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)direction;
 }
 
 static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, const ema_event_t* event)
@@ -409,7 +514,7 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
         ema_motion_rest(plant, state, applied);
         break;
     case EMA_EVENT_STOP:
-        state->angle_rad = (state->motion > 0) ? plant->screw.stop_upper_rad : plant->screw.stop_lower_rad;
+        state->angle_rad = event->value;
         state->angle_low_rad = EMA_R(0.0);
         state->speed_rad_s = EMA_R(0.0);
         state->motion = (int32_t)EMA_MOTION_STUCK;
@@ -418,10 +523,10 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
         state->current_A = event->value;
         break;
     case EMA_EVENT_FORWARD:
-        state->motion = (int32_t)EMA_MOTION_FORWARD;
+        state->motion = ema_motion_left(plant, EMA_MOTION_FORWARD);
         break;
     case EMA_EVENT_BACKWARD:
-        state->motion = (int32_t)EMA_MOTION_BACKWARD;
+        state->motion = ema_motion_left(plant, EMA_MOTION_BACKWARD);
         break;
     case EMA_EVENT_RELEASE:
     case EMA_EVENT_NONE:
@@ -431,9 +536,9 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
 }
 
 /* One integration step with its events, each located. */
-static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied)
+static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
 {
-    ema_real left_s = plant->substep_s;
+    ema_real left_s = span_s;
     uint32_t events = 0U;
     bool done = false;
     ema_event_t event = {EMA_EVENT_NONE, EMA_R(0.0), EMA_R(0.0)};
@@ -449,7 +554,7 @@ static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* cir
             ema_located_build(plant, state, circuit, left_s, &located);
         }
         event = ema_event_find(plant, circuit, state, &located);
-        ema_motion_to(state, &located.series, event.at);
+        ema_motion_to(plant, state, &located.series, event.at);
         /* an excursion beyond the limit that another event cuts short is not located */
         if (ema_abs(state->current_A) > plant->drive.current_limit_A) {
             state->current_A = ema_clamp(state->current_A, -plant->drive.current_limit_A, plant->drive.current_limit_A);
@@ -465,23 +570,50 @@ static void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* cir
     }
     if (!done) {
         state->speed_rad_s = EMA_R(0.0);
-        state->motion = (int32_t)EMA_MOTION_STUCK;
+        state->motion = ema_motion_left(plant, EMA_MOTION_STUCK);
         ++state->crowded_steps;
     }
 }
 
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+/* Moves the rod behind the play over an integration step. */
+static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, ema_real play_start_mm, ema_real span_s)
 {
-    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
-    const ema_real play_start_mm = state->play_mm;
-    if (!plant->active.any || !ema_motion_smooth(plant, circuit, state, applied)) {
-        ema_motion_events(plant, circuit, state, applied);
-    }
     if (plant->active.transmission != 0U) {
         ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, plant->substep_s, plant->gearbox.lead_mm_per_rad};
+        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
         const ema_rod_t rod = ema_site_transmission(plant, &step, state->effect_memory);
         state->rod_mm = rod.rod_mm;
         state->rod_speed_mm_s = rod.rod_speed_mm_s;
+    }
+}
+
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
+{
+    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    const ema_real play_start_mm = state->play_mm;
+    /* the prepared responses hold for a whole integration step alone */
+    const bool whole = span_s == plant->substep_s;
+    if (!plant->active.any || !whole || !ema_motion_smooth(plant, circuit, state, applied, span_s, false)) {
+        ema_motion_events(plant, circuit, state, applied, span_s);
+    }
+    ema_transmission_move(plant, state, play_start_mm, span_s);
+}
+
+bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    const ema_real play_start_mm = state->play_mm;
+    /* the whole step is prepared for the circuit of the drive's mode alone */
+    const bool whole = (applied->current_loop == plant->drive.current_mode) && ema_motion_smooth(plant, &plant->whole_step, state, applied, plant->step_s, true);
+    if (whole) {
+        ema_transmission_move(plant, state, play_start_mm, plant->step_s);
+    }
+    return whole;
+}
+
+void ema_motion_part(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real part)
+{
+    const ema_real span_s = part * plant->substep_s;
+    for (uint32_t k = 0; k < plant->substeps; ++k) {
+        ema_motion_located(plant, state, applied, span_s);
     }
 }

@@ -9,8 +9,14 @@
 #include "ema_drive.h"
 #include "ema_screw.h"
 
-/* One integration step with effects or with events, which are located inside it. */
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied);
+/* An integration step, or a part of one, with effects or with events, which are located inside it. */
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s);
+
+/* A whole model step in one integration step, with effects; false, and nothing changed, when something happens in it or the effects change too much for it. */
+bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied);
+
+/* The share `part` of a model step, in as many integration steps as a whole one. */
+void ema_motion_part(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real part);
 
 static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s, ema_real input, ema_real torque_Nm)
 {
@@ -52,13 +58,22 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
     return plain;
 }
 
+/* What the drive applies over a whole model step. */
 static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
+    if (plant->tries_whole_step && ema_motion_whole(plant, state, applied)) {
+        return;
+    }
     for (uint32_t k = 0; k < plant->substeps; ++k) {
         if (plant->active.any || !ema_motion_plain(plant, state, applied)) {
-            ema_motion_located(plant, state, applied);
+            ema_motion_located(plant, state, applied, plant->substep_s);
         }
     }
+}
+
+/* Where the motion has brought motor and rod. */
+static inline void ema_motion_arrive(const ema_plant_t* plant, ema_state_t* state)
+{
     state->motor_mm = (plant->gearbox.lead_mm_per_rad * state->angle_rad) + (plant->gearbox.lead_mm_per_rad * state->angle_low_rad);
     ema_screw_play(&plant->screw, state, state->motor_mm);
     if (plant->active.transmission == 0U) {

@@ -101,9 +101,9 @@ static void ema_circuit_column(const ema_plant_t* plant, const ema_circuit_t* ci
     *angle = ema_series_at(series.angle_rad, EMA_R(1.0));
 }
 
-void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant)
+void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_real span_s)
 {
-    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), plant->substep_s, plant->motor.torque_constant_Nm_per_A, false, false};
+    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), span_s, plant->motor.torque_constant_Nm_per_A, false, false};
     ema_response_t* const current = &circuit->current;
     ema_response_t* const speed = &circuit->speed;
     ema_response_t* const angle = &circuit->angle;

@@ -42,7 +42,7 @@ ema_real ema_series_at(const ema_real* terms, ema_real at);
 /* Where the series crosses zero between the fractions `lower` and 1, at which its signs differ. */
 ema_real ema_series_root(const ema_real* terms, ema_real lower);
 
-/* Prepares the exact responses of the circuit over one integration step. */
-void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant);
+/* Prepares the exact responses of the circuit over `span_s`. */
+void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_real span_s);
 
 #endif

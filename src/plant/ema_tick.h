@@ -17,6 +17,12 @@ static inline void ema_tick_current(const ema_plant_t* plant, ema_state_t* state
     }
 }
 
+/* A drive that passes the output on with a delay: keeps the output, and what is applied at the start of the model step. */
+ema_drive_output_t ema_tick_late(const ema_plant_t* plant, ema_state_t* state, ema_real output);
+
+/* The model step under it: first what was asked before, then what was asked later. */
+void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* first);
+
 static inline ema_output_t ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_real command_mm)
 {
     ema_output_t row;
@@ -25,7 +31,8 @@ static inline ema_output_t ema_tick(const ema_plant_t* plant, ema_state_t* state
     const ema_real feedback_mm = ema_encoder_step(&plant->encoder, state, state->motor_mm, row.position_mm);
     const ema_real output = ema_pid_step(&plant->pid, state, command_mm, feedback_mm);
     const ema_drive_output_t applied = ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
-    ema_tick_current(plant, state, &applied);
+    const ema_drive_output_t first = plant->drive.delayed ? ema_tick_late(plant, state, output) : applied;
+    ema_tick_current(plant, state, &first);
     row.current_A = state->current_A;
     row.voltage_V = applied.voltage_V;
     const bool carried = ((ema_real)state->play_side * state->speed_rad_s) > EMA_R(0.0);
@@ -33,7 +40,12 @@ static inline ema_output_t ema_tick(const ema_plant_t* plant, ema_state_t* state
     if (plant->active.transmission != 0U) {
         row.speed_mm_s = state->rod_speed_mm_s;
     }
-    ema_motion_step(plant, state, &applied);
+    if (plant->drive.delayed) {
+        ema_tick_delayed(plant, state, &first);
+    } else {
+        ema_motion_step(plant, state, &first);
+    }
+    ema_motion_arrive(plant, state);
     ++state->step;
     return row;
 }

@@ -141,15 +141,18 @@ def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
         yield module_of(name), getattr(effects, name)
 
 
-def _at_points(actuator: Actuator, motion: Motion, site: str, call: Callable[[Any, Any, Any], float]) -> Reals:
-    """Sum over the active effects of a site, on every row; zeros at no cost when there are none."""
+def _at_points(actuator: Actuator, motion: Motion, site: str, call: Callable[[Any, Any, Any], float], voltage_V: Reals | None = None) -> Reals:
+    """Sum over the active effects of a site, on every row; zeros at no cost when there are none. `voltage_V` [rows]: for those that look at it."""
     functions = list(_active(actuator, site))
     if not functions:
         return np.zeros(motion.speed_rad_s.size)
-    from ema_tools.reference.point import Point
+    from ema_tools.reference.point import Data, Point
 
-    columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm)
-    points = (Point(float(i), float(w), float(a), float(x), 0.0) for i, w, a, x in zip(*columns, strict=True))
+    values = adjusted(actuator)
+    data = Data(values["motor.torque_constant_Nm_per_A"], values["screw.viscous_Nm_s_per_rad"], values["screw.lead_mm"], values["drive.supply_V"])
+    voltage = np.zeros(motion.speed_rad_s.size) if voltage_V is None else voltage_V
+    columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage)
+    points = (Point(float(i), float(w), float(a), float(x), float(u), data) for i, w, a, x, u in zip(*columns, strict=True))
     return np.array([sum(call(module, effect, point) for module, effect in functions) for point in points])
 
 
@@ -359,7 +362,7 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     speed = np.diff(motor_rad) / period
     angle = 0.5 * (motor_rad[1:] + motor_rad[:-1])
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
-    known = _at_points(actuator, middle, "VOLTAGE", lambda module, effect, point: module.voltage_change_V(effect, point))
+    known = _at_points(actuator, middle, "VOLTAGE", lambda module, effect, point: module.voltage_change_V(effect, point), record.voltage_V[:-1])
 
     smoother = Smoother.of(period)
 

@@ -17,6 +17,8 @@ SITES = {
     "TORQUE": "torque on the shaft",
     "LOAD": "load against extension",
     "VOLTAGE": "motor voltage",
+    "MOTOR": "torque constant and back-EMF",
+    "PRESLIDING": "contact before it slides",
     "TRANSMISSION": "between play and rod",
 }
 

@@ -21,6 +21,8 @@ pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: 
 SHIPPED = Path(__file__).parents[2] / "recordings"
 CASE_A = {"screw.csj_Nm": 0.3, "screw.blk_mm": 0.04125}
 NAMES = [effect.name for effect in load_definitions().effects if hasattr(effects, effect.name)]
+# Written as another form of the same physics: they agree to this share of what the effect does to the record.
+VARIANTS = {"inverter_dead_time": 0.06, "presliding": 0.01, "concave_viscous": 0.001}
 
 
 def rms(one: Recording, other: Recording, channel: str) -> float:
@@ -64,10 +66,17 @@ def test_hides_effects_as_the_reference_has_them(name: str) -> None:
     sweep = chirp(times_s(800), 2.0, 1.0, 4.0, 0.8)
     hidden = simulate_truth(example_of(name), sweep, step_s=4e-6)
     expected = simulate(example_of(name), sweep)
+    without = simulate_truth({}, sweep)
+    seen = {channel: rms(hidden, without, channel) for channel in ("position_mm", "current_A")}
+    assert max(seen.values()) > 1e-3
+    if name in VARIANTS:
+        for channel, size in seen.items():
+            # neither the same formula nor another effect
+            assert 1e-7 < rms(hidden, expected, channel) < VARIANTS[name] * size
+        return
     assert rms(hidden, expected, "position_mm") < 2e-6
     assert rms(hidden, expected, "motor_position_mm") < 1e-7
     assert rms(hidden, expected, "current_A") < 2e-5
-    assert rms(hidden, simulate_truth({}, sweep), "current_A") > 1e-3
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if not case.name.startswith("effect_")], ids=lambda case: case.name)
@@ -84,7 +93,7 @@ def test_agrees_in_every_block(case: Case) -> None:
 
 
 def test_what_it_cannot_hide_it_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert len(NAMES) >= 8
+    assert len(NAMES) == len(load_definitions().effects)
     monkeypatch.delattr(effects, "spring_load")
     with pytest.raises(ValueError, match="spring_load: the truth plant cannot hide it yet"):
         simulate_truth(example_of("spring_load"), np.zeros(3))

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ema_tools.reference.compiled import compiled
 
 MOTOR_LAW = 0  # the voltage is given, the winding's own equation holds
@@ -44,6 +46,12 @@ def supply(drive: Any, motor: Any, output: float, current_A: float, speed_rad_s:
             voltage = drive.supply_V if voltage > 0.0 else -drive.supply_V
     recorded = output * drive.command_scale_V if drive.command_scale_V > 0.0 else voltage
     return Supply(law, voltage, reference, recorded)
+
+
+@compiled
+def delayed(outputs: np.ndarray, step: int) -> float:
+    """Output of the control law at `step`; zero before the first."""
+    return outputs[step] if step >= 0 else 0.0
 
 
 @compiled

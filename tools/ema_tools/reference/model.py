@@ -18,6 +18,7 @@ from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
 from ema_tools.reference.actuator import build, filled, is_active
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.effects import module_of
+from ema_tools.reference.point import Data
 from ema_tools.reference.recording import Recording
 
 __all__ = ["Recording", "defaults", "simulate"]
@@ -111,10 +112,14 @@ def _run(moving: plant.Plant, command_mm: np.ndarray, start_mm: float, oversampl
     mode = plant.Mode(0, 0, 0, start_mm, 0, 0, False)
     control = pid.at_rest()
     history = np.empty(command_mm.size)
+    outputs = np.empty(command_mm.size)
+    age = part.drive.output_delay_s / step_s
+    whole = int(math.floor(age))
+    late = age - whole
 
     for step in range(command_mm.size):
         motor_mm = moving.lead_mm_per_rad * state[plant.ANGLE]
-        point = plant.Point(state[plant.CURRENT], state[plant.SPEED], state[plant.ANGLE], motor_mm, 0.0)
+        point = plant.Point(state[plant.CURRENT], state[plant.SPEED], state[plant.ANGLE], motor_mm, 0.0, moving.data)
         play_mm, play_mm_s = plant.play_output(moving, mode, point)
         rod_mm, rod_mm_s = sites.rod_behind_play(part.effects, state, play_mm, play_mm_s)
         sensor_mm = encoder.rod_sensor_mm(part.encoder, rod_mm)
@@ -122,19 +127,27 @@ def _run(moving: plant.Plant, command_mm: np.ndarray, start_mm: float, oversampl
         if step % part.control.every_steps == 0:
             feedback = encoder.feedback_mm(part.encoder, step_s, history, step)
             control = pid.run(part.control, period_s, 1e-3 * command_mm[step], 1e-3 * feedback, control)
-        supply = drive.supply(part.drive, part.motor, control.output, state[plant.CURRENT], state[plant.SPEED])
-        mode = plant.settled(moving, supply, mode, state)
-        if step % part.timing.record_every_steps == 0:
-            row = step // part.timing.record_every_steps
-            rows[0, row] = sensor_mm
-            rows[1, row] = motor_mm
-            rows[2, row] = state[plant.CURRENT]
-            rows[3, row] = supply.recorded_V
-            rows[4, row] = rod_mm_s
-        for _ in range(oversample):
-            mode, went_well = _move(moving, supply, mode, state, step_s / oversample, slopes, trial)
-            if not went_well:
-                return step
+        outputs[step] = control.output
+        asked = drive.supply(part.drive, part.motor, control.output, state[plant.CURRENT], state[plant.SPEED])
+        # what the motor sees: for the share `late` of the step an older output, then the next one
+        for newer in range(2):
+            share = 1.0 - late if newer == 1 else late
+            if share > 0.0:
+                seen = drive.delayed(outputs, step - whole - 1 + newer)
+                supply = drive.supply(part.drive, part.motor, seen, state[plant.CURRENT], state[plant.SPEED])
+                mode = plant.settled(moving, supply, mode, state)
+                if step % part.timing.record_every_steps == 0 and (newer == 0 or late == 0.0):
+                    row = step // part.timing.record_every_steps
+                    rows[0, row] = sensor_mm
+                    rows[1, row] = motor_mm
+                    rows[2, row] = state[plant.CURRENT]
+                    rows[3, row] = asked.recorded_V
+                    rows[4, row] = rod_mm_s
+                pieces = int(math.ceil(share * oversample))
+                for _ in range(pieces):
+                    mode, went_well = _move(moving, supply, mode, state, share * step_s / pieces, slopes, trial)
+                    if not went_well:
+                        return step
         if not math.isfinite(state[plant.CURRENT] + state[plant.ANGLE]):
             return step
     return command_mm.size
@@ -150,6 +163,9 @@ def _fastest_rate_per_s(moving: plant.Plant, lead_m_per_rad: float) -> float:
         fastest += math.sqrt(coupling / (part.motor.inductance_H * moving.inertia_kgm2))
     if part.drive.mode == 1 and part.drive.current_loop_s > 0.0:
         fastest = max(fastest, 1.0 / part.drive.current_loop_s)
+    level_per_inertia = part.screw.csj_Nm / moving.inertia_kgm2
+    top_speed = part.drive.supply_V / max(part.motor.back_emf_V_s_per_rad, 1e-6)
+    fastest = max(fastest, sites.contact_rate_per_s(part.effects, level_per_inertia, top_speed))
     return max(fastest, sites.transmission_rate_per_s(part.effects, moving.inertia_kgm2, lead_m_per_rad))
 
 
@@ -169,7 +185,10 @@ def prepared(values: Mapping[str, float]) -> plant.Plant:
     inertia = sites.shaft_inertia_kgm2(whole.effects, whole.screw.inertia_kgm2, 1e-3 * lead)
     if not inertia > 0.0:
         raise ValueError(f"screw.inertia_kgm2 = {whole.screw.inertia_kgm2:g}: a mass of the transmission takes all of it: lower the mass")
-    return plant.Plant(whole, lead, inertia)
+    data = Data(
+        whole.motor.torque_constant_Nm_per_A, whole.screw.viscous_Nm_s_per_rad, whole.screw.lead_mm, whole.drive.supply_V
+    )
+    return plant.Plant(whole, lead, inertia, data)
 
 
 def simulate(

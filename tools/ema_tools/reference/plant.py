@@ -13,7 +13,7 @@ import numpy as np
 
 from ema_tools.reference import drive, gearbox, motor, screw, sites
 from ema_tools.reference.compiled import compiled
-from ema_tools.reference.point import Point
+from ema_tools.reference.point import Data, Point
 
 CURRENT = 0
 SPEED = 1
@@ -38,27 +38,29 @@ class Mode(NamedTuple):
 
 
 class Plant(NamedTuple):
-    """What is constant while the plant moves; `part` is the actuator of `ema_tools.reference.actuator`."""
+    """What is constant while the plant moves; `part` is the actuator of `ema_tools.reference.actuator`, `data` what effects see of it."""
 
     part: Any
     lead_mm_per_rad: float
     inertia_kgm2: float
+    data: Data
 
 
 @compiled
 def _algebraic_current_A(plant: Plant, supply: drive.Supply, point: Point) -> float:
     """Current of a winding without inductance, in balance with what effects take of the voltage (which falls with it)."""
     part = plant.part
-    free = supply.voltage_V - part.motor.back_emf_V_s_per_rad * point.speed_rad_s
-    plain = Point(0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+    change = sites.motor_change(part.effects, point)
+    free = supply.voltage_V - motor.back_emf_V(part.motor, point.speed_rad_s, change)
+    plain = Point(0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
     lower = (free + sites.voltage_change_V(part.effects, plain)) / part.motor.resistance_ohm
-    plain = Point(lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+    plain = Point(lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
     upper = (free + sites.voltage_change_V(part.effects, plain)) / part.motor.resistance_ohm
     for _ in range(80):
         if lower == upper:
             break
         middle = 0.5 * (lower + upper)
-        plain = Point(middle, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+        plain = Point(middle, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
         excess = free + sites.voltage_change_V(part.effects, plain) - part.motor.resistance_ohm * middle
         if (excess > 0.0) == (lower < upper):
             lower = middle
@@ -79,13 +81,13 @@ def has_current_state(plant: Plant, supply: drive.Supply) -> bool:
 def point_of(plant: Plant, supply: drive.Supply, state: np.ndarray) -> Point:
     """The state as effects see it, with the current in balance when it has no rate."""
     angle = state[ANGLE]
-    point = Point(state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V)
+    point = Point(state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V, plant.data)
     if has_current_state(plant, supply):
         return point
     current = drive.limited(plant.part.drive, supply.reference_A)
     if supply.law == drive.MOTOR_LAW:
         current = _algebraic_current_A(plant, supply, point)
-    return Point(current, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V)
+    return Point(current, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
 
 
 @compiled
@@ -94,7 +96,8 @@ def _current_rate(plant: Plant, supply: drive.Supply, point: Point) -> float:
     if supply.law == drive.LOOP_LAW:
         return (supply.reference_A - point.current_A) / plant.part.drive.current_loop_s
     voltage = supply.voltage_V + sites.voltage_change_V(plant.part.effects, point)
-    return motor.current_rate_A_per_s(plant.part.motor, voltage, point.current_A, point.speed_rad_s)
+    change = sites.motor_change(plant.part.effects, point)
+    return motor.current_rate_A_per_s(plant.part.motor, voltage, point.current_A, point.speed_rad_s, change)
 
 
 @compiled
@@ -116,7 +119,26 @@ def _active_torque_Nm(plant: Plant, mode: Mode, point: Point, state: np.ndarray,
     play_mm, play_mm_s = play_output(plant, mode, point)
     effects = plant.part.effects
     reaction = sites.transmission_reaction_Nm(effects, state, play_mm, play_mm_s, 1e-3 * plant.lead_mm_per_rad)
-    return motor.torque_Nm(plant.part.motor, point.current_A) - load_Nm + sites.extra_torque_Nm(effects, point) + reaction
+    torque = motor.torque_Nm(plant.part.motor, point.current_A, sites.motor_change(effects, point))
+    return torque - load_Nm + sites.extra_torque_Nm(effects, point) + reaction
+
+
+@compiled
+def _friction_share(plant: Plant, mode: Mode, state: np.ndarray) -> float:
+    """Part of the level of dry friction that acts against extension, -1 to 1."""
+    if sites.is_elastic(plant.part.effects):
+        return sites.contact_share(plant.part.effects, state)
+    return float(mode.motion)
+
+
+@compiled
+def _sliding_level_Nm(plant: Plant, point: Point, load_Nm: float, share: float) -> float:
+    """Level of dry friction of a contact that slides, or is stretched, as the sign of `share` says."""
+    part = plant.part
+    direction = -1 if share < 0.0 else 1
+    level = screw.level_Nm(part.screw, part.screw.dynamic_ratio * part.screw.csj_Nm, direction)
+    change = sites.friction_change_Nm(part.effects, level, point)
+    return level + change + gearbox.friction_Nm(part.gearbox, load_Nm, direction)
 
 
 @compiled
@@ -131,27 +153,31 @@ def rates(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray, out
     out[ANGLE] = 0.0
     if mode.motion != 0:
         load = _load_Nm(plant, point)
-        level = part.screw.dynamic_ratio * part.screw.csj_Nm
-        friction = level + sites.friction_change_Nm(part.effects, level, point)
-        friction += gearbox.friction_Nm(part.gearbox, load, mode.motion)
+        share = _friction_share(plant, mode, state)
+        friction = _sliding_level_Nm(plant, point, load, share)
         active = _active_torque_Nm(plant, mode, point, state, load)
         out[SPEED] = screw.acceleration_rad_s2(
-            part.screw, plant.inertia_kgm2, active, point.speed_rad_s, friction, mode.motion
+            part.screw, plant.inertia_kgm2, active, point.speed_rad_s, friction, share
         )
         out[ANGLE] = point.speed_rad_s
+        sites.contact_rates(part.effects, state, point.speed_rad_s, mode.motion, out)
     play_mm, play_mm_s = play_output(plant, mode, point)
     sites.transmission_rates(part.effects, state, play_mm, play_mm_s, out)
 
 
 @compiled
 def _departure(plant: Plant, mode: Mode, point: Point, state: np.ndarray) -> int:
-    """Direction in which a resting shaft breaks away now, or 0."""
+    """Direction in which a resting shaft breaks away now, or 0; a stretched contact only ever rests at an end of travel."""
     part = plant.part
     load = _load_Nm(plant, point)
-    level = part.screw.csj_Nm
-    static = level + sites.friction_change_Nm(part.effects, level, point)
     active = _active_torque_Nm(plant, mode, point, state, load)
+    if sites.is_elastic(part.effects):
+        share = sites.contact_share(part.effects, state)
+        start = 1 if active >= share * _sliding_level_Nm(plant, point, load, share) else -1
+        return 0 if start == mode.end else start
     start = 1 if active > 0.0 else -1
+    level = screw.level_Nm(part.screw, part.screw.csj_Nm, start)
+    static = level + sites.friction_change_Nm(part.effects, level, point)
     return screw.leaves_rest(active, static + gearbox.friction_Nm(part.gearbox, load, start), mode.end)
 
 
@@ -175,7 +201,8 @@ def has_passed(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray
     part = plant.part
     if _limit_of(plant, supply, mode, point) != mode.limit:
         return True
-    if motor.saturation(part.motor, point.current_A) != mode.torque_saturation:
+    change = sites.motor_change(part.effects, point)
+    if motor.saturation(part.motor, point.current_A, change) != mode.torque_saturation:
         return True
     if (_load_Nm(plant, point) > 0.0) != mode.load_positive:
         return True
@@ -188,7 +215,10 @@ def has_passed(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray
 
 @compiled
 def settled(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray) -> Mode:
-    """The mode that holds from `state` on; a reversal or an end of travel stops the shaft in `state`."""
+    """The mode that holds from `state` on; a reversal or an end of travel stops the shaft in `state`.
+
+    A contact that stretches lets the shaft reverse without a stop.
+    """
     part = plant.part
     point = point_of(plant, supply, state)
     state[CURRENT] = point.current_A
@@ -205,8 +235,11 @@ def settled(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray) -
         end = motion
         motion = 0
     elif motion != 0 and state[SPEED] * motion < 0.0:
-        state[SPEED] = 0.0
-        motion = 0
+        if sites.is_elastic(part.effects):
+            motion = -motion
+        else:
+            state[SPEED] = 0.0
+            motion = 0
     point = point_of(plant, supply, state)
     if motion == 0:
         motion = _departure(plant, Mode(0, limit, side, play_mm, end, 0, False), point, state)
@@ -214,5 +247,5 @@ def settled(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray) -
         end = 0
         if side != motion:
             side = motion if screw.play_contact(part.screw, point.motor_mm, play_mm, motion) else 0
-    saturation = motor.saturation(part.motor, point.current_A)
+    saturation = motor.saturation(part.motor, point.current_A, sites.motor_change(part.effects, point))
     return Mode(motion, limit, side, play_mm, end, saturation, _load_Nm(plant, point) > 0.0)

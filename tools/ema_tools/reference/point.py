@@ -5,6 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
+class Data(NamedTuple):
+    """Numbers of the actuator that an effect may need, PARAMETER effects applied."""
+
+    torque_constant_Nm_per_A: float
+    viscous_Nm_s_per_rad: float
+    lead_mm: float
+    supply_V: float
+
+
 class Point(NamedTuple):
     """State of motor and shaft; `motor_mm` is the angle expressed at the rod, `voltage_V` the drive's."""
 
@@ -13,3 +22,4 @@ class Point(NamedTuple):
     angle_rad: float
     motor_mm: float
     voltage_V: float
+    data: Data

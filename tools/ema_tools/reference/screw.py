@@ -11,11 +11,20 @@ from ema_tools.reference.compiled import compiled
 
 
 @compiled
+def level_Nm(screw: Any, level_Nm: float, direction: int) -> float:
+    """A level of dry friction in `direction` (1 is extension)."""
+    return level_Nm * (1.0 + direction * screw.friction_asymmetry)
+
+
+@compiled
 def acceleration_rad_s2(
-    screw: Any, inertia_kgm2: float, active_Nm: float, speed_rad_s: float, friction_Nm: float, direction: int
+    screw: Any, inertia_kgm2: float, active_Nm: float, speed_rad_s: float, friction_Nm: float, share: float
 ) -> float:
-    """Acceleration while sliding in `direction`; `active_Nm` is every torque but viscous and dry friction."""
-    return (active_Nm - screw.viscous_Nm_s_per_rad * speed_rad_s - direction * friction_Nm) / inertia_kgm2
+    """Acceleration of a shaft that moves; `active_Nm` is every torque but viscous and dry friction.
+
+    `share`: part of the level of dry friction that acts against extension: -1 or 1 while the contact slides.
+    """
+    return (active_Nm - screw.viscous_Nm_s_per_rad * speed_rad_s - share * friction_Nm) / inertia_kgm2
 
 
 @compiled

@@ -77,6 +77,74 @@ friction_change_Nm = _sum_of_levels()
 extra_torque_Nm = _sum_at_point("TORQUE", "torque_Nm")
 extra_load_Nm = _sum_at_point("LOAD", "load_Nm")
 voltage_change_V = _sum_at_point("VOLTAGE", "voltage_change_V")
+motor_change = _sum_at_point("MOTOR", "motor_change")
+
+
+def _add_contact(first: Any, place: int, zero: float) -> Any:
+    @compiled
+    def both(effects: Any) -> bool:
+        return effects[place][0] != zero or first(effects)
+
+    return both
+
+
+def _add_share(first: Any, place: int, zero: float, at: int) -> Any:
+    @compiled
+    def both(effects: Any, memory: np.ndarray) -> float:
+        if effects[place][0] != zero:
+            return memory[at]
+        return first(effects, memory)
+
+    return both
+
+
+def _add_stretch(first: Any, place: int, zero: float, at: int, function: Any) -> Any:
+    @compiled
+    def both(effects: Any, memory: np.ndarray, speed_rad_s: float, direction: int, out: np.ndarray) -> None:
+        first(effects, memory, speed_rad_s, direction, out)
+        if effects[place][0] != zero:
+            out[at] = speed_rad_s * function(effects[place], memory[at], direction)
+
+    return both
+
+
+def _add_contact_rate(first: Any, place: int, zero: float, function: Any) -> Any:
+    @compiled
+    def both(effects: Any, level_per_inertia: float, speed_rad_s: float) -> float:
+        fastest = first(effects, level_per_inertia, speed_rad_s)
+        if effects[place][0] != zero:
+            fastest = max(fastest, function(effects[place], level_per_inertia, speed_rad_s))
+        return fastest
+
+    return both
+
+
+def _contacts() -> tuple[Callable[..., Any], ...]:
+    @compiled
+    def elastic(effects: Any) -> bool:
+        return False
+
+    @compiled
+    def share(effects: Any, memory: np.ndarray) -> float:
+        return 0.0
+
+    @compiled
+    def rates(effects: Any, memory: np.ndarray, speed_rad_s: float, direction: int, out: np.ndarray) -> None:
+        pass
+
+    @compiled
+    def fastest(effects: Any, level_per_inertia: float, speed_rad_s: float) -> float:
+        return 0.0
+
+    for place, zero, at, module in _rows("PRESLIDING"):
+        elastic = _add_contact(elastic, place, zero)
+        share = _add_share(share, place, zero, at)
+        rates = _add_stretch(rates, place, zero, at, module.share_slope_per_rad)
+        fastest = _add_contact_rate(fastest, place, zero, module.fastest_rate_per_s)
+    return elastic, share, rates, fastest
+
+
+is_elastic, contact_share, contact_rates, contact_rate_per_s = _contacts()
 
 
 def _add_inertia(first: Any, place: int, zero: float, function: Any) -> Any:

@@ -50,11 +50,11 @@ def winding_heating(v: Any) -> float:
 
 @compiled
 def inverter_dead_time(v: Any, i: float) -> float:
-    """Change of the motor voltage, V."""
+    """Change of the motor voltage, V: the same drop and the same slope at zero current as the library's, rounded otherwise."""
     drop = v["inverter_dead_time.drop_V"]
     if drop == 0.0:
         return 0.0
-    return -drop * i / math.hypot(i, v["inverter_dead_time.width_A"])
+    return -drop * math.tanh(i / v["inverter_dead_time.width_A"])
 
 
 @compiled
@@ -84,9 +84,142 @@ def rod_mass_kg(v: Any) -> float:
 
 
 @compiled
-def friction_factor(v: Any, w: float) -> float:
-    """Level of dry friction at speed `w` over the level without effects."""
-    return 1.0 + stribeck_friction(v, w)
+def presliding(v: Any) -> float:
+    """Deflection of the bristles at which the contact slides, rad; 0 when it sticks. LuGre's bristles are damped, Dahl's are not."""
+    return v["presliding.stretch_rad"]
+
+
+@compiled
+def coulomb_asymmetry(v: Any) -> float:
+    """Share of the level by which dry friction is larger forward."""
+    return v["coulomb_asymmetry.asymmetry"]
+
+
+@compiled
+def viscous_asymmetry(v: Any, w: float) -> float:
+    """Share of the damping by which it is larger at speed `w`."""
+    return v["viscous_asymmetry.asymmetry"] * math.copysign(1.0, w)
+
+
+@compiled
+def load_dependent_friction(v: Any, torque_Nm: float) -> float:
+    """Dry friction on top for the motor torque that passes the gears, Nm."""
+    return v["load_dependent_friction.ratio"] * abs(torque_Nm)
+
+
+@compiled
+def pitch_ripple(v: Any, theta: float) -> float:
+    """Share of the level of dry friction on top; one period is one turn of the screw."""
+    ratio = v["pitch_ripple.ratio"]
+    if ratio == 0.0:
+        return 0.0
+    return ratio * math.sin(theta / v["gearbox.ratio"] + v["pitch_ripple.phase_rad"])
+
+
+@compiled
+def torque_ripple(v: Any, theta: float) -> float:
+    """Torque constant and back-EMF over their mean."""
+    ratio = v["torque_ripple.ratio"]
+    if ratio == 0.0:
+        return 1.0
+    return 1.0 + ratio * math.cos(v["torque_ripple.periods"] * theta + v["torque_ripple.phase_rad"])
+
+
+@compiled
+def magnet_weakening(v: Any) -> float:
+    """Flux over the flux of sound magnets."""
+    return 1.0 - v["magnet_weakening.loss"]
+
+
+@compiled
+def supply_sag(v: Any) -> float:
+    """Bus voltage over the nominal one."""
+    return 1.0 - v["supply_sag.sag"]
+
+
+@compiled
+def source_resistance(v: Any, i: float) -> float:
+    """Voltage that the bus loses, V."""
+    return v["source_resistance.resistance_ohm"] * abs(i)
+
+
+@compiled
+def current_limit(v: Any) -> float:
+    """Limit of the drive, A; 0 is none."""
+    return v["current_limit.limit_A"]
+
+
+@compiled
+def sensor_gain(v: Any) -> float:
+    """Scale error of the rod sensor."""
+    return v["sensor_gain.error"]
+
+
+@compiled
+def sensor_offset(v: Any) -> float:
+    """Zero shift of the rod sensor, mm."""
+    return v["sensor_offset.offset_mm"]
+
+
+@compiled
+def actuation_delay(v: Any) -> float:
+    """Added age of the output when the motor sees it, s."""
+    return v["actuation_delay.delay_s"]
+
+
+@compiled
+def viscous_rise(v: Any) -> float:
+    """Damping over the warm one."""
+    return 1.0 + v["viscous_rise.rise"]
+
+
+@compiled
+def concave_viscous(v: Any, w: float) -> float:
+    """Drag on the shaft, Nm; rounded below 0.05 rad/s, where a film of grease creeps."""
+    return v["concave_viscous.drag_Nm_per_sqrt_rad_s"] * w / math.sqrt(math.hypot(w, 0.05))
+
+
+@compiled
+def quadratic_viscous(v: Any, w: float) -> float:
+    """Drag on the shaft, Nm."""
+    return v["quadratic_viscous.drag_Nm_s2_per_rad2"] * math.copysign(w * w, w)
+
+
+@compiled
+def jam_spot(v: Any, x_mm: float) -> float:
+    """Dry friction on top, Nm."""
+    amplitude = v["jam_spot.amplitude_Nm"]
+    if amplitude == 0.0:
+        return 0.0
+    z = (x_mm - v["jam_spot.place_mm"]) / v["jam_spot.width_mm"]
+    return amplitude / math.exp(z * z)
+
+
+@compiled
+def inertia_change(v: Any) -> float:
+    """Total inertia over the nominal one."""
+    return 1.0 + v["inertia_change.change"]
+
+
+@compiled
+def gain_drift(v: Any) -> float:
+    """Gain of the position loop over the nominal one."""
+    return 1.0 + v["gain_drift.drift"]
+
+
+@compiled
+def friction_Nm(v: Any, level: float, i: float, w: float, theta: float, x_mm: float, direction: float) -> float:
+    """Dry friction against `direction` from the `level` without effects: dynamic while sliding, static at rest."""
+    level *= 1.0 + direction * (v["screw.friction_asymmetry"] + coulomb_asymmetry(v))
+    level *= 1.0 + stribeck_friction(v, w) + pitch_ripple(v, theta)
+    return level + jam_spot(v, x_mm) + load_dependent_friction(v, torque_constant_Nm_per_A(v) * i)
+
+
+@compiled
+def drag_Nm(v: Any, w: float) -> float:
+    """All torques against the motion that vanish at rest."""
+    damping = v["screw.viscous_Nm_s_per_rad"] * viscous_rise(v)
+    return damping * (1.0 + viscous_asymmetry(v, w)) * w + concave_viscous(v, w) + quadratic_viscous(v, w)
 
 
 @compiled
@@ -102,18 +235,65 @@ def load_Nm(v: Any, x_mm: float) -> float:
 
 
 @compiled
+def inertia_kgm2(v: Any) -> float:
+    """Total inertia."""
+    return v["screw.inertia_kgm2"] * inertia_change(v)
+
+
+@compiled
 def resistance_ohm(v: Any) -> float:
     """Winding resistance."""
     return v["motor.resistance_ohm"] * winding_heating(v)
 
 
 @compiled
-def lost_voltage_V(v: Any, i: float) -> float:
-    """All changes of the motor voltage."""
-    return inverter_dead_time(v, i)
+def torque_constant_Nm_per_A(v: Any) -> float:
+    """Mean torque per current."""
+    return v["motor.torque_constant_Nm_per_A"] * magnet_weakening(v)
+
+
+@compiled
+def back_emf_V_s_per_rad(v: Any) -> float:
+    """Mean back-EMF per speed."""
+    return v["motor.back_emf_V_s_per_rad"] * magnet_weakening(v)
+
+
+@compiled
+def supply_V(v: Any) -> float:
+    """Bus voltage without current."""
+    return v["drive.supply_V"] * supply_sag(v)
+
+
+@compiled
+def lost_voltage_V(v: Any, volt: float, i: float) -> float:
+    """All changes of the motor voltage `volt`."""
+    return inverter_dead_time(v, i) - source_resistance(v, i) * (volt / supply_V(v))
+
+
+@compiled
+def limit_A(v: Any) -> float:
+    """The lowest limit of the drive; 0 is none."""
+    built_in = v["drive.current_limit_A"]
+    added = current_limit(v)
+    if built_in > 0.0 and added > 0.0:
+        return min(built_in, added)
+    return max(built_in, added)
+
+
+@compiled
+def output_age_s(v: Any) -> float:
+    """Age of the output when the motor sees it."""
+    return v["drive.output_delay_s"] + actuation_delay(v)
 
 
 @compiled
 def feedback_age_s(v: Any) -> float:
     """Age of the feedback."""
     return v["encoder.delay_s"] + feedback_delay(v)
+
+
+@compiled
+def rod_reading_mm(v: Any, rod_mm: float) -> float:
+    """What the rod sensor shows."""
+    gain = 1.0 + v["encoder.rod_gain_error"] + sensor_gain(v)
+    return rod_mm * gain + v["encoder.rod_offset_mm"] + sensor_offset(v)

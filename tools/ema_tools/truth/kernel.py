@@ -31,13 +31,13 @@ def mm_per_rad(v: Any) -> float:
 
 
 @compiled
-def _level_Nm(v: Any, w: float, theta: float, direction: float, resting: bool) -> float:
+def _level_Nm(v: Any, i: float, w: float, theta: float, direction: float, resting: bool) -> float:
     """Level of dry friction against motion in `direction`, or against its start."""
-    level = v["screw.csj_Nm"] * effects.friction_factor(v, w)
-    if not resting:
-        level *= v["screw.dynamic_ratio"]
+    x = mm_per_rad(v) * theta
+    level = v["screw.csj_Nm"] * (1.0 if resting else v["screw.dynamic_ratio"])
+    level = effects.friction_Nm(v, level, i, w, theta, x, direction)
     eta = v["gearbox.efficiency"]
-    load = effects.load_Nm(v, mm_per_rad(v) * theta)
+    load = effects.load_Nm(v, x)
     lost = 1.0 - eta if load * direction <= 0.0 else 1.0 / eta - 1.0
     return level + lost * abs(load)
 
@@ -45,7 +45,7 @@ def _level_Nm(v: Any, w: float, theta: float, direction: float, resting: bool) -
 @compiled
 def _pull_Nm(v: Any, i: float, theta: float, force_N: float) -> float:
     """Torque that drives the shaft, without any friction."""
-    torque = v["motor.torque_constant_Nm_per_A"] * i
+    torque = effects.torque_constant_Nm_per_A(v) * effects.torque_ripple(v, theta) * i
     if v["motor.torque_limit_Nm"] > 0.0:
         torque = _clip(torque, v["motor.torque_limit_Nm"])
     n = mm_per_rad(v)
@@ -53,13 +53,19 @@ def _pull_Nm(v: Any, i: float, theta: float, force_N: float) -> float:
 
 
 @compiled
-def _static_current(v: Any, volt: float, w: float, guess: float) -> float:
+def _back_V(v: Any, w: float, theta: float) -> float:
+    """Back-EMF."""
+    return effects.back_emf_V_s_per_rad(v) * effects.torque_ripple(v, theta) * w
+
+
+@compiled
+def _static_current(v: Any, volt: float, w: float, theta: float, guess: float) -> float:
     """Current of a winding without inductance, by Newton's method with a difference quotient."""
     r = effects.resistance_ohm(v)
     i = guess
     for _ in range(30):
-        error = volt + effects.lost_voltage_V(v, i) - v["motor.back_emf_V_s_per_rad"] * w - r * i
-        slope = (effects.lost_voltage_V(v, i + 1e-6) - effects.lost_voltage_V(v, i)) / 1e-6 - r
+        error = volt + effects.lost_voltage_V(v, volt, i) - _back_V(v, w, theta) - r * i
+        slope = (effects.lost_voltage_V(v, volt, i + 1e-6) - effects.lost_voltage_V(v, volt, i)) / 1e-6 - r
         i -= error / slope
         if abs(error) < 1e-13:
             break
@@ -68,7 +74,7 @@ def _static_current(v: Any, volt: float, w: float, guess: float) -> float:
 
 @compiled
 def _bounded(v: Any, i: float) -> float:
-    limit = v["drive.current_limit_A"]
+    limit = effects.limit_A(v)
     return _clip(i, limit) if limit > 0.0 else i
 
 
@@ -81,8 +87,8 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     theta = s[2]
     n = mm_per_rad(v)
     if law == 0 and v["motor.inductance_H"] > 0.0:
-        volt = held + effects.lost_voltage_V(v, i)
-        back = v["motor.back_emf_V_s_per_rad"] * w
+        volt = held + effects.lost_voltage_V(v, held, i)
+        back = _back_V(v, w, theta)
         out[0] = (volt - effects.resistance_ohm(v) * i - back) / v["motor.inductance_H"]
     elif law == 1 and v["drive.current_loop_s"] > 0.0:
         out[0] = (held - i) / v["drive.current_loop_s"]
@@ -93,14 +99,14 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     y = min(max(y, n * theta - half), n * theta + half)
     force = effects.transmission_compliance(v, y - s[3], (n * w if push != 0 else 0.0) - s[4])
     mass = effects.rod_mass_kg(v)
-    inertia = v["screw.inertia_kgm2"] - mass * (1e-3 * n) ** 2
+    inertia = effects.inertia_kgm2(v) - mass * (1e-3 * n) ** 2
     out[3] = s[4]
     out[4] = 1e3 * force / mass if mass > 0.0 else 0.0
     out[1] = 0.0
     out[2] = 0.0
     if moving != 0:
-        friction = moving * _level_Nm(v, w, theta, float(moving), False)
-        out[1] = (_pull_Nm(v, i, theta, force) - v["screw.viscous_Nm_s_per_rad"] * w - friction) / inertia
+        friction = moving * _level_Nm(v, i, w, theta, float(moving), False)
+        out[1] = (_pull_Nm(v, i, theta, force) - effects.drag_Nm(v, w) - friction) / inertia
         out[2] = w
 
 
@@ -112,20 +118,20 @@ def _heun(
     _slopes(v, s, law, held, moving, push, k[0])
     for j in range(5):
         out[j] = s[j] + dt * k[0, j]
-    out[0] = _current_after(v, law, held, out[0], out[1])
+    out[0] = _current_after(v, law, held, out[0], out[1], out[2])
     out[5] = s[5]
     out[6] = s[6]
     _slopes(v, out, law, held, moving, push, k[1])
     for j in range(5):
         out[j] = s[j] + 0.5 * dt * (k[0, j] + k[1, j])
-    out[0] = _current_after(v, law, held, out[0], out[1])
+    out[0] = _current_after(v, law, held, out[0], out[1], out[2])
 
 
 @compiled
-def _current_after(v: Any, law: int, held: float, i: float, w: float) -> float:
+def _current_after(v: Any, law: int, held: float, i: float, w: float, theta: float) -> float:
     """The current inside the drive's limits, and where it follows at once, its value."""
     if law == 0 and v["motor.inductance_H"] == 0.0:
-        i = _static_current(v, held, w, i)
+        i = _static_current(v, held, w, theta, i)
     elif law == 1 and v["drive.current_loop_s"] == 0.0:
         i = held
     return _bounded(v, i)
@@ -138,7 +144,7 @@ def _breaks_away(v: Any, s: np.ndarray) -> int:
     force = effects.transmission_compliance(v, s[6] - s[3], -s[4])
     pull = _pull_Nm(v, s[0], s[2], force)
     start = 1 if pull > 0.0 else -1
-    if abs(pull) <= _level_Nm(v, 0.0, s[2], float(start), True):
+    if abs(pull) <= _level_Nm(v, s[0], 0.0, s[2], float(start), True):
         return 0
     if start * n * s[2] >= v["screw.travel_mm"] * (1.0 - 1e-15):
         return 0
@@ -210,24 +216,25 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
     """One integration step with LuGre friction: bristles implicit, the rest by Heun's method without friction."""
     w = s[1]
     direction = 1 if w > 0.0 else -1
-    steady = _level_Nm(v, w, s[2], float(direction), False)
-    resting = _level_Nm(v, 0.0, s[2], float(direction), True)
+    inertia = effects.inertia_kgm2(v)
+    steady = _level_Nm(v, s[0], w, s[2], float(direction), False)
+    resting = _level_Nm(v, s[0], 0.0, s[2], float(direction), True)
     g = steady + (resting - steady) * math.exp(-((w / 0.02) ** 2))
     stiffness = resting / presliding_rad
-    damping = 2.0 * math.sqrt(stiffness * v["screw.inertia_kgm2"]) * math.exp(-((w / 0.5) ** 2))
+    damping = 2.0 * math.sqrt(stiffness * inertia) * math.exp(-((w / 0.5) ** 2))
     before = s[5]
     push = _pushes(v, s, direction)
     _slopes(v, s, law, held, direction, push, k[0])
-    free = k[0, 1] + direction * steady / v["screw.inertia_kgm2"]
+    free = k[0, 1] + direction * steady / inertia
     bristle = (before + dt * w) / (1.0 + dt * abs(w) * stiffness / g)
     rate = (bristle - before) / dt
-    speed = w + dt * (free - (stiffness * bristle + damping * rate) / v["screw.inertia_kgm2"])
+    speed = w + dt * (free - (stiffness * bristle + damping * rate) / inertia)
     middle = 0.5 * (w + speed)
     trial[:] = s
     trial[0] = s[0] + dt * k[0, 0]
     trial[1] = middle
     _slopes(v, trial, law, held, direction, push, k[1])
-    s[0] = _current_after(v, law, held, s[0] + 0.5 * dt * (k[0, 0] + k[1, 0]), speed)
+    s[0] = _current_after(v, law, held, s[0] + 0.5 * dt * (k[0, 0] + k[1, 0]), speed, s[2])
     s[3] += 0.5 * dt * (k[0, 3] + k[1, 3])
     s[4] += 0.5 * dt * (k[0, 4] + k[1, 4])
     s[1] = speed
@@ -249,14 +256,14 @@ def _control(v: Any, error: float, feedback: float, c: np.ndarray, period: float
     speed = 0.0 if first else (mean - c[3]) / period
     de = 0.0 if first else (error - c[1]) / period
     if v["control.structure"] == 1.0:
-        asked = v["control.position_gain_per_s"] * error
+        asked = v["control.position_gain_per_s"] * effects.gain_drift(v) * error
         if v["control.speed_limit_m_s"] > 0.0:
             asked = _clip(asked, v["control.speed_limit_m_s"])
         raw = v["control.speed_gain_s_per_m"] * (asked - speed) + c[0]
         charge = v["control.speed_integral_per_m"] * (asked - speed)
     else:
         d = de if v["control.derivative"] == 0.0 else -speed
-        raw = v["control.kp_per_m"] * error + v["control.kd_s_per_m"] * d + c[0]
+        raw = v["control.kp_per_m"] * effects.gain_drift(v) * error + v["control.kd_s_per_m"] * d + c[0]
         charge = v["control.ki_per_m_s"] * error
     u = _clip(raw, v["control.output_limit"])
     c[0] += period * (charge - v["control.anti_windup_per_s"] * (raw - u))
@@ -284,6 +291,29 @@ def _seen(v: Any, readings: np.ndarray, step: int) -> float:
 
 
 @compiled
+def _applied(v: Any, u: float, s: np.ndarray) -> tuple[int, float, float]:
+    """What the drive makes of the output `u`: law, voltage or current that it holds, voltage that it records."""
+    supply = effects.supply_V(v)
+    if v["drive.mode"] == 0.0:
+        return 0, u * supply, u * supply
+    law = 1
+    held = u * v["drive.current_scale_A"]
+    back = effects.back_emf_V_s_per_rad(v) * s[1]
+    if v["drive.current_loop_s"] > 0.0:
+        rise = (held - s[0]) / v["drive.current_loop_s"]
+        shown = effects.resistance_ohm(v) * s[0] + v["motor.inductance_H"] * rise + back
+        if abs(shown) > supply:
+            law = 0
+            held = _clip(shown, supply)
+            shown = held
+    else:
+        shown = effects.resistance_ohm(v) * _bounded(v, held) + back
+    if v["drive.command_scale_V"] > 0.0:
+        shown = u * v["drive.command_scale_V"]
+    return law, held, shown
+
+
+@compiled
 def run(
     v: Any,
     command_mm: np.ndarray,
@@ -304,6 +334,7 @@ def run(
     k = np.zeros((2, 7))
     c = np.zeros(5)
     readings = np.empty(command_mm.size)
+    outputs = np.zeros(command_mm.size)
     n = mm_per_rad(v)
     h = v["timing.step_s"]
     every = int(v["control.every_steps"])
@@ -312,41 +343,37 @@ def run(
     s[6] = start_mm
     moving = 0
     u = 0.0
+    age = effects.output_age_s(v) / h
     soft = effects.rod_mass_kg(v) > 0.0
     for step in range(command_mm.size):
         x = n * s[2]
         rod = s[3] if soft else s[6]
-        reading = rod * (1.0 + v["encoder.rod_gain_error"]) + v["encoder.rod_offset_mm"]
+        reading = effects.rod_reading_mm(v, rod)
         readings[step] = (reading if v["encoder.side"] == 1.0 else x) + noise_mm[step]
         if step % every == 0:
             seen = 1e-3 * _seen(v, readings, step)
             u = _control(v, 1e-3 * command_mm[step] - seen, seen, c, every * h)
-        law = 0
-        held = u * v["drive.supply_V"]
-        shown = held
-        if v["drive.mode"] == 1.0:
-            law = 1
-            held = u * v["drive.current_scale_A"]
-            back = v["motor.back_emf_V_s_per_rad"] * s[1]
-            if v["drive.current_loop_s"] > 0.0:
-                rise = (held - s[0]) / v["drive.current_loop_s"]
-                shown = effects.resistance_ohm(v) * s[0] + v["motor.inductance_H"] * rise + back
-                if abs(shown) > v["drive.supply_V"]:
-                    law = 0
-                    held = _clip(shown, v["drive.supply_V"])
-                    shown = held
-            else:
-                shown = effects.resistance_ohm(v) * _bounded(v, held) + back
-            if v["drive.command_scale_V"] > 0.0:
-                shown = u * v["drive.command_scale_V"]
-        s[0] = _current_after(v, law, held, s[0], s[1])
+        outputs[step] = u
+        _, _, shown = _applied(v, u, s)
         rows[0, step] = reading
         rows[1, step] = x
-        rows[2, step] = s[0]
         rows[3, step] = shown
         rows[4, step] = s[4] if soft else (n * s[1] if _pushes(v, s, moving) else 0.0)
-        for _ in range(parts):
-            if law_of_friction == COULOMB:
-                moving = _coulomb(v, s, law, held, moving, h / parts, k, trial)
-            else:
-                moving = _lugre(v, s, law, held, presliding_rad, h / parts, k, trial)
+        # the motor sees the output of `age` steps ago, which changes once inside the step
+        begin = 0.0
+        change = age - math.floor(age)
+        for end in (change, 1.0):
+            if end > begin:
+                source = step + int(math.floor(0.5 * (begin + end) - age))
+                law, held, _ = _applied(v, outputs[source] if source >= 0 else 0.0, s)
+                s[0] = _current_after(v, law, held, s[0], s[1], s[2])
+                if begin == 0.0:
+                    rows[2, step] = s[0]
+                pieces = int(math.ceil((end - begin) * parts - 1e-9))
+                for _ in range(pieces):
+                    dt = (end - begin) * h / pieces
+                    if law_of_friction == COULOMB:
+                        moving = _coulomb(v, s, law, held, moving, dt, k, trial)
+                    else:
+                        moving = _lugre(v, s, law, held, presliding_rad, dt, k, trial)
+                begin = end

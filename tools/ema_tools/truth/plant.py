@@ -72,7 +72,7 @@ def simulate_truth(
 
     `command_mm` [steps]: held over one model step each. `friction`: "coulomb", or "lugre" whose shaft yields by
     `presliding_rad` before it slides. `step_s`: longest integration step, 10 us (2 us for LuGre) unless told. `seed` decides
-    the noise of `sensors`.
+    the noise of `sensors`. The effect `presliding` makes the friction LuGre's with that effect's own stretch.
     Raises KeyError for an unknown name, ValueError for an unknown friction law or an effect that the plant does not have.
     """
     if friction not in _FRICTION_LAWS:
@@ -81,11 +81,15 @@ def simulate_truth(
     errors = sensors or Sensors()
     rng = np.random.Generator(np.random.PCG64(seed))
     command = np.ascontiguousarray(command_mm, dtype=float)
-    finest = step_s or (1e-5 if friction == "coulomb" else 2e-6)
+    law = _FRICTION_LAWS[friction]
+    if effects.presliding(record) > 0.0:
+        law = kernel.LUGRE
+        presliding_rad = effects.presliding(record)
+    finest = step_s or (1e-5 if law == kernel.COULOMB else 2e-6)
     parts = math.ceil(float(record["timing.step_s"]) / finest - 1e-9)
     rows = np.empty((5, command.size))
     noise = errors.feedback_noise_mm * rng.standard_normal(command.size)
-    kernel.run(record, command, float(start_mm), _FRICTION_LAWS[friction], presliding_rad, parts, noise, rows)
+    kernel.run(record, command, float(start_mm), law, presliding_rad, parts, noise, rows)
 
     every = int(record["timing.record_every_steps"])
     position, motor, current, voltage, speed = (channel[::every].copy() for channel in rows)

@@ -10,6 +10,8 @@ What a module must hold depends on its site; `effect` is the named tuple of its 
 | TORQUE | `torque_Nm(effect, point)` |
 | LOAD | `load_Nm(effect, point)`, against extension |
 | VOLTAGE | `voltage_change_V(effect, point)` |
+| MOTOR | `motor_change(effect, point)`, relative, of torque constant and back-EMF |
+| PRESLIDING | `share_slope_per_rad`, `fastest_rate_per_s`: see presliding |
 | TRANSMISSION | `shaft_inertia_kgm2`, `rest`, `reaction_Nm`, `rates`, `rod`, `fastest_rate_per_s`: see transmission_compliance |
 
 Functions of a moving site are decorated with `compiled`; PARAMETER ones are plain Python. `EXAMPLE` holds the values that
@@ -29,6 +31,8 @@ SITE_FUNCTIONS = {
     "TORQUE": ("torque_Nm",),
     "LOAD": ("load_Nm",),
     "VOLTAGE": ("voltage_change_V",),
+    "MOTOR": ("motor_change",),
+    "PRESLIDING": ("share_slope_per_rad", "fastest_rate_per_s"),
     "TRANSMISSION": ("shaft_inertia_kgm2", "rest", "reaction_Nm", "rates", "rod", "fastest_rate_per_s"),
 }
 

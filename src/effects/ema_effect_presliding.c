@@ -1,0 +1,9 @@
+/* Contact that stretches like a spring before it slides, Dahl's form, exact for a turn in one direction. */
+#include "ema_effect_sites.h"
+#include "ema_math.h"
+
+ema_real ema_effect_presliding(const ema_effect_presliding_t* effect, ema_real stretch, ema_real turn_rad)
+{
+    const ema_real side = (turn_rad < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0);
+    return side + ((stretch - side) * ema_exp(-ema_abs(turn_rad) / effect->stretch_rad));
+}
