@@ -92,7 +92,10 @@ def parsed(row: Row, value: object, where: str = "") -> float:
             raise InputError(f"{name} = {value}: not a number: give one in {_range(row)}") from None
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{name} = {value}: not a number: give one in {_range(row)}")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(f"{name}: a number of more digits than any value has: give one in {_range(row)}") from None
     if isinstance(row, Parameter) and row.is_option and number != math.floor(number):
         raise InputError(f"{name} = {value}: not a whole number: give one in {_range(row)}")
     if not (row.lower <= number <= row.upper):
@@ -315,7 +318,10 @@ def _take(table: object, rows: Mapping[str, Row], title: str, values: dict[str, 
     for key, value in table.items():
         if key not in rows:
             raise InputError(f"{file}: {title}.{key}: unknown key{nearest(key, rows)}: keys are {', '.join(rows)}")
-        values[rows[key].name] = parsed(rows[key], value, f"{file}: ")
+        row = rows[key]
+        if isinstance(value, str) and not (isinstance(row, Parameter) and row.choices):
+            raise InputError(f'{file}: {shown(row)} = "{value}": not a number: give one in {_range(row)}, without quotes')
+        values[row.name] = parsed(row, value, f"{file}: ")
 
 
 def _take_effects(table: object, known: Definitions, values: dict[str, float], file: str) -> None:

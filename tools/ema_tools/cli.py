@@ -5,9 +5,11 @@ Modules behind a command are imported by the command, so that help and errors co
 
 from __future__ import annotations
 
+import contextlib
+import os
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,6 +21,9 @@ from ema_tools.definitions import DefinitionError
 from ema_tools.errors import InputError, MissingSignal
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+# Every reader of JSON holds it exactly, and the host program takes no larger one.
+SEED_MAX = 2**53 - 1
 
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
@@ -42,13 +47,14 @@ def save(json_path: str | None, result: dict[str, Any], force: bool) -> None:
         write_json(json_path, result, force)
 
 
-def writable(*paths: str | None, force: bool) -> None:
-    """Complain about existing files before the work, not after it."""
-    from ema_tools.files import may_write
+def writable(*paths: str | Path | None, force: bool, inputs: Iterable[str] = ()) -> None:
+    """Complain before the work, not after it: about outputs that exist, that are one of the inputs, or that are one file."""
+    from ema_tools.files import keep_apart, may_write
 
-    for path in paths:
-        if path:
-            may_write(path, force)
+    outputs = [path for path in paths if path]
+    keep_apart(outputs, inputs)
+    for path in outputs:
+        may_write(path, force)
 
 
 def command_line() -> str:
@@ -71,7 +77,7 @@ def cli() -> None:
 @click.option("-o", "--output", "out", required=True, metavar="REC.csv", help="The recording to write.")
 @click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a value of the actuator: screw.csj_Nm=0.3. May be repeated.")
 @click.option("--noise", metavar="COLUMN=STD,...", help="Add white noise: position_mm=0.005,current_A=0.03.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the noise.")
+@click.option("--seed", type=click.IntRange(0, SEED_MAX), default=1, show_default=True, help="Seed of the noise.")
 @precision_option("64")
 @json_option
 def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ...], noise: str | None, seed: int, precision: str, json_path: str | None, force: bool) -> None:
@@ -81,7 +87,7 @@ def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ..
     from ema_tools.commands import make_command
     from ema_tools.records import write_record
 
-    writable(out, json_path, force=force)
+    writable(out, json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
     model = work.with_settings(read_actuator(actuator), settings)
     std = work.noise_of(noise)
     command = make_command(command_text, model)
@@ -109,7 +115,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     from ema_tools.records import read_record
     from ema_tools.results import curves, provenance
 
-    writable(json_path, force=force)
+    writable(json_path, force=force, inputs=(actuator, record))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     with progress("comparing", 3) as bar:
@@ -136,7 +142,7 @@ def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | No
     from ema_tools.records import read_record
     from ema_tools.results import provenance
 
-    writable(out, json_path, force=force)
+    writable(out, json_path, force=force, inputs=(actuator, *records))
     model = read_actuator(actuator)
     measured = [read_record(record, model) for record in records]
     chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
@@ -154,7 +160,7 @@ def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | No
 @click.argument("actuator")
 @click.argument("record")
 @click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of the search; the actuator's own when absent.")
+@click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Seed of the search; the actuator's own when absent.")
 @click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
 @click.option("--weight", "weights", metavar="COLUMN=W,...", help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
@@ -170,7 +176,7 @@ def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | N
     from ema_tools.records import read_record, simulated
     from ema_tools.results import curves, provenance
 
-    writable(fitted, json_path, force=force)
+    writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
@@ -198,7 +204,7 @@ def export(actuator: str, out: str, flat: str | None, json_path: str | None, for
     from ema_tools.actuator import read_actuator
     from ema_tools.files import write_text
 
-    writable(out, flat, json_path, force=force)
+    writable(out, flat, json_path, force=force, inputs=(actuator,))
     model = read_actuator(actuator)
     work.check_for_firmware(model)
     write_text(out, work.header_text(model), force)
@@ -216,7 +222,7 @@ def report(results: tuple[str, ...], out: str, json_path: str | None, force: boo
     """Make a page of results that identify or compare wrote with --json."""
     from ema_tools.report import write_report
 
-    writable(out, json_path, force=force)
+    writable(out, json_path, force=force, inputs=results)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
     save(json_path, {"command": "report", "results": list(results), "page": out}, force)
     output().print(f"{out} written", highlight=False)
@@ -228,9 +234,12 @@ def report(results: tuple[str, ...], out: str, json_path: str | None, force: boo
 def demo(folder: str | None, json_path: str | None, force: bool) -> None:
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools import demo as work
+    from ema_tools.files import keep_apart
 
+    target = Path(folder) if folder else work.output_folder()
+    keep_apart([*work.written(target), *filter(None, (json_path,))])
     writable(json_path, force=force)
-    page = work.run(output(), Path(folder) if folder else work.output_folder())
+    page = work.run(output(), target)
     save(json_path, {"command": "demo", "page": page, "results": sorted(path.name for path in page.parent.glob("*.json"))}, force)
 
 
@@ -246,10 +255,12 @@ def import_group() -> None:
 def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> None:
     """EMPS, a measured ball-screw axis: its FILE.mat and the published reference model."""
     from ema_tools import show
-    from ema_tools.emps import PUBLISHED, PUBLISHED_STD
+    from ema_tools.emps import PUBLISHED, PUBLISHED_STD, targets
     from ema_tools.emps import import_emps as work
+    from ema_tools.files import keep_apart
     from ema_tools.results import provenance
 
+    keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
     writable(json_path, force=force)
     found = work(file, folder, force)
     result = {"command": "import emps", "actuator": str(found.actuator_path), "record": str(found.record_path), "rows": found.record.rows, "period_s": found.record.period_s}
@@ -268,6 +279,7 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
     from ema_tools import effects as work
     from ema_tools.definitions import load_definitions
 
+    writable(json_path, force=force)
     rows = [work.find_effect(effect)] if effect else list(load_definitions().effects)
     save(json_path, {"command": "effects", "effects": [work.describe(row) for row in rows]}, force)
     if effect:
@@ -282,6 +294,7 @@ def main() -> None:
 
     try:
         cli(prog_name="ema", standalone_mode=False)
+        sys.stdout.flush()
     except (InputError, MissingSignal, LibraryError, DefinitionError) as error:
         complain(str(error))
         sys.exit(1)
@@ -292,4 +305,17 @@ def main() -> None:
         error.show()
         sys.exit(2)
     except BrokenPipeError:
+        _drop_output()
         sys.exit(0)
+    except OSError as error:
+        from ema_tools.files import reason
+
+        _drop_output()
+        complain(f"{error.filename or 'standard output'}: {reason(error)}: make room or send it elsewhere")
+        sys.exit(1)
+
+
+def _drop_output() -> None:
+    """Give up what standard output did not take, so that the end of the process does not complain about it again."""
+    with contextlib.suppress(OSError):
+        sys.stdout.close()

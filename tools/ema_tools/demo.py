@@ -50,6 +50,11 @@ def output_folder() -> Path:
     return library_folder().parent / "demo"
 
 
+def written(folder: Path) -> list[Path]:
+    """What the demo writes to `folder`: a result per recording, then the page."""
+    return [*(folder / f"{Path(shipped.file).stem}.json" for shipped in RECORDINGS), folder / "report.html"]
+
+
 def run(output: Console, folder: Path) -> Path:
     """Identify on every shipped recording, write the results and the page to `folder`, print what was found.
 
@@ -58,14 +63,12 @@ def run(output: Console, folder: Path) -> Path:
     actuator = reference_actuator()
     budget = actuator["search.evaluation_budget"]
     results: list[Identified] = []
-    files: list[Path] = []
+    *files, page = written(folder)
     with terminal.progress("identifying", budget * len(RECORDINGS)) as bar:
         for place, shipped in enumerate(RECORDINGS):
             data = _identified(actuator, shipped, partial(_tell, bar, place * budget))
-            files.append(folder / f"{Path(shipped.file).stem}.json")
-            write_json(files[-1], data, force=True)
-            results.append(_parsed(data, files[-1]))
-    page = folder / "report.html"
+            write_json(files[place], data, force=True)
+            results.append(_parsed(data, files[place]))
     write_report(files, page, COMMAND, force=True)
     _print(output, results, page)
     return page

@@ -124,20 +124,25 @@ class Imported:
     record: Record
 
 
+def targets(folder: str | Path) -> tuple[Path, Path]:
+    """The actuator and the recording that an import writes to `folder`."""
+    return Path(folder) / "actuator.toml", Path(folder) / "record.csv"
+
+
 def import_emps(path: str | Path, folder: str | Path, force: bool = False) -> Imported:
     """Write `folder`/actuator.toml and `folder`/record.csv. Raises InputError as `read_emps`, and when a file exists and `force` is not set."""
     signals, gains = read_emps(path)
     file = Path(path).name
     record = emps_record(signals, file)
     actuator = emps_actuator(gains, record.period_s, file)
-    targets = [Path(folder) / "actuator.toml", Path(folder) / "record.csv"]
-    for target in targets:
+    actuator_path, record_path = targets(folder)
+    for target in (actuator_path, record_path):
         may_write(target, force)
-    actuator.write(targets[0], force)
+    actuator.write(actuator_path, force)
     comments = (
         f"EMPS, a measured ball-screw axis, from {file}: qg as command_mm, qm as position_mm, vir as voltage_V.",
         "voltage_V is the controller's output, which commands a current amplifier; the current itself was not recorded.",
         f"Cite: {actuator.about['source']}.",
     )
-    write_record(targets[1], record, comments, force)
-    return Imported(targets[0], targets[1], actuator, record)
+    write_record(record_path, record, comments, force)
+    return Imported(actuator_path, record_path, actuator, record)

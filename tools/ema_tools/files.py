@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+import stat
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,20 +32,49 @@ def reason(error: OSError) -> str:
 
 
 def may_write(path: str | Path, force: bool) -> Path:
-    """The path, when a file may be written there; its folder is made.
+    """The file that `path` means, symbolic links followed, when it may be written; its folder is made.
 
-    Raises InputError when it exists and `force` is not set, or the folder cannot be made.
+    Raises InputError when it exists and `force` is not set, when it is no regular file (writing would put one in the place of a device or pipe), or
+    when the folder cannot be made.
     """
-    target = Path(path)
-    if target.is_dir():
+    target = Path(os.path.realpath(path))
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        mode = None
+    except OSError as error:
+        raise InputError(f"{path}: {reason(error)}: choose another place") from None
+    if mode is not None and stat.S_ISDIR(mode):
         raise InputError(f"{path}: is a folder: name a file")
-    if target.exists() and not force:
+    if mode is not None and not stat.S_ISREG(mode):
+        raise InputError(f"{path}: is a device or pipe, not a file: name a file")
+    if mode is not None and not force:
         raise InputError(f"{path}: exists already: choose another name or give --force")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{path}: {reason(error)}: choose another place") from None
     return target
+
+
+def keep_apart(outputs: Iterable[str | Path], inputs: Iterable[str | Path] = ()) -> None:
+    """Raises InputError when an output is also an input, or two outputs are one file; links are followed."""
+    sources = list(inputs)
+    seen: list[str | Path] = []
+    for output in outputs:
+        if any(_same(output, source) for source in sources):
+            raise InputError(f"{output}: is read by this command and would be overwritten: choose another name for the output")
+        if any(_same(output, other) for other in seen):
+            raise InputError(f"{output}: named for two outputs: give each its own name")
+        seen.append(output)
+
+
+def _same(first: str | Path, second: str | Path) -> bool:
+    """Whether two paths lead to one file, which need not exist."""
+    try:
+        return os.path.samefile(first, second)
+    except OSError:
+        return os.path.realpath(first) == os.path.realpath(second)
 
 
 def write_text(path: str | Path, text: str, force: bool = False) -> None:

@@ -101,7 +101,11 @@ def edited(old: str, new: str) -> str:
 BAD = [
     ("unknown key", lambda: edited("inductance_H =", "inductanse_H ="), "a.toml: motor.inductanse_H: unknown key (did you mean inductance_H?)"),
     ("unknown table", lambda: edited("[gearbox]", "[gear]"), "a.toml: [gear]: unknown table (did you mean gearbox?)"),
-    ("text for a number", lambda: edited("supply_V = 24.0", 'supply_V = "24 V"'), "a.toml: drive.supply_V = 24 V: not a number: give one in 0.1 .. 2000 V"),
+    ("text for a number", lambda: edited("supply_V = 24.0", 'supply_V = "24 V"'), 'a.toml: drive.supply_V = "24 V": not a number: give one in 0.1 .. 2000 V, without quotes'),
+    ("a number as a text", lambda: edited("supply_V = 24.0", "supply_V = '24.0'"), 'a.toml: drive.supply_V = "24.0": not a number: give one in 0.1 .. 2000 V, without quotes'),
+    ("a text for a whole number", lambda: edited("every_steps = 1 ", 'every_steps = "1" '), 'a.toml: control.every_steps = "1": not a number: '),
+    ("a number as a text in an effect", lambda: edited("[control]", '[effects.stribeck_friction]\nrise = "0.1"\n[control]'), 'a.toml: effects.stribeck_friction.rise = "0.1": not a number: '),
+    ("a number without end", lambda: edited("supply_V = 24.0", f"supply_V = 1{'0' * 400}"), "a.toml: drive.supply_V: a number of more digits than any value has"),
     ("yes for a number", lambda: edited("supply_V = 24.0", "supply_V = true"), "a.toml: drive.supply_V = True: not a number"),
     ("out of range", lambda: edited("csj_Nm = 0.138", "csj_Nm = 138.0"), "a.toml: screw.csj_Nm = 138.0: outside 0 .. 100 Nm"),
     ("not a number", lambda: edited("csj_Nm = 0.138", "csj_Nm = nan"), "a.toml: screw.csj_Nm = nan: outside 0 .. 100 Nm"),

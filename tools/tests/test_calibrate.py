@@ -97,4 +97,4 @@ def test_command_keeps_the_comments_and_the_original(tmp_path: Path) -> None:
     assert read_actuator(new)["screw.csj_Nm"] == pytest.approx(0.138, rel=1e-4)
     assert read_actuator(new).about["source"].endswith("; calibrated on healthy.csv")
     assert "exists already" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", new))
-    assert "exists already" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", original))
+    assert "is read by this command" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", original, "--force"))

@@ -38,6 +38,9 @@ def test_version_is_the_projects() -> None:
         ("simulate",),
         ("simulate", REFERENCE, "--command", "chirp"),
         ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--seed", "one"),
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--seed", "-1"),
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--seed", 2**53),
+        ("identify", REFERENCE, "a.csv", "--seed", 2**53),
         ("identify", REFERENCE),
         ("identify", REFERENCE, "a.csv", "b.csv"),
         ("identify", REFERENCE, "a.csv", "--precision", "16"),
@@ -107,6 +110,42 @@ def test_nothing_is_overwritten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert (tmp_path / "r.csv").read_text(encoding="utf-8") != "mine"
 
 
+def test_outputs_are_kept_apart_from_inputs_and_from_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With --force, too: nothing that the command reads is overwritten, and no result by another."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_bytes(REFERENCE.read_bytes())
+    (tmp_path / "r.csv").write_bytes((RECORDINGS / "healthy.csv").read_bytes())
+    (tmp_path / "link.csv").symlink_to("r.csv")
+    (tmp_path / "i.json").write_text("{}", encoding="utf-8")
+    (tmp_path / "record.csv").write_text("mine", encoding="utf-8")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    for arguments, name in (
+        (("simulate", "a.toml", "--command", "r.csv", "-o", "r.csv"), "r.csv"),
+        (("simulate", "a.toml", "--command", "chirp", "-o", "a.toml"), "a.toml"),
+        (("compare", "a.toml", "r.csv", "--json", "link.csv"), "link.csv"),
+        (("calibrate", "a.toml", "r.csv", "-o", "a.toml"), "a.toml"),
+        (("calibrate", "a.toml", "link.csv", "-o", "n.toml", "--json", "r.csv"), "r.csv"),
+        (("identify", "a.toml", "r.csv", "--fitted", "./a.toml"), "./a.toml"),
+        (("identify", "a.toml", RECORDINGS / "case_a.csv", "--healthy", "r.csv", "--json", "r.csv"), "r.csv"),
+        (("export", "a.toml", "-o", "a.toml"), "a.toml"),
+        (("report", "i.json", "-o", "i.json"), "i.json"),
+        (("import", "emps", "record.csv", "-o", "."), "record.csv"),
+    ):
+        for force in ((), ("--force",)):
+            assert complaint(run_ema(*arguments, *force)) == f"{name}: is read by this command and would be overwritten: choose another name for the output"
+    for arguments in (
+        ("simulate", "a.toml", "--command", "chirp", "-o", "new", "--json", "new"),
+        ("calibrate", "a.toml", "r.csv", "-o", "new", "--json", "new"),
+        ("identify", "a.toml", "r.csv", "--fitted", "new", "--json", "./new"),
+        ("export", "a.toml", "-o", "new", "--flat", "new"),
+        ("report", "i.json", "-o", "new", "--json", "new"),
+        ("demo", "-o", "d", "--json", "d/report.html"),
+        ("import", "emps", "e.mat", "-o", "d", "--json", "d/record.csv"),
+    ):
+        assert "named for two outputs: give each its own name" in complaint(run_ema(*arguments))
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
 def test_folders_are_made_and_results_are_json(tmp_path: Path) -> None:
     target = tmp_path / "new" / "deep" / "c.json"
     ran = run_ema("compare", REFERENCE, RECORDINGS / "case_a_noisy.csv", "--json", target)
@@ -158,6 +197,17 @@ def test_output_may_be_cut_off(tmp_path: Path) -> None:
     ran = subprocess.run(f'"{sys.executable}" -m ema_tools effects | head -1', shell=True, capture_output=True, text=True, cwd=tmp_path, env=_environment())
     assert "Traceback" not in ran.stderr
     assert ran.stdout.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a limit on the size of files")
+@pytest.mark.parametrize("arguments", [("effects",), ("--help",), ("effects", "spring_load")])
+def test_output_that_cannot_be_written_is_one_line(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    """Standard output is a file that may not grow, as on a full disk."""
+    code = "import resource, runpy, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY)); sys.argv[0] = 'ema'; runpy.run_module('ema_tools', run_name='__main__')"
+    with (tmp_path / "out.txt").open("w", encoding="utf-8") as full:
+        ran = subprocess.run([sys.executable, "-B", "-c", code, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=_environment())
+    assert ran.returncode == 1
+    assert ran.stderr == "ema: standard output: file too large: make room or send it elsewhere\n"
 
 
 def _environment() -> dict[str, str]:
