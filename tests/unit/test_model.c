@@ -132,6 +132,12 @@ static void test_substeps_follow_the_fastest_motion_or_the_option(void)
     /* R/L = 9900 /s and more: six substeps at least, whatever the option says */
     TEST_ASSERT_TRUE(ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps >= 6U);
     TEST_ASSERT_TRUE(ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps <= 8U);
+    /* R/L 1238 /s, the coupling's 279 /s and the drag's 2 /s: together 1.07 times what one step of 1.2 ms reaches, 0.98 times that of 1.1 ms */
+    actuator = ema_rig_actuator();
+    actuator.params.step_s = EMA_R(1.2e-3);
+    TEST_ASSERT_EQUAL_UINT32(2U, ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps);
+    actuator.params.step_s = EMA_R(1.1e-3);
+    TEST_ASSERT_EQUAL_UINT32(1U, ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps);
     actuator = ema_rig_actuator();
     actuator.effects.stribeck_friction.rise = EMA_R(0.5);
     TEST_ASSERT_EQUAL_UINT32(8U, ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps);
