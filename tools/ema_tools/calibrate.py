@@ -26,6 +26,7 @@ from ema_tools.balances import (
     mechanical_model,
 )
 from ema_tools.errors import InputError, MissingSignal
+from ema_tools.identify import BOUNDS
 from ema_tools.linear import VALUES, ForceModel, at_rod, lead_m_per_rad
 from ema_tools.native import CHANNELS, Reals
 from ema_tools.parallel import each
@@ -37,8 +38,15 @@ _REST_ROUNDS = 20  # friction at rest and the parameters settle together
 _WEIGHING_ROUNDS = 3
 _STEP = 1e-3  # of a parameter, for a central difference; the model is not smooth in the small
 _SHRINK = 1e-9
+_AT_BOUND_MM = 1e-6  # the search for the play comes this near to a bound, and not onto it
 # No channel is trusted to a smaller share of its size than this: the model's own arithmetic and steps are not better.
 _TRUST = 1e-4
+
+# A calibrated model follows its records: the rest of a position is within a twentieth of its motion or ten times the sensor noise, of current and
+# voltage within half of what was measured. A healthy machine stays far below; a record of another machine or command, or a bad signal, far above.
+_REST_OF_MOTION = 0.05
+_REST_IN_NOISE = 10.0
+_REST_OF_DRIVE = 0.5
 
 # Share by which the loop's fit must lower the errors to be preferred to the balances'.
 _LOOP_GAIN = 0.02
@@ -108,6 +116,38 @@ def channel_errors(actuator: Actuator, records: Sequence[Record]) -> dict[str, f
     return {name: float(np.sqrt(np.mean(np.concatenate(parts)))) for name, parts in squares.items()}
 
 
+def range_of(actuator: Actuator, name: str) -> tuple[float, float]:
+    """Where a value may lie: its own range, and for CSJ and BLK the bounds in which `ema identify` will look for it. Raises InputError when nothing is left."""
+    row = row_of(name)
+    if name not in BOUNDS:
+        return row.lower, row.upper
+    low, high = BOUNDS[name]
+    lower, upper = max(row.lower, actuator[low]), min(row.upper, actuator[high])
+    if not lower < upper:
+        raise InputError(f"{actuator.file}: {low} = {actuator[low]:g}: not below {high} = {actuator[high]:g}: correct the bounds")
+    return lower, upper
+
+
+def check_followed(actuator: Actuator, records: Sequence[Record]) -> None:
+    """Raises InputError that names record and channel when the calibrated actuator does not follow what was recorded."""
+    noise_mm = actuator["verdict.position_noise_mm"]
+    for record in records:
+        for name, rms in channel_errors(actuator, [record]).items():
+            measured = record.recorded(name)
+            if name in ("position_mm", "motor_position_mm"):
+                size = float(np.std(measured))
+                limit = max(_REST_OF_MOTION * size, _REST_IN_NOISE * noise_mm)
+            else:
+                size = float(np.sqrt(np.mean(measured**2)))
+                limit = _REST_OF_DRIVE * size
+            if not rms <= limit:
+                unit = name.removeprefix("motor_").partition("_")[2]
+                raise InputError(
+                    f"{record.file}: {name}: the calibrated model misses it by {rms:.3g} {unit} rms where at most {limit:.3g} {unit} is credible: "
+                    "check that command, signals, units and signs are those of this healthy actuator, then calibrate again"
+                )
+
+
 def _base_of(actuator: Actuator, name: str, effective: float) -> tuple[float, float]:
     """The value whose effective one, with the enabled PARAMETER effects, is `effective`, and its slope: such effects are linear."""
     step = max(abs(actuator[name]), 1e-6)
@@ -121,9 +161,9 @@ def _taken(actuator: Actuator, fitted: leastsquares.Fit, names: Sequence[str], s
     found = []
     changes = {}
     for name, effective, std, factor in zip(names, fitted.parameters, fitted.std, scale, strict=True):
-        row = row_of(name)
         base, slope = _base_of(actuator, name, float(effective) * factor)
-        held = min(max(base, row.lower), row.upper)
+        lower, upper = range_of(actuator, name)
+        held = min(max(base, lower), upper)
         found.append(Parameter(name, actuator[name], held, abs(slope) * float(std) * factor, "balance", held != base))
         changes[name] = held
     return actuator.changed(changes), found
@@ -174,19 +214,19 @@ def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actu
     def cost(width_mm: float) -> float:
         return float(sum(residual @ residual for residual in residuals(width_mm)))
 
-    row = row_of(PLAY)
+    lower, upper = range_of(actuator, PLAY)
     gaps = [record.position_mm - record.motor_position_mm for record in records if record.motor_position_mm is not None]
     if len(gaps) < len(records):
         raise MissingSignal("motor_position_mm is not recorded")
     # A play wider than twice the range of the gap between the two positions is not in the records.
     widest = 2.0 * max(float(np.ptp(gap)) for gap in gaps)
-    found = float(minimize_scalar(cost, bounds=(row.lower, min(row.upper, widest)), method="bounded", options={"xatol": 1e-7}).x)
+    found = float(minimize_scalar(cost, bounds=(lower, max(min(upper, widest), lower)), method="bounded", options={"xatol": 0.1 * _AT_BOUND_MM}).x)
     step = max(_STEP * found, 1e-6)
     slopes = [(high - low) / (2.0 * step) for high, low in zip(residuals(found + step), residuals(max(found - step, 0.0)), strict=True)]
     normal = sum(float(slope @ slope) for slope in slopes)
     scores = sum(float(leastsquares.long_run((slope * residual)[:, None])[0, 0]) for slope, residual in zip(slopes, residuals(found), strict=True))
     std = np.sqrt(scores) / normal if normal > 0.0 else np.inf
-    return actuator.changed({PLAY: found}), [Parameter(PLAY, actuator[PLAY], found, float(std), "balance", found in (row.lower, row.upper))]
+    return actuator.changed({PLAY: found}), [Parameter(PLAY, actuator[PLAY], found, float(std), "balance", not lower + _AT_BOUND_MM < found < upper - _AT_BOUND_MM)]
 
 
 def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str, ...]:
@@ -214,11 +254,10 @@ class _Loop:
         self.actuator = actuator
         self.records = records
         self.names = tuple(names)
-        self.rows = [row_of(name) for name in names]
+        ranges = np.array([range_of(actuator, name) for name in names])
         # A value that may be zero is measured by what it competes with: load by friction.
         self.size = np.array([abs(actuator[name]) or max(actuator[FRICTION], 1e-6) for name in names])
-        self.lower = np.array([row.lower for row in self.rows]) / self.size
-        self.upper = np.array([row.upper for row in self.rows]) / self.size
+        self.lower, self.upper = ranges.T / self.size
 
     def start(self) -> Reals:
         """The actuator's own values."""
@@ -294,8 +333,8 @@ def in_the_loop(actuator: Actuator, records: Sequence[Record], names: Sequence[s
     found = []
     for place, name in enumerate(loop.names):
         after = float(np.clip(point[place], loop.lower[place], loop.upper[place]) * loop.size[place])
-        row = loop.rows[place]
-        found.append(Parameter(name, actuator[name], after, float(np.sqrt(covariance[place, place]) * loop.size[place]), "loop", after in (row.lower, row.upper)))
+        at_bound = bool(np.isclose(point[place], (loop.lower[place], loop.upper[place]), rtol=1e-6, atol=1e-9).any())
+        found.append(Parameter(name, actuator[name], after, float(np.sqrt(covariance[place, place]) * loop.size[place]), "loop", at_bound))
     return loop.at(point), found
 
 
@@ -321,7 +360,7 @@ def calibrate(
     """Fit base parameters on healthy records; `names` restricts them. `loop`: whether to fit the simulated loop after the balances; None keeps that
     fit only where it follows the records clearly better, since the balances depend on fewer blocks.
 
-    Raises InputError when the records do not determine a parameter.
+    Raises InputError when the records do not determine a parameter, and when the calibrated model does not follow them.
     """
     before = channel_errors(actuator, records)
     free = tuple(row_of(name).name for name in names) if names is not None else free_parameters(actuator, records)
@@ -345,6 +384,7 @@ def calibrate(
     if not found:
         why = "; ".join(left_out.values()) or "a balance gives only all of its parameters"
         raise InputError(f"calibrate: nothing to fit without the closed loop ({why}): leave --balances-only out")
+    check_followed(fitted, records)
     parameters = [_begun(found[name], actuator) for name in free if name in found]
     return Calibration(fitted, tuple(parameters), before, channel_errors(fitted, records), left_out)
 

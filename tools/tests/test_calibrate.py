@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +11,9 @@ import pytest
 
 from ema_tools.actuator import read_actuator, reference_actuator
 from ema_tools.calibrate import calibrate, free_parameters
+from ema_tools.commands import make_command
 from ema_tools.errors import InputError
-from ema_tools.records import read_record
+from ema_tools.records import Record, read_record, write_record
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 WRONG = {"screw.csj_Nm": 0.2, "screw.inertia_kgm2": 8e-5, "screw.viscous_Nm_s_per_rad": 2e-4, "motor.resistance_ohm": 1.2, "motor.inductance_H": 1e-3, "screw.blk_mm": 0.05}
@@ -98,3 +100,43 @@ def test_command_keeps_the_comments_and_the_original(tmp_path: Path) -> None:
     assert read_actuator(new).about["source"].endswith("; calibrated on healthy.csv")
     assert "exists already" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", new))
     assert "is read by this command" in complaint(run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", original, "--force"))
+
+
+def _bare(record: Record) -> Record:
+    return replace(record, motor_position_mm=None, current_A=None, voltage_V=None, speed_mm_s=None)
+
+
+WRONG_RECORDS: dict[str, Callable[[Record], Record]] = {
+    "position_mm: sign flipped": lambda record: replace(_bare(record), position_mm=-record.position_mm),
+    "position_mm: swapped with the command": lambda record: replace(_bare(record), command_mm=record.position_mm, position_mm=record.command_mm),
+    "position_mm: of another command": lambda record: replace(_bare(record), command_mm=make_command("triangle", reference_actuator()).samples_mm),
+    "position_mm: another command, every signal": lambda record: replace(record, command_mm=make_command("triangle", reference_actuator()).samples_mm),
+    "position_mm: clipped": lambda record: replace(_bare(record), position_mm=np.clip(record.position_mm, -1.0, 1.0)),
+    "position_mm: wrong scale": lambda record: replace(_bare(record), position_mm=1.2 * record.position_mm),
+    "position_mm: stuck sensor": lambda record: replace(_bare(record), position_mm=np.zeros(record.rows)),
+    "current_A: not the motor's": lambda record: replace(_bare(record), current_A=np.random.default_rng(1).normal(0.0, 3.0, record.rows)),
+}
+
+
+@pytest.mark.parametrize("what", WRONG_RECORDS)
+def test_record_that_the_model_cannot_follow_is_refused(tmp_path: Path, what: str) -> None:
+    write_record(tmp_path / "wrong.csv", WRONG_RECORDS[what](read_record(RECORDINGS / "healthy.csv", reference_actuator())))
+    said = complaint(run_ema("calibrate", REFERENCE, RECORDINGS / "healthy.csv", tmp_path / "wrong.csv", "-o", tmp_path / "new.toml", "--fit", "screw.csj_Nm,screw.blk_mm"))
+    assert said.startswith(f"wrong.csv: {what.split(':')[0]}: the calibrated model misses it by ")
+    assert said.endswith("then calibrate again")
+    assert not (tmp_path / "new.toml").exists()
+
+
+def test_values_stay_where_the_search_will_look() -> None:
+    record = read_record(RECORDINGS / "healthy.csv", reference_actuator())
+    for name, bounds, start, bound in (
+        ("screw.csj_Nm", {"search.csj_lower_Nm": 0.15}, 0.2, 0.15),
+        ("screw.blk_mm", {"search.blk_upper_mm": 0.03}, 0.01, 0.03),
+    ):
+        narrow = reference_actuator().changed({**bounds, name: start})
+        for names, loop in (((name,), True), (None, False)):
+            found = calibrate(narrow, [record], names, loop)
+            assert found.actuator[name] == pytest.approx(bound, rel=1e-4)
+            assert next(parameter for parameter in found.parameters if parameter.name == name).at_bound
+    with pytest.raises(InputError, match=r"search.blk_lower_mm = 0.2: not below search.blk_upper_mm = 0.1: correct the bounds"):
+        calibrate(reference_actuator().changed({"search.blk_lower_mm": 0.2}), [record])
