@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -207,6 +208,21 @@ static bool ema_run(ema_program_t* program, double start_s)
     return good;
 }
 
+/* Whether two paths lead to one file that exists. */
+static bool ema_same_file(const char* first, const char* second)
+{
+    struct stat a;
+    struct stat b;
+    return (stat(first, &a) == 0) && (stat(second, &b) == 0) && (a.st_dev == b.st_dev) && (a.st_ino == b.st_ino);
+}
+
+/* Whether the result would overwrite the recording or the actuator. */
+static bool ema_reads_json(const ema_options_cli_t* options)
+{
+    return (options->json != NULL)
+           && (ema_same_file(options->json, options->record) || ((options->config != NULL) && ema_same_file(options->json, options->config)));
+}
+
 int main(int argc, char* argv[])
 {
     static ema_program_t program;
@@ -218,6 +234,11 @@ int main(int argc, char* argv[])
     if (program.options.help) {
         (void)fputs(ema_usage_text, stdout);
         return EXIT_SUCCESS;
+    }
+    if (ema_reads_json(&program.options)) {
+        (void)ema_refuse(&program, program.options.json, "--json names a file that is read", "; give the result another name");
+        (void)fprintf(stderr, "%s\n", program.message);
+        return EXIT_BAD_USAGE;
     }
     if ((program.options.json != NULL) && !program.options.force && (access(program.options.json, F_OK) == 0)) {
         (void)ema_refuse(&program, program.options.json, "the file exists and is not overwritten", "; name another one or give --force");

@@ -74,6 +74,14 @@ static double ema_healthy(const ema_report_t* report, uint32_t fault)
     return (double)value;
 }
 
+/* Standard error; NaN where the module leaves zero because the record does not determine the parameters. */
+static double ema_std(const ema_result_t* result, uint32_t fault)
+{
+    const double std = (double)result->identified[fault].std;
+    const bool none = ((result->reasons & (uint32_t)EMA_REASON_NOT_SENSITIVE) != 0U) && !(std > 0.0);
+    return none ? (double)NAN : std;
+}
+
 /* "CSJ +117.4 %, BLK +25.0 %" */
 static void ema_write_shifts(const ema_report_t* report, FILE* out)
 {
@@ -119,7 +127,12 @@ void ema_report_text(const ema_report_t* report, FILE* out)
     (void)fputs("\n          estimate  std. error     healthy      shift\n", out);
     for (uint32_t i = 0; i < FAULTS; ++i) {
         const ema_estimate_t* const found = &result->identified[i];
-        (void)fprintf(out, "%s  %s  %10.6f  %10.2g  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i], (double)found->estimate, (double)found->std,
+        const double std = ema_std(result, i);
+        char std_text[24] = "-";
+        if (isfinite(std)) {
+            (void)snprintf(std_text, sizeof std_text, "%.2g", std);
+        }
+        (void)fprintf(out, "%s  %s  %10.6f  %10s  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i], (double)found->estimate, std_text,
                       ema_healthy(report, i), (double)found->shift_percent);
     }
     const double before = (double)result->objective_before;
@@ -192,7 +205,7 @@ void ema_report_json(const ema_report_t* report, FILE* out)
         const ema_estimate_t* const found = &result->identified[i];
         (void)fprintf(out, ",\n  \"%s\": {", ema_fault_key[i]);
         ema_json_real(out, "\"estimate\": ", (double)found->estimate);
-        ema_json_real(out, ", \"std\": ", (double)found->std);
+        ema_json_real(out, ", \"std\": ", ema_std(result, i));
         ema_json_real(out, ", \"shift_percent\": ", (double)found->shift_percent);
         ema_json_real(out, ", \"healthy\": ", ema_healthy(report, i));
         (void)fprintf(out, ", \"at_bound\": %s}", found->at_bound ? "true" : "false");

@@ -11,7 +11,7 @@ import numpy as np
 
 from ema_tools.actuator import Actuator, nearest, row_of, shown
 from ema_tools.errors import InputError
-from ema_tools.native import CHANNELS, Estimate, Identification, Progress, Search, library
+from ema_tools.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, library
 from ema_tools.parallel import each
 from ema_tools.records import Record
 
@@ -19,6 +19,8 @@ from ema_tools.records import Record
 KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
 BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
+# Reasons that make the values read on a healthy record worthless.
+_NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
@@ -115,6 +117,8 @@ def _shift(estimate: Estimate, healthy: float) -> str:
 
 def _decimals(doubt_percent: float) -> int:
     """Decimals of a shift in % that its standard error allows, at least one and at most three."""
+    if np.isnan(doubt_percent):
+        return 1
     if not doubt_percent > 0.0:
         return 3
     return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
@@ -172,10 +176,13 @@ def run(actuator: Actuator, record: Record, search: Search, bits: int, progress:
 def baseline_of(actuator: Actuator, records: Sequence[Record], search: Search, bits: int) -> Baseline:
     """Healthy values as the same search reads them on healthy records, so that what it reads wrongly, it reads wrongly on both.
 
-    Raises InputError when a healthy record does not determine them.
+    Raises InputError when a healthy record does not determine them, or the model does not explain it.
     """
     answers = each(lambda record: run(actuator, record, search, bits), records)
     for record, answer in zip(records, answers, strict=True):
+        unfit = [reason for reason in answer.reasons if reason in _NO_BASELINE]
+        if unfit:
+            raise InputError(f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy")
         for estimate in answer.identified:
             if estimate.at_bound:
                 raise InputError(f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import math
 import os
 import sys
 from collections.abc import Callable
@@ -34,13 +35,14 @@ COMMAND_KINDS = ("chirp", "multisine", "triangle", "trapezoid", "step")
 COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "count", "time_s")
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
 VERDICTS = {0: "healthy", 1: "fault", 2: "undecided"}
+NOT_DETERMINED = 32
 REASONS = {
     1: "the search has not ended",
     2: "the residual is larger than the sensor noise explains: an effect is missing from the model",
     4: "an estimate lies on a bound of its search",
     8: "the evaluations were used up while the cost still fell",
     16: "a shift cannot be told from its threshold with the stated confidence",
-    32: "the record does not determine the parameters",
+    NOT_DETERMINED: "the record does not determine the parameters",
     64: "a parameter fell by more than its threshold, which wear does not do",
 }
 
@@ -147,7 +149,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Estimate:
-    """One identified value in its own unit, its standard error, and its shift in % of the healthy value."""
+    """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value."""
 
     name: str
     estimate: float
@@ -201,6 +203,11 @@ def _flat(array: object, shape: tuple[int, ...], name: str) -> Reals:
     if numbers.shape != shape:
         raise ValueError(f"{name}: shape {numbers.shape} where {shape} is needed: give one number per row")
     return numbers
+
+
+def _std(std: float, reasons: int) -> float:
+    """A standard error; NaN where the module leaves zero because there is none."""
+    return math.nan if std == 0.0 and reasons & NOT_DETERMINED else std
 
 
 class Library:
@@ -425,7 +432,7 @@ class Library:
             Estimate(
                 names[raw.identified_id[place]],
                 result.estimate[place],
-                result.std[place],
+                _std(result.std[place], result.reasons),
                 result.shift_percent[place],
                 bool(result.at_bound[place]),
             )

@@ -191,6 +191,9 @@ USAGES = (
     _usage("--force without a file", "ema_identify: --force: there is no --json FILE to replace; give one or leave --force out", "--force", "rec.csv"),
     Case("a result that exists", "old.json: the file exists and is not overwritten; name another one or give --force",
          {"rec.csv": lambda: text(rows()), "old.json": lambda: b"mine"}, ("--json", "old.json", "rec.csv"), 2),
+    _usage("a result in the place of the recording", "./rec.csv: --json names a file that is read; give the result another name", "--force", "--json", "./rec.csv", "rec.csv"),
+    Case("a result in the place of the actuator", "act.txt: --json names a file that is read; give the result another name",
+         {"rec.csv": lambda: text(rows()), "act.txt": lambda: b"screw.csj_Nm = 0.15\n"}, ("--config", "act.txt", "--json", "act.txt", "--force", "rec.csv"), 2),
     Case("a result where nothing can be written", "none/new.json: the file cannot be written; check its folder and permissions",
          {"rec.csv": lambda: text(rows())}, ("--json", "none/new.json", "rec.csv"), 1),
 )

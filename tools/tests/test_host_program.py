@@ -123,6 +123,17 @@ def test_a_jammed_rod_is_no_bad_input(tmp_path: Path) -> None:
         assert result["reasons"]
 
 
+def test_what_is_not_determined_has_no_standard_error(tmp_path: Path) -> None:
+    lines = [line.split(",") for line in RECORDING.read_text(encoding="utf-8").splitlines() if line[:1].isdigit()]
+    (tmp_path / "rec.csv").write_text("time_s,command_mm,position_mm\n" + "".join(f"{t},{0.014 * float(c)},0\n" for t, c, *_ in lines), encoding="utf-8")
+    answer = run(tmp_path, "--json", "result.json", "rec.csv")
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert "the record does not determine the parameters" in result["reasons"]
+    assert result["csj_Nm"]["std"] is None and result["blk_mm"]["std"] is None
+    rows = [line.split() for line in answer.stdout.decode().splitlines() if line.startswith(("CSJ  Nm", "BLK  mm"))]
+    assert [row[3] for row in rows] == ["-", "-"]
+
+
 def test_force_replaces_a_result(tmp_path: Path) -> None:
     (tmp_path / "result.json").write_text("x" * 100000, encoding="utf-8")
     identify(tmp_path, str(RECORDING))

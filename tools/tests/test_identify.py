@@ -15,11 +15,11 @@ from ema_tools.actuator import read_actuator, reference_actuator
 from ema_tools.errors import InputError
 from ema_tools.identify import identify, weight_of
 from ema_tools.native import Search
-from ema_tools.records import read_record, write_record
+from ema_tools.records import Record, read_record, write_record
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(csj=st.floats(0.05, 0.5), blk=st.floats(0.01, 0.09))
 def test_what_was_simulated_is_identified(csj: float, blk: float) -> None:
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": csj, "screw.blk_mm": blk}), bits=32)
@@ -62,18 +62,46 @@ def test_result_has_the_keys_that_programs_read(tmp_path: Path) -> None:
 
 def test_healthy_records_take_the_models_own_error_away() -> None:
     """A winding warmer than the model knows reads as a fault; against a healthy record of the same machine it does not."""
-    machine = reference_actuator().changed({"motor.resistance_ohm": 1.03})
+    # A user who allows for what the model misses: the module takes it for sensor noise.
+    known = reference_actuator().changed({"verdict.position_noise_mm": 0.03})
+    machine = known.changed({"motor.resistance_ohm": 1.03})
     healthy = chirp_record(machine).with_noise({"position_mm": 0.001}, 1)
     again = chirp_record(machine).with_noise({"position_mm": 0.001}, 2)
-    alone = identify(reference_actuator(), again)
-    beside = identify(reference_actuator(), again, [healthy])
+    alone = identify(known, again)
+    beside = identify(known, again, [healthy])
     assert max(abs(estimate.shift_percent) for estimate in alone.answer.identified) > 3.0
     assert max(abs(estimate.shift_percent) for estimate in beside.answer.identified) < 1.0
     assert beside.baseline is not None
     assert beside.baseline.records == 1
     seized = chirp_record(machine.changed({"screw.csj_Nm": 0.2})).with_noise({"position_mm": 0.001}, 3)
-    fault = identify(reference_actuator(), seized, [healthy, again])
+    fault = identify(known, seized, [healthy, again])
     assert fault.answer.identified[0].shift_percent == pytest.approx(100.0 * (0.2 - 0.138) / 0.138, abs=5.0)
+
+
+def test_healthy_record_that_the_model_does_not_explain_is_refused(tmp_path: Path) -> None:
+    write_record(tmp_path / "warm.csv", chirp_record(reference_actuator().changed({"motor.resistance_ohm": 1.3})))
+    said = complaint(run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", RECORDINGS / "healthy.csv", "--healthy", tmp_path / "warm.csv"))
+    assert said.startswith("warm.csv: cannot serve as a healthy record: the residual is larger than the sensor noise explains: an effect is missing from the model")
+    assert said.endswith(": calibrate the actuator on it first, or leave it out of --healthy")
+
+
+def stuck() -> Record:
+    """A rod that does not move under a command too small to move it: the values of play and friction leave no trace."""
+    record = chirp_record()
+    return replace(record, position_mm=np.zeros(record.rows), command_mm=0.014 * record.command_mm)
+
+
+def test_what_the_record_does_not_determine_has_no_standard_error(tmp_path: Path) -> None:
+    write_record(tmp_path / "stuck.csv", stuck())
+    ran = run_ema("identify", REFERENCE, tmp_path / "stuck.csv", "--json", tmp_path / "i.json")
+    assert ran.code == 0, ran.err
+    result = json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))
+    assert "the record does not determine the parameters" in result["reasons"]
+    assert result["csj_Nm"]["std"] is None and result["blk_mm"]["std"] is None
+    row = next(line.split() for line in ran.out.splitlines() if line.startswith("CSJ "))
+    assert "-" in row and "0" not in row
+    assert run_ema("report", tmp_path / "i.json", "-o", tmp_path / "p.html").code == 0
+    assert "cannot serve as a healthy record" in complaint(run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", tmp_path / "stuck.csv"))
 
 
 def test_missing_effect_is_not_called_a_fault() -> None:

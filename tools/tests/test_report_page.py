@@ -324,3 +324,27 @@ def test_browser_complains_about_a_page_with_an_error(tmp_path: Path, browser: s
     )  # fmt: skip
     complaints = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     assert any("example.invalid" in line for line in complaints) and any("missing is not defined" in line for line in complaints)
+
+
+def test_what_was_not_identified_is_shown_with_its_reason(tmp_path: Path) -> None:
+    """An axis without backlash, as EMPS: BLK has no estimate, and the page says why."""
+    why = "the healthy value is zero, and a shift is counted in % of it"
+    data = identified(blk_mm={"estimate": None, "std": None, "shift_percent": None, "healthy": 0.0, "reason": why})
+    result = _made(data)
+    assert set(result.faults) == {"csj_Nm"} and result.left_out == {"blk_mm": why}
+    page = _page(tmp_path, data)
+    assert f"<small>not identified: {why}</small>" in page
+    assert "carries CSJ +117.4\u00a0%." in page
+    assert [len(trace["x"]) for trace in figures.scalars(result)["data"][1:]] == [1]
+    with pytest.raises(InputError, match=r"today.json: field blk_mm.estimate is missing"):
+        parse_result(identified(blk_mm={"estimate": None, "std": None}), "today.json", "today")
+    with pytest.raises(InputError, match=r"today.json: field csj_Nm.estimate is null for every parameter"):
+        parse_result(identified(csj_Nm=data["blk_mm"], blk_mm=data["blk_mm"]), "today.json", "today")
+
+
+def test_value_without_a_standard_error_is_shown_without_an_interval(tmp_path: Path) -> None:
+    data = identified(csj_Nm={"estimate": 0.3, "std": None, "shift_percent": 117.3913, "healthy": 0.138}, verdict="undecided")
+    figure = figures.scalars(_made(data))
+    assert figure["data"][-1]["error_x"]["array"][0] == 0.0 < figure["data"][-1]["error_x"]["array"][1]
+    assert not any("\u00b1" in note["text"] for note in figure["layout"]["annotations"] if "117" in note["text"])
+    assert "not determined by this record, healthy 0.138 Nm" in _page(tmp_path, data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from html import escape
 from typing import Any
 
@@ -27,7 +28,7 @@ def scalars(result: Identified) -> Figure:
     """Diagnostic scalars: estimated against actual shift in % of the healthy value, one row per fault parameter."""
     names = [LABELS[name] for name in result.faults]
     estimates = [result.faults[name].shift_percent for name in result.faults]
-    spread = [_WIDTH_95 * result.faults[name].std_percent for name in result.faults]
+    spread = [_spread(result, name) for name in result.faults]
     stems: Figure = {
         "type": "scatter",
         "mode": "lines",
@@ -61,9 +62,15 @@ def scalars(result: Identified) -> Figure:
     return {"data": traces, "layout": layout, "height": 260, "label": _scalars_label(result)}
 
 
+def _spread(result: Identified, name: str) -> float:
+    """Half the width of the 95 % interval in %; zero, which draws none, where the record does not determine the value."""
+    std_percent = result.faults[name].std_percent
+    return 0.0 if math.isnan(std_percent) else _WIDTH_95 * std_percent
+
+
 def _reading(result: Identified, name: str, place: int) -> Figure:
     """The numbers of one row, above it at the left."""
-    spread = _WIDTH_95 * result.faults[name].std_percent
+    spread = _spread(result, name)
     text = f"<b>{shift(result.faults[name].shift_percent, 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2)}</b>"
     if spread >= 0.005:
         text += f" ± {number(spread, 2)}"

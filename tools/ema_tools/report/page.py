@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable
 from html import escape
@@ -94,6 +95,8 @@ def verdict(result: Identified) -> str:
     if result.verdict == "fault":
         return "a shift exceeds its threshold with the stated confidence."
     if result.verdict == "healthy":
+        if len(result.faults) == 1:
+            return "the shift stays below the threshold at which it is called a fault."
         return "both shifts stay below the thresholds at which a shift is called a fault."
     return f"{'; '.join(result.reasons)}." if result.reasons else "no reason was given."
 
@@ -156,10 +159,13 @@ def _identified(page: _Page, result: Identified, identity: str) -> None:
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
         actual = f"true {getattr(result.case, name):g}, " if result.case is not None else ""
+        doubt = "not determined by this record, " if math.isnan(fault.std) else ""
         page.add(
             f"<div><dt>{short}, {long}</dt><dd>{words.number(fault.estimate, 5)} {unit}"
-            f"<small>{actual}healthy {fault.healthy:.4g} {unit}</small></dd></div>"
+            f"<small>{doubt}{actual}healthy {fault.healthy:.4g} {unit}</small></dd></div>"
         )
+    for name, reason in result.left_out.items():
+        page.add(f"<div><dt>{_NAMES[name][0]}, {_NAMES[name][1]}</dt><dd>–<small>not identified: {escape(reason)}</small></dd></div>")
     page.add(
         f"<div><dt>Position error E<sub>int</sub></dt><dd>{_text(_error(result))}"
         f"<small>{words.reduction(result.before_mm2s, result.after_mm2s)}</small></dd></div>"

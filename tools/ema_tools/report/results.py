@@ -54,7 +54,7 @@ class Curves:
 
 @dataclass(frozen=True)
 class Estimate:
-    """One identified parameter, in its own unit; shift in % of the healthy value."""
+    """One identified parameter, in its own unit; shift in % of the healthy value. `std` is NaN when the record does not determine it."""
 
     estimate: float
     std: float
@@ -77,7 +77,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Identified:
-    """A result of `ema identify`. `faults` by FAULTS holds what was identified; `case` is set where the truth is known, `noise` names the sensor noise in the record."""
+    """A result of `ema identify`. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known, `noise` names the sensor noise in the record."""
 
     name: str
     faults: dict[str, Estimate]
@@ -93,6 +93,7 @@ class Identified:
     search: Search | None
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
+    left_out: dict[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -217,13 +218,20 @@ class _Reader:
 
 def _identified(reader: _Reader, stem: str) -> Identified:
     faults: dict[str, Estimate] = {}
+    left_out: dict[str, str] = {}
     for name in (name for name in FAULTS if name in reader.data):
         part = reader.table(name)
+        if part.data.get("estimate") is None and part.data.get("reason") is not None:
+            left_out[name] = part.text("reason", "")
+            continue
         estimate, shift = part.number("estimate"), part.number("shift_percent")
         if shift <= -100.0:
             raise part.fail("shift_percent", "is not above -100")
         healthy = part.number("healthy") if "healthy" in part.data else estimate / (1.0 + shift / 100.0)
-        faults[name] = Estimate(estimate, part.number("std"), shift, healthy)
+        undetermined = "std" in part.data and part.data["std"] is None
+        faults[name] = Estimate(estimate, math.nan if undetermined else part.number("std"), shift, healthy)
+    if not faults:
+        raise _Reader({}, reader.source, f"{next(iter(left_out))}.").fail("estimate", "is null for every parameter, which leaves nothing to show")
     letter = reader.text("case", "")
     if letter and len(faults) < len(FAULTS):
         raise reader.fail(next(name for name in FAULTS if name not in faults), "is missing, which a case needs")
@@ -245,6 +253,7 @@ def _identified(reader: _Reader, stem: str) -> Identified:
         search=_search(reader.table("search")) if "search" in reader.data else None,
         curves=_curves(reader.table("curves"), ("before", "after")) if "curves" in reader.data else None,
         provenance=_provenance(reader),
+        left_out=left_out,
     )
 
 
