@@ -31,7 +31,7 @@ def test_the_page_is_made_from_the_table() -> None:
     assert PAGE.read_text(encoding="utf-8") == bad_input.page(), "run: python tools/tests/bad_input.py"
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(edits=st.lists(st.tuples(st.integers(0, 4000), st.binary(min_size=0, max_size=6)), min_size=1, max_size=4))
 def test_broken_bytes_are_read_or_refused_in_one_line(tmp_path: Path, edits: list[tuple[int, bytes]]) -> None:
     content = bytearray(bad_input.text(bad_input.rows()))

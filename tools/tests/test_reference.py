@@ -51,20 +51,17 @@ def held(share: float, steps: int) -> np.ndarray:
 # --- elementary functions, commands ---
 
 
-@settings(deadline=None)
 @given(st.floats(-1e4, 1e4))
 def test_sine_and_cosine(x: float) -> None:
     assert abs(elementary.sin(x) - math.sin(x)) < 5e-16
     assert abs(elementary.cos(x) - math.cos(x)) < 5e-16
 
 
-@settings(deadline=None)
 @given(st.floats(-600.0, 600.0))
 def test_exponential(x: float) -> None:
     assert elementary.exp(x) == pytest.approx(math.exp(x), rel=1e-15)
 
 
-@settings(deadline=None)
 @given(st.floats(1e-12, 1e12), st.floats(0.1, 4.0))
 def test_logarithm_and_power(x: float, exponent: float) -> None:
     assert elementary.log(x) == pytest.approx(math.log(x), rel=1e-15, abs=1e-16)
@@ -462,7 +459,7 @@ def test_feedback_delay_adds_to_the_encoders() -> None:
 # --- what holds for every actuator ---
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     csj=st.floats(0.0, 1.5),
     blk=st.floats(0.0, 0.5),
