@@ -39,7 +39,13 @@ int main(void)
             return 2;
         }
     }
-    while (!health_work(&result)) {
+    bool done = false;
+    while (!done) {
+        const ema_status_t status = health_work(&result, &done);
+        if (status != EMA_OK) {
+            printf("%s\\n", ema_status_text(status));
+            return 3;
+        }
     }
     printf("%.9g %.9g %d\\n", (double)result.identified[0].shift_percent, (double)result.identified[1].shift_percent, (int)result.verdict);
     return 0;
@@ -86,6 +92,8 @@ def test_firmware_example_finds_the_fault(tmp_path: Path) -> None:
     )
     record = read_record(ROOT / "recordings" / "case_a.csv")
     rows = "".join(f"{command} {position}\n" for command, position in zip(record.command_mm, record.position_mm, strict=True))
+    short = subprocess.run([str(program)], input="0 0\n" * 99, capture_output=True, text=True, timeout=120)
+    assert (short.returncode, short.stdout) == (3, "the record is too short to identify from\n")
     done = subprocess.run([str(program)], input=rows, capture_output=True, text=True, check=True, timeout=120)
     csj, blk, verdict = (float(text) for text in done.stdout.split())
     # The record is kept in steps of 0.12 um here.
