@@ -15,7 +15,7 @@ extern "C" {
     X(EMA_ERR_NULL, 1, "a required pointer is null")                                                               \
     X(EMA_ERR_RANGE, 2, "a value is outside its range")                                                            \
     X(EMA_ERR_NOT_FINITE, 3, "a value is NaN or infinite")                                                         \
-    X(EMA_ERR_STIFF, 4, "the step is too long for the electrical time constant; shorten step_s or set it to zero") \
+    X(EMA_ERR_STIFF, 4, "the step is too long for a time constant: shorten step_s, or set inductance_H or current_loop_s to 0") \
     X(EMA_ERR_INERTIA, 5, "the mass on the spring is heavier than the total inertia allows")                       \
     X(EMA_ERR_FULL, 6, "the record buffer is full")                                                                \
     X(EMA_ERR_SCALE, 7, "a sample is too large for the record's scale")                                            \

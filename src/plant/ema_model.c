@@ -12,6 +12,9 @@
 /* Samples of the parabola that reads the feedback's delay, beyond the whole steps. */
 #define EMA_DELAY_STEPS_MAX EMA_R(12.0)
 
+/* Back-calculation gain times control period from which on the integrator swings up. */
+#define EMA_ANTI_WINDUP_MAX EMA_R(2.0)
+
 static ema_circuit_t ema_circuit_of(ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
 {
     ema_circuit_t circuit = {0};
@@ -75,6 +78,7 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
         const ema_params_t* const params = &adjusted.params;
         if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
             || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
+            || !((params->anti_windup_per_s * params->step_s * (ema_real)actuator->options.every_steps) < EMA_ANTI_WINDUP_MAX)
             || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
             status = EMA_ERR_RANGE;
         } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * actuator->params.inertia_kgm2))) {

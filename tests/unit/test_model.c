@@ -122,6 +122,18 @@ static void test_init_refuses_more_mass_on_the_spring_than_the_inertia(void)
     ASSERT_REFUSED(EMA_ERR_INERTIA, EMA_R(0.0));
 }
 
+static void test_an_anti_windup_that_swings_up_is_refused(void)
+{
+    static ema_model_t windup;
+    ema_actuator_t swinging = ema_rig_actuator();
+    swinging.params.anti_windup_per_s = EMA_R(2000.0);
+    TEST_ASSERT_EQUAL(EMA_ERR_RANGE, ema_model_init(&windup, &swinging, EMA_R(0.0)));
+    swinging.params.anti_windup_per_s = EMA_R(1900.0);
+    TEST_ASSERT_EQUAL(EMA_OK, ema_model_init(&windup, &swinging, EMA_R(0.0)));
+    swinging.options.every_steps = 2;
+    TEST_ASSERT_EQUAL(EMA_ERR_RANGE, ema_model_init(&windup, &swinging, EMA_R(0.0)));
+}
+
 static void test_substeps_follow_the_fastest_motion_or_the_option(void)
 {
     TEST_ASSERT_EQUAL_UINT32(1U, ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps);
@@ -391,6 +403,7 @@ int main(void)
     RUN_TEST(test_init_refuses_a_current_loop_far_below_the_step);
     RUN_TEST(test_ideal_current_loop_does_not_care_for_the_inductance);
     RUN_TEST(test_init_refuses_more_mass_on_the_spring_than_the_inertia);
+    RUN_TEST(test_an_anti_windup_that_swings_up_is_refused);
     RUN_TEST(test_substeps_follow_the_fastest_motion_or_the_option);
     RUN_TEST(test_model_starts_at_rest_at_its_start);
     RUN_TEST(test_asked_for_where_it_is_a_model_stays_there);

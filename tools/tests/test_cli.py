@@ -68,7 +68,7 @@ BAD = [
     (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position=1"), "--noise position=1: unknown column (did you mean position_mm?)"),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=x"), "--noise position_mm=x: not a number"),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=-1"), "--noise position_mm=-1: not a standard deviation"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"), "simulate: the step is too long for the electrical time constant"),
+    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"), "simulate: the step is too long for a time constant"),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "."), ".: is a folder: name a file"),
     (("compare", REFERENCE, "none.csv"), "none.csv: there is no such file; check the path"),
     (("compare", RECORDINGS / "case_a.csv", RECORDINGS / "case_a.csv"), "case_a.csv: not TOML: "),
