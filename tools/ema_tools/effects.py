@@ -20,6 +20,7 @@ SITES = {
     "MOTOR": "torque constant and back-EMF",
     "PRESLIDING": "contact before it slides",
     "TRANSMISSION": "between play and rod",
+    "READING": "rod sensor's reading",
 }
 
 
