@@ -6,7 +6,7 @@
  *     ema_session_result(&session, &result);
  *
  * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 8 KiB and 4 bytes a row of command and rod position
- * as int16. The deepest call, a fit of the annealer's quadratic, takes about 2 KiB of stack in float32. It is a plain value apart from the
+ * as int16. The deepest call, preparing the runs at the end, takes about 3 KiB of stack in float32. It is a plain value apart from the
  * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
  */
 #ifndef EMA_SESSION_H
