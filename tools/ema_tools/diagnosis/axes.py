@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,13 +36,14 @@ class Axis:
 
 @dataclass(frozen=True)
 class Motion:
-    """What moves, on every row [rows]: time s, motor speed rad/s, acceleration rad/s2, motor angle rad, rod position mm, direction -1, 0 or 1, time since
+    """What moves, on every row [rows]: time s, motor speed rad/s, acceleration rad/s2, motor angle rad, motor position at the rod mm, rod position mm, direction -1, 0 or 1, time since
     reversal s, and current A and voltage V where recorded. All from smoothed signals."""
 
     time_s: Reals
     speed_rad_s: Reals
     acceleration_rad_s2: Reals
     angle_rad: Reals
+    motor_mm: Reals
     position_mm: Reals
     direction: Reals
     since_reversal_s: Reals
@@ -63,6 +63,7 @@ class Motion:
             there(self.speed_rad_s),
             there(self.acceleration_rad_s2),
             there(self.angle_rad),
+            there(self.motor_mm),
             there(self.position_mm),
             self.direction[rows],
             self.since_reversal_s[rows],
@@ -71,12 +72,13 @@ class Motion:
             self.lead_mm,
         )
 
-    def axes(self) -> tuple[Axis, ...]:
-        """Every axis that the record has."""
+    def axes(self, rod: bool = False) -> tuple[Axis, ...]:
+        """Every axis that the record has; with `rod` the position is the rod's, else the motor's expressed at the rod."""
+        position = self.position_mm if rod else self.motor_mm
         found = [
             Axis("speed", "rad/s", self.speed_rad_s, kind=0),
-            Axis("position", "mm", self.position_mm, kind=1),
-            Axis("place in the lead", "mm", np.mod(self.position_mm, self.lead_mm), self.lead_mm, kind=2),
+            Axis("position", "mm", position, kind=1),
+            Axis("place in the lead", "mm", np.mod(position, self.lead_mm), self.lead_mm, kind=2),
             Axis("motor angle", "rad", np.mod(self.angle_rad, 2.0 * math.pi), 2.0 * math.pi, kind=3),
             Axis("acceleration", "rad/s2", self.acceleration_rad_s2),
             Axis("time since reversal", "s", self.since_reversal_s),
@@ -95,6 +97,15 @@ class Motion:
         number[self.direction != 0.0] = np.cumsum(turned)
         return np.asarray(np.maximum.accumulate(number))
 
+    @property
+    def moving(self) -> Halves:
+        """True away from rest, where friction does not answer whatever there is, [samples]; the neighbours of rest are left out too."""
+        still = self.direction == 0.0
+        near = still.copy()
+        near[1:] |= still[:-1]
+        near[:-1] |= still[1:]
+        return ~near
+
     def halves(self) -> Halves:
         """True on one half of the passes, both directions in each half; stretches of time where there are few passes. [samples]"""
         passes = self.passes
@@ -108,7 +119,8 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
     """What moves in a record, from the motor encoder where it is recorded, else from the rod."""
     motor = record.position_mm if record.motor_position_mm is None else record.motor_position_mm
     period_s = record.period_s
-    angle = smoother.smooth(motor) / actuator.lead_mm_per_rad
+    motor_mm = smoother.smooth(motor)
+    angle = motor_mm / actuator.lead_mm_per_rad
     speed = np.gradient(angle, period_s)
     fastest = float(np.max(np.abs(speed[smoother.edge_rows : -smoother.edge_rows]), initial=0.0))
     direction = np.sign(speed) * (np.abs(speed) > _RESTING_SHARE * fastest)
@@ -117,6 +129,7 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
         speed,
         np.gradient(speed, period_s),
         angle,
+        motor_mm,
         smoother.smooth(record.position_mm),
         direction,
         since_reversal_s(direction, period_s),
@@ -147,23 +160,13 @@ def fitted_energy(residual: Reals, columns: Reals) -> float:
     return float(solved @ solved)
 
 
-def hats(axis: Axis, first: float, last: float, nodes: int) -> Reals:
-    """Columns [samples, nodes] whose sum with weights is a table over the axis: linear between equally spaced nodes, its edges held; round a period where there is one."""
-    if axis.period > 0.0:
-        place = np.mod(axis.values - first, axis.period) / axis.period * nodes
-    else:
-        place = np.clip((axis.values - first) / (last - first), 0.0, 1.0) * (nodes - 1)
-    low = np.floor(place).astype(int)
+def hats(values: Reals, first: float, last: float, nodes: int) -> Reals:
+    """Columns [samples, nodes] whose sum with weights is a table over `values` [samples]: linear between equally spaced nodes, its edges held."""
+    place = np.clip((values - first) / (last - first), 0.0, 1.0) * (nodes - 1)
+    low = np.minimum(place.astype(int), nodes - 2)
     share = place - low
-    high = (low + 1) % nodes if axis.period > 0.0 else np.minimum(low + 1, nodes - 1)
-    low = low % nodes if axis.period > 0.0 else np.minimum(low, nodes - 1)
-    columns = np.zeros((place.size, nodes))
-    rows = np.arange(place.size)
-    np.add.at(columns, (rows, low), 1.0 - share)
-    np.add.at(columns, (rows, high), share)
+    columns = np.zeros((values.size, nodes))
+    rows = np.arange(values.size)
+    columns[rows, low] = 1.0 - share
+    columns[rows, low + 1] = share
     return columns
-
-
-def joined(columns: Sequence[Reals]) -> Reals:
-    """Columns side by side, [samples, p]."""
-    return np.column_stack(columns)

@@ -18,7 +18,8 @@ from scipy import signal
 from ema_tools.actuator import Actuator
 from ema_tools.balances import BALANCES, Balance, Smoother, all_balances, filter_of
 from ema_tools.compare import FLOOR_MARGIN, GROUPS, TITLES, UNITS, Place, divided, judged_balances, states_of
-from ema_tools.diagnosis.axes import Axis, Halves, Motion, explained, fitted_energy, motion_of
+from ema_tools.diagnosis.axes import Axis, Motion, explained, fitted_energy, motion_of
+from ema_tools.diagnosis.spread import FROM_RUN_TO_RUN
 from ema_tools.diagnosis.whitening import Whitener, spectrum
 from ema_tools.native import CHANNELS, Reals
 from ema_tools.records import Record, simulated
@@ -27,6 +28,8 @@ from ema_tools.records import Record, simulated
 _TERM_MARGIN = 2.0
 # Without them: it must explain this share on passes that it was not fitted to.
 _TERM_SHARE = 0.1
+# Standard deviations of the usual scatter that count as one more repeat.
+_SELDOM = 3.0
 # A term that explains less is no description.
 _WINNER_SHARE = 0.25
 # Near standstill: the speeds of a Stribeck bump.
@@ -36,11 +39,11 @@ _POINTS_MAX = 1200
 _DIGITS = 5
 _PLACES_MAX = 24
 # Orders of the spectrum over angle: lines per turn of the motor, or of the screw.
-_MOTOR_ORDERS = np.arange(1.0, 40.01, 0.5)
+_MOTOR_ORDERS = np.arange(1.0, 40.5)
 # An order is drawn when this share of it passes the balance's filter, and sine and cosine of it differ on the stroke.
 _SEEN_SHARE = 0.02
 _DISTINCT = 100.0
-_LEAD_ORDERS = np.arange(0.25, 12.01, 0.25)
+_LEAD_ORDERS = np.arange(0.5, 12.1, 0.5)
 
 
 @dataclass(frozen=True)
@@ -93,8 +96,17 @@ class Channel:
 
 
 @dataclass(frozen=True)
+class Reference:
+    """A balance of the healthy repeats: their mean residual, how each differs from it, as large as a further run would, and what the usual scatter makes of it, [n, samples], and the rms of the repeats' part."""
+
+    mean: Reals
+    deviations: Reals
+    floor_rms: float
+
+
+@dataclass(frozen=True)
 class Where:
-    """The whole answer. `residuals`: by balance what is judged, on coarse samples; `pictures`: data that the page draws, see `ema_tools.report.diagnosis`."""
+    """The whole answer. `references`: by balance what healthy repeats say; `smoother`: the filter of all balances. `residuals`: by balance what is judged, on coarse samples; `pictures`: data that the page draws, see `ema_tools.report.diagnosis`."""
 
     relative: bool
     sentence: str
@@ -103,6 +115,8 @@ class Where:
     places: tuple[Place, ...]
     pictures: dict[str, Any]
     residuals: dict[str, Balance] = field(repr=False)
+    references: dict[str, Reference] = field(repr=False)
+    smoother: Smoother = field(repr=False)
 
     def result(self) -> dict[str, Any]:
         """For JSON."""
@@ -166,15 +180,11 @@ def coarse(balance: Balance, smoother: Smoother) -> Balance:
     return replace(balance, time_s=balance.time_s[::every], measured=kept(balance.measured), residual=kept(balance.residual))
 
 
-def _minus(balance: Balance, reference: Balance) -> Balance:
-    return replace(balance, residual=balance.residual - reference.residual)
-
-
 def terms_of(balance: str, motion: Motion) -> dict[str, list[Reals]]:
     """Simple terms on samples, by what is said of them; several columns where a term has a phase. All [samples]."""
     w, a, x = motion.speed_rad_s, motion.acceleration_rad_s2, motion.position_mm
     one, sign = np.ones_like(w), motion.direction
-    turn = 2.0 * math.pi * x / motion.lead_mm
+    turn = 2.0 * math.pi * motion.motor_mm / motion.lead_mm
     wave = [np.sin(turn), np.cos(turn)]
     terms = {"constant": [one], "proportional to speed": [w], "with the sign of the motion": [sign], "proportional to acceleration": [a], "proportional to position": [x]}
     if motion.current_A is not None:
@@ -182,13 +192,17 @@ def terms_of(balance: str, motion: Motion) -> dict[str, list[Reals]]:
         size = max(float(np.max(np.abs(i))), 1e-9)
         terms["proportional to current"] = [i]
         terms["with the sign of the current"] = [np.tanh(i / (0.05 * size))]
+    # below one lead it cannot be told from position
+    turns = float(np.ptp(motion.motor_mm)) >= motion.lead_mm
+    if turns:
+        terms["once per screw lead"] = wave
     if balance in ("mechanical", "electrical"):
         terms["proportional to the square of the speed"] = [w * np.abs(w)]
-        terms["once per screw lead"] = wave
     if balance == "mechanical":
         slow = np.exp(-np.abs(w) / _SLOW_RAD_S)
         terms["as friction near standstill"] = [sign * slow]
-        terms["as friction once per screw lead"] = [sign * wave[0], sign * wave[1]]
+        if turns:
+            terms["as friction once per screw lead"] = [sign * wave[0], sign * wave[1]]
         terms["proportional to the size of the speed"] = [np.abs(w)]
         terms["proportional to the root of the speed"] = [sign * np.sqrt(np.abs(w))]
         terms["in the first moments after a reversal"] = [sign * np.exp(-motion.since_reversal_s / 0.02)]
@@ -197,30 +211,65 @@ def terms_of(balance: str, motion: Motion) -> dict[str, list[Reals]]:
     if balance == "electrical" and motion.current_A is not None and motion.voltage_V is not None:
         terms["proportional to the applied voltage"] = [motion.voltage_V]
         terms["proportional to voltage times current"] = [motion.voltage_V * np.abs(motion.current_A)]
-    if balance == "kinematic":
-        terms["once per screw lead"] = wave
     if balance == "controller" and motion.voltage_V is not None:
         terms["proportional to the controller's output"] = [motion.voltage_V]
     return terms
 
 
-def _line(balance: Balance, at: Motion, smoother: Smoother) -> tuple[str, list[Reals]] | None:
-    """The strongest line per motor turn, as a term."""
-    lines = _amplitudes(balance.residual, at, at.angle_rad, _MOTOR_ORDERS, smoother)
-    if not np.any(np.isfinite(lines)):
-        return None
-    order = float(_MOTOR_ORDERS[int(np.nanargmax(lines))])
-    return f"in {order:g} periods per motor turn", _wave(at.angle_rad, at.time_s, order, smoother)
+@dataclass(frozen=True)
+class Lines:
+    """Sines and cosines of orders of an angle, as the filter of the balances leaves them, [orders, samples, 2]; `name` says of what an order is a multiple."""
+
+    name: str
+    orders: Reals
+    waves: Reals
+
+    @staticmethod
+    def of(name: str, angle_rad: Reals, orders: Reals, smoother: Smoother) -> Lines:
+        """From the angle on every row, [rows]."""
+        phase = orders[:, None] * angle_rad
+        sections = signal.butter(4, 2.0 * smoother.cutoff_hz * smoother.period_s, output="sos")
+        smooth = signal.sosfiltfilt(sections, np.concatenate([np.sin(phase), np.cos(phase)]))[:, smoother.edge_rows : -smoother.edge_rows]
+        kept = (smooth if smoother.every == 1 else signal.sosfiltfilt(smoother.low_pass, smooth))[:, :: smoother.every]
+        return Lines(name, orders, np.stack([kept[: orders.size], kept[orders.size :]], axis=2))
+
+    def amplitudes(self, residual: Reals, at: Motion) -> Reals:
+        """Amplitude of every order by least squares over the angle, which also holds for motion to and fro, [orders]; NaN where the filter leaves too little of it."""
+        # a constant, the sign of the motion and the speed are no lines
+        moving = at.moving
+        trend = np.column_stack([np.ones_like(at.direction), at.direction, at.speed_rad_s])[moving]
+        left = residual[moving] - trend @ np.linalg.lstsq(trend, residual[moving], rcond=None)[0]
+        waves = self.waves[:, moving]
+        normal = np.einsum("osi,osj->oij", waves, waves)
+        seen = (np.trace(normal, axis1=1, axis2=2) > _SEEN_SHARE * left.size) & (np.linalg.cond(normal + 1e-12 * np.eye(2)) < _DISTINCT)
+        found = np.full(self.orders.size, math.nan)
+        if np.any(seen):
+            solved = np.linalg.solve(normal[seen], np.einsum("osi,s->oi", waves[seen], left)[..., None])
+            found[seen] = np.linalg.norm(solved[..., 0], axis=1)
+        return found
+
+    def strongest(self, residual: Reals, at: Motion) -> tuple[str, list[Reals]] | None:
+        """The strongest order as a term."""
+        amplitudes = self.amplitudes(residual, at)
+        if not np.any(np.isfinite(amplitudes)):
+            return None
+        place = int(np.nanargmax(amplitudes))
+        return f"in {self.orders[place]:g} periods per {self.name}", [self.waves[place, :, 0], self.waves[place, :, 1]]
 
 
-def _terms(balance: Balance, motion: Motion, smoother: Smoother) -> tuple[Term, ...]:
+def lines_of(motion: Motion, smoother: Smoother) -> tuple[Lines, Lines]:
+    """Orders per motor turn and per screw lead."""
+    return Lines.of("motor turn", motion.angle_rad, _MOTOR_ORDERS, smoother), Lines.of("screw lead", 2.0 * math.pi / motion.lead_mm * motion.motor_mm, _LEAD_ORDERS, smoother)
+
+
+def _terms(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> tuple[Term, ...]:
     """Every term with what it explains, best first."""
     at = motion.at(balance.time_s)
     half = at.halves()
     offered = terms_of(balance.name, at)
     if balance.name == "mechanical":
-        line = _line(balance, at, smoother)
-        offered |= dict([line]) if line else {}
+        strongest = lines[0].strongest(balance.residual, at)
+        offered |= dict([strongest]) if strongest else {}
     found = []
     for words, parts in offered.items():
         columns = np.column_stack(parts)
@@ -232,11 +281,27 @@ def _terms(balance: Balance, motion: Motion, smoother: Smoother) -> tuple[Term, 
     return tuple(sorted(found, key=lambda term: -term.explained))
 
 
-def _blocks_against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, motion: Motion) -> tuple[list[Block], dict[str, Balance]]:
+def _usual(actuator: Actuator, name: str, at: Motion) -> list[Reals]:
+    """What the usual scatter of friction, grease and winding from run to run makes of a balance, as large as it is seldom, [samples] each."""
+    found = []
+    for balance, value, direction in (
+        ("mechanical", "screw.csj_Nm", at.direction),
+        ("mechanical", "screw.viscous_Nm_s_per_rad", at.speed_rad_s),
+        ("electrical", "motor.resistance_ohm", at.current_A),
+    ):
+        if balance == name and direction is not None:
+            found.append(_SELDOM * FROM_RUN_TO_RUN[value] * actuator[value] * direction)
+    return found
+
+
+_Judged = tuple[list[Block], dict[str, Balance], dict[str, Reference]]
+
+
+def _blocks_against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, motion: Motion, lines: Sequence[Lines]) -> _Judged:
     """Blocks with share 0 yet, and their judged residuals. The mean is taken of the balances, not of the signals: a play takes noise to one side."""
     count = len(healthy)
     here, *repeats = (_coarsened(all_balances(actuator, like, smoother), smoother) for like in (record, *healthy))
-    blocks, residuals = [], {}
+    blocks, residuals, references = [], {}, {}
     for name in BALANCES:
         mine, own = here[name], [repeat[name] for repeat in repeats]
         there = [one for one in own if isinstance(one, Balance)]
@@ -247,18 +312,23 @@ def _blocks_against_repeats(actuator: Actuator, record: Record, healthy: Sequenc
         middle = np.mean([one.residual for one in there], axis=0)
         judged = replace(mine, residual=mine.residual - middle)
         widen = math.sqrt((1.0 + 1.0 / count) * count / (count - 1))
-        deviations = [replace(mine, residual=widen * (one.residual - middle)) for one in there]
-        floor = float(np.sqrt(np.mean([one.rms**2 for one in deviations])))
-        terms = _terms(judged, motion, smoother)
-        limit = _TERM_MARGIN * max((term.energy for one in deviations for term in _terms(one, motion, smoother)), default=0.0)
-        loud = judged.rms > FLOOR_MARGIN * floor
+        deviations = widen * np.array([one.residual - middle for one in there])
+        floor = float(np.sqrt(np.mean(deviations**2)))
+        # few repeats seldom show the whole of what is usual
+        usual = _usual(actuator, name, motion.at(mine.time_s))
+        deviations = np.vstack([deviations, *usual])
+        wide = math.sqrt(floor**2 + sum(float(np.mean(one**2)) for one in usual))
+        terms = _terms(judged, motion, lines)
+        limit = _TERM_MARGIN * max((term.energy for one in deviations for term in _terms(replace(mine, residual=one), motion, lines)), default=0.0)
+        loud = judged.rms > FLOOR_MARGIN * wide
         telling = loud or any(term.energy > limit and term.explained > 0.0 for term in terms)
         blocks.append(Block(name, mine.unit, judged.rms, floor, _relative(judged), 0.0, telling, terms))
         residuals[name] = judged
-    return blocks, residuals
+        references[name] = Reference(middle, deviations, floor)
+    return blocks, residuals, references
 
 
-def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother, motion: Motion) -> tuple[list[Block], dict[str, Balance]]:
+def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, lines: Sequence[Lines]) -> _Judged:
     """The same against the model, where noise and method are the floor."""
     found, errors = judged_balances(actuator, record, simulated(actuator, record), smoother)
     blocks, residuals = [], {}
@@ -268,13 +338,13 @@ def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother
             continue
         fine = errors[name]
         # noise is judged before the coarsening, which takes most of it away
-        terms = _terms(one, motion, smoother)
+        terms = _terms(one, motion, lines)
         floor = math.hypot(fine.noise_rms, fine.method_rms)
         noise = one.residual.size * (floor * one.rms / fine.rms if fine.rms > 0.0 else floor) ** 2
         telling = fine.rms > FLOOR_MARGIN * floor or any(term.explained > _TERM_SHARE and term.energy > 0.5 * noise and fine.rms > 1.05 * floor for term in terms)
         blocks.append(Block(name, one.unit, fine.rms, floor, fine.relative_percent, 0.0, telling, terms))
         residuals[name] = one
-    return blocks, residuals
+    return blocks, residuals, {}
 
 
 def _coarsened(found: dict[str, Balance | str], smoother: Smoother) -> dict[str, Balance | str]:
@@ -345,16 +415,17 @@ def where(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), wh
     mean = mean_record(healthy) if len(healthy) > 1 else None
     smoother = filter_of(actuator, record)
     motion = motion_of(actuator, record, smoother)
+    lines = lines_of(motion, smoother)
     if mean is not None:
-        raw, residuals = _blocks_against_repeats(actuator, record, healthy, smoother, motion)
+        raw, residuals, references = _blocks_against_repeats(actuator, record, healthy, smoother, motion, lines)
     else:
-        raw, residuals = _blocks_against_model(actuator, record, smoother, motion)
+        raw, residuals, references = _blocks_against_model(actuator, record, smoother, motion, lines)
     blocks = _with_shares(raw)
     errors = _channel_residuals(actuator, record, mean)
     channels, units = _channels(record, healthy, mean, errors, whiten, whitened)
     places = _places(actuator, record, blocks, residuals, units, smoother)
-    pictures = _pictures(actuator, record, smoother, motion, residuals, mean)
-    return Where(mean is not None, _sentence(blocks, channels, places, mean is not None, record), blocks, tuple(channels), places, pictures, residuals)
+    pictures = _pictures(actuator, record, smoother, motion, lines, residuals, mean)
+    return Where(mean is not None, _sentence(blocks, channels, places, mean is not None, record), blocks, tuple(channels), places, pictures, residuals, references, smoother)
 
 
 def _places(actuator: Actuator, record: Record, blocks: Sequence[Block], residuals: dict[str, Balance], units: dict[str, Reals], smoother: Smoother) -> tuple[Place, ...]:
@@ -428,20 +499,20 @@ def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:
 
 
 def _pictures(
-    actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, residuals: dict[str, Balance], mean: Record | None
+    actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, lines: Sequence[Lines], residuals: dict[str, Balance], mean: Record | None
 ) -> dict[str, Any]:
     pictures: dict[str, Any] = {"bins": [], "orders": {}}
     for name, balance in residuals.items():
         at = motion.at(balance.time_s)
-        for axis in at.axes():
+        for axis in at.axes(rod=name == "kinematic"):
             found = binned(axis, balance.residual)
             if found is not None:
                 pictures["bins"].append({"source": name, "unit": balance.unit, "by": axis.name, "axis_unit": axis.unit, **found.result()})
     if "mechanical" in residuals:
         pictures["torque_speed"] = _torque_speed(actuator, residuals["mechanical"], mean is not None, motion)
     for name in ("mechanical", "kinematic"):
-        if name in residuals:
-            pictures["orders"][name] = _orders(residuals[name], motion, smoother)
+        if name in residuals and residuals[name].time_s.size == lines[0].waves.shape[1]:
+            pictures["orders"][name] = _orders(residuals[name], motion, lines)
     pictures["hysteresis"] = _hysteresis(actuator, record, smoother, motion, residuals.get("mechanical"), mean)
     return pictures
 
@@ -465,41 +536,16 @@ def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: M
     }
 
 
-def _gain(smoother: Smoother, frequency_hz: Reals) -> Reals:
-    """What the zero-phase filter of a balance leaves of a signal at a frequency."""
-    return np.asarray(1.0 / (1.0 + (frequency_hz / smoother.cutoff_hz) ** 8))
-
-
-def _wave(angle: Reals, time_s: Reals, order: float, smoother: Smoother) -> list[Reals]:
-    """Sine and cosine of an order of an angle rad [samples] as the balance's filter leaves them: at order n and speed w a line has the frequency n w / 2 pi."""
-    gain = _gain(smoother, order * np.abs(np.gradient(angle, time_s)) / (2.0 * math.pi))
-    return [gain * np.sin(order * angle), gain * np.cos(order * angle)]
-
-
-def _amplitudes(residual: Reals, at: Motion, angle: Reals, orders: Reals, smoother: Smoother) -> Reals:
-    """Amplitude of every order by least squares over the angle, which also holds for motion to and fro, [orders]; NaN where the filter leaves too little of it."""
-    # a constant, the sign of the motion and the speed are no lines
-    trend = np.column_stack([np.ones_like(at.direction), at.direction, at.speed_rad_s])
-    left = residual - trend @ np.linalg.lstsq(trend, residual, rcond=None)[0]
-    found = np.full(orders.size, math.nan)
-    for place, order in enumerate(orders):
-        wave = np.column_stack(_wave(angle, at.time_s, float(order), smoother))
-        normal = wave.T @ wave
-        if np.trace(normal) > _SEEN_SHARE * left.size and np.linalg.cond(normal) < _DISTINCT:
-            found[place] = float(np.linalg.norm(np.linalg.solve(normal, wave.T @ left)))
-    return found
-
-
-def _orders(balance: Balance, motion: Motion, smoother: Smoother) -> dict[str, Any]:
+def _orders(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> dict[str, Any]:
     """Amplitudes over orders, in turns of the motor and in leads of the screw."""
     at = motion.at(balance.time_s)
     found: dict[str, Any] = {"unit": balance.unit}
-    for key, angle, orders in (("turns", at.angle_rad, _MOTOR_ORDERS), ("leads", 2.0 * math.pi / motion.lead_mm * at.position_mm, _LEAD_ORDERS)):
-        amplitudes = _amplitudes(balance.residual, at, angle, orders, smoother)
+    for key, one in zip(("turns", "leads"), lines, strict=True):
+        amplitudes = one.amplitudes(balance.residual, at)
         known = np.isfinite(amplitudes)
-        found[key] = {"order": short(orders[known]), "amplitude": short(amplitudes[known])}
+        found[key] = {"order": short(one.orders[known]), "amplitude": short(amplitudes[known])}
     found["stroke_turns"] = float(np.ptp(at.angle_rad) / (2.0 * math.pi))
-    found["stroke_leads"] = float(np.ptp(at.position_mm) / motion.lead_mm)
+    found["stroke_leads"] = float(np.ptp(at.motor_mm) / motion.lead_mm)
     return found
 
 
@@ -529,6 +575,3 @@ def _hysteresis(actuator: Actuator, record: Record, smoother: Smoother, motion: 
         x, y, expected = _thin(at.position_mm, torque, torque - mechanical.residual)
         found["torque"] = {"unit": "Nm", "axis_unit": "mm", "measured": {"x": x, "y": y}, ("healthy" if mean is not None else "model"): {"x": x, "y": expected}}
     return found
-
-
-__all__ = ["Bins", "Block", "Channel", "Halves", "Term", "Where", "binned", "coarse", "mean_record", "short", "terms_of", "where"]
