@@ -49,9 +49,9 @@ def row_of(name: str) -> Row:
     """
     known = load_definitions()
     short = name.removeprefix("effects.")
-    for row in all_rows():
-        if row.name == short:
-            return row
+    row = known.by_name.get(short)
+    if row is not None:
+        return row
     names = [row.name for row in known.parameters] + ["effects." + row.name for row in known.effect_values]
     near = nearest(name, names) or nearest(short, (row.name for row in known.effect_values))
     raise InputError(f"{name}: unknown value{near}: values are named section.field or effects.name.field")

@@ -134,21 +134,25 @@ def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report |
         if measured is None:
             continue
         difference = inner(measured - getattr(simulation, name))
-        size = float(np.linalg.norm(inner(measured)))
-        relative = 100.0 * float(np.linalg.norm(difference)) / size if size > 0.0 else math.nan
-        channels[name] = ChannelError(float(np.sqrt(np.mean(difference**2))), relative)
         errors[name] = Balance(name, UNITS[name], inner(record.time_s), inner(measured), difference)
+        channels[name] = ChannelError(errors[name].rms, errors[name].relative_percent)
+    found, balances = judged_balances(actuator, record, simulation, filter_of(actuator, record), report)
+    where = _where(actuator, record, found, errors, balances)
+    return Comparison(channels, balances, where, _sentence(balances, where, record), simulation)
+
+
+def judged_balances(
+    actuator: Actuator, record: Record, simulation: Simulation, smoother: Smoother, report: Report | None = None
+) -> tuple[dict[str, Balance | str], dict[str, BalanceError]]:
+    """The four balances of a record, and their errors beside what noise and method leave; `simulation` is the model's run of the record."""
     # One filter for all three, so that what noise and method leave is comparable with what the record leaves.
-    smoother = filter_of(actuator, record)
     passes = []
     for like in (record, _with_own_noise(record), _as_recorded(simulation, record)):
         passes.append(all_balances(actuator, like, smoother))
         if report is not None:
             report(len(passes), "")
     found, noisy, own = passes
-    balances = {name: _balance_error(found[name], noisy[name], own[name]) for name in BALANCES}
-    where = _where(actuator, record, found, errors, balances)
-    return Comparison(channels, balances, where, _sentence(balances, where, record), simulation)
+    return found, {name: _balance_error(found[name], noisy[name], own[name]) for name in BALANCES}
 
 
 def _with_own_noise(record: Record) -> Record:
@@ -180,17 +184,17 @@ def _where(
     total = sum(weights.values())
     if total > 0.0:
         places = [Place("all balances", "", name, weight / total, None) for name, weight in weights.items()]
-    states = _states(actuator, record)
+    states = states_of(actuator, record)
     for balance in found.values():
         if isinstance(balance, Balance):
-            places += _divided(f"{balance.name} balance", balance, states, record.first_time_s)
+            places += divided(f"{balance.name} balance", balance, states, record.first_time_s)
     for name, error in errors.items():
-        places += _divided(TITLES[name], error, states, record.first_time_s)
+        places += divided(TITLES[name], error, states, record.first_time_s)
     return tuple(sorted(places, key=lambda place: -place.share))
 
 
 @dataclass(frozen=True)
-class _State:
+class State:
     """A signal on every row [rows] and the edges of its parts."""
 
     by: str
@@ -200,7 +204,7 @@ class _State:
     period_s: float
 
 
-def _even(by: str, values: Reals, unit: str, period_s: float) -> _State | None:
+def _even(by: str, values: Reals, unit: str, period_s: float) -> State | None:
     """Parts of equal width between the lowest and the highest value; None when nothing changes."""
     low, high = float(np.min(values)), float(np.max(values))
     # A size begins at zero; its smallest sample is only close to it.
@@ -209,28 +213,32 @@ def _even(by: str, values: Reals, unit: str, period_s: float) -> _State | None:
         return None
     edges = tuple(float(edge) for edge in np.linspace(low, high, _BINS + 1))
     parts = tuple(f"{first:.3g} to {last:.3g} {unit}" for first, last in zip(edges[:-1], edges[1:], strict=True))
-    return _State(by, values, edges, parts, period_s)
+    return State(by, values, edges, parts, period_s)
 
 
-def _states(actuator: Actuator, record: Record) -> list[_State]:
-    """By what residuals are divided: speed, direction, position, current where recorded, time since the last reversal."""
+def states_of(actuator: Actuator, record: Record) -> list[State]:
+    """By what residuals are divided: time, speed, direction, position, place in the screw's lead, current where recorded, time since the last reversal."""
     period_s = record.period_s
     smooth = Smoother.of(period_s).smooth(record.position_mm)
     speed = np.gradient(smooth, period_s)
     moving = np.abs(speed) > 0.01 * float(np.max(np.abs(speed), initial=0.0))
     direction = np.sign(speed) * moving
-    states = [_even("speed", np.abs(speed), "mm/s", period_s), _even("position", smooth, "mm", period_s)]
+    states = [_even("time", record.time_s, "s", period_s), _even("speed", np.abs(speed), "mm/s", period_s), _even("position", smooth, "mm", period_s)]
+    lead = actuator["screw.lead_mm"]
+    if np.ptp(smooth) > lead:
+        # within one turn of the screw it says no more than the position
+        states.append(_even("place in the lead", np.mod(smooth, lead), "mm", period_s))
     if record.current_A is not None:
         states.append(_even("current", np.abs(record.current_A), "A", period_s))
-    states.append(_State("direction", direction, (-1.5, -0.5, 0.5, 1.5), ("retracting", "resting", "extending"), period_s))
-    since = _since_reversal_s(direction, period_s)
+    states.append(State("direction", direction, (-1.5, -0.5, 0.5, 1.5), ("retracting", "resting", "extending"), period_s))
+    since = since_reversal_s(direction, period_s)
     ends = _SINCE_REVERSAL_S[1:]
     parts = tuple(f"{first:g} s or more" if math.isinf(last) else f"{first:g} to {last:g} s" for first, last in zip(_SINCE_REVERSAL_S[:-1], ends, strict=True))
-    states.append(_State("time since reversal", since, _SINCE_REVERSAL_S, parts, period_s))
+    states.append(State("time since reversal", since, _SINCE_REVERSAL_S, parts, period_s))
     return [state for state in states if state is not None]
 
 
-def _since_reversal_s(direction: Reals, period_s: float) -> Reals:
+def since_reversal_s(direction: Reals, period_s: float) -> Reals:
     """Time since the rod last left rest or changed direction, s [rows]."""
     rows = np.arange(direction.size)
     starts = np.concatenate(([True], (direction[1:] != direction[:-1]) & (direction[1:] != 0.0)))
@@ -238,7 +246,7 @@ def _since_reversal_s(direction: Reals, period_s: float) -> Reals:
     return np.asarray((rows - last) * period_s, dtype=np.float64)
 
 
-def _divided(source: str, balance: Balance, states: list[_State], first_time_s: float) -> list[Place]:
+def divided(source: str, balance: Balance, states: list[State], first_time_s: float) -> list[Place]:
     """Shares of one residual by every state and by frequency."""
     square = balance.residual**2
     total = float(np.sum(square))
@@ -271,7 +279,7 @@ def _by_frequency(source: str, balance: Balance) -> list[Place]:
     return found
 
 
-_GROUPS = {
+GROUPS = {
     "mechanical": "motor torque, friction, inertia and load",
     "electrical": "winding, back-EMF and supply",
     "kinematic": "gears, screw, play and sensors",
@@ -288,7 +296,7 @@ def _sentence(balances: dict[str, BalanceError], where: tuple[Place, ...], recor
     if not there[worst].excess_percent > 0.0:
         return f"The model explains {record.file} as far as sensor noise and method can tell, in every balance that can be drawn ({', '.join(there)})."
     error = there[worst]
-    text = f"The model's largest unexplained part is in the {worst} balance ({_GROUPS[worst]}): {error.relative_percent:.3g} % of its measured side"
+    text = f"The model's largest unexplained part is in the {worst} balance ({GROUPS[worst]}): {error.relative_percent:.3g} % of its measured side"
     parts = [place for place in where if place.source == f"{worst} balance"]
     telling = max(parts, key=lambda place: place.surprise, default=None)
     if telling is not None and telling.surprise > 0.0 and telling.time_share is not None:

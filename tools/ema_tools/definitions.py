@@ -159,11 +159,15 @@ class Definitions:
             found.setdefault(row.section, []).append(row)
         return {section: tuple(rows) for section, rows in found.items()}
 
+    @functools.cached_property
+    def by_name(self) -> dict[str, Parameter | EffectParameter]:
+        """Every row by its `section.field` or `effect.field`."""
+        return {row.name: row for row in (*self.parameters, *self.effect_values)}
+
     def find(self, name: str) -> Parameter | EffectParameter:
         """The row called `section.field` or `effect.field`. Raises KeyError with a message that lists the nearest names."""
-        for row in (*self.parameters, *self.effect_values):
-            if row.name == name:
-                return row
+        if name in self.by_name:
+            return self.by_name[name]
         first = name.split(".", 1)[0]
         near = [row.name for row in (*self.parameters, *self.effect_values) if row.name.split(".", 1)[0] == first]
         known = near or [*self.sections, *(effect.name for effect in self.effects)]
@@ -182,8 +186,12 @@ def definition_folder() -> Path:
 
     Raises DefinitionError when none of them does.
     """
+    return _definition_folder(os.environ.get("EMA_DEFINITIONS"))
+
+
+@functools.lru_cache
+def _definition_folder(named: str | None) -> Path:
     here = Path(__file__).resolve()
-    named = os.environ.get("EMA_DEFINITIONS")
     places = [Path(named)] if named else [here.parents[2] / "include" / "ema", here.parent / "include"]
     for place in places:
         if (place / "ema_params.def").is_file() and (place / "ema_effects.def").is_file():

@@ -67,7 +67,7 @@ def test_shares_are_complete_and_sorted() -> None:
     assert {source for source, _ in groups} == {
         "all balances", "mechanical balance", "electrical balance", "kinematic balance", "controller balance", "rod position", "motor position", "current", "voltage",
     }  # fmt: skip
-    assert {by for _, by in groups} == {"", "speed", "position", "current", "direction", "time since reversal", "frequency"}
+    assert {by for _, by in groups} == {"", "time", "speed", "position", "current", "direction", "time since reversal", "frequency"}
     for key, total in groups.items():
         assert total == pytest.approx(1.0, abs=1e-9), key
         if key[1] not in ("", "frequency"):
@@ -112,3 +112,14 @@ def test_noise_and_method_are_those_of_the_same_filter() -> None:
     assert balance.rms < 1.5 * np.hypot(balance.noise_rms, balance.method_rms)
     warm = compare(reference_actuator().changed({"screw.csj_Nm": 0.16}), noisy)
     assert "is in the mechanical balance" in warm.sentence
+
+
+def test_place_in_the_lead_is_told_only_where_the_rod_passes_it_more_than_once() -> None:
+    record = chirp_record(text="chirp:amplitude_mm=8,start_hz=0.1,end_hz=1")
+    lead = reference_actuator()["screw.lead_mm"]
+    bumped = record.current_A + 1.0 * (np.mod(record.position_mm, lead) > 0.8 * lead)
+    found = compare(reference_actuator(), replace(record, current_A=bumped))
+    places = [place for place in found.where if place.source == "current" and place.by == "place in the lead"]
+    assert places[0].part == "4 to 5 mm" and places[0].share > 0.95
+    short = compare(reference_actuator(), chirp_record()).where
+    assert not any(place.by == "place in the lead" for place in short)

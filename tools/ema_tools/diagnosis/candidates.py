@@ -7,50 +7,52 @@ signature explains as much of the residual as it can.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ema_tools.definitions import Effect, load_definitions
-from ema_tools.diagnosis.evidence import Evidence
+from ema_tools.diagnosis.evidence import View
+from ema_tools.diagnosis.screening import Screen, shapes_of
+from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
 from ema_tools.parallel import each
 
-Reals = NDArray[np.float64]
-
 # Changes of the two fault parameters compete with the effects, so that a fault is not named as an effect.
 FAULTS: Mapping[str, str] = {"csj": "screw.csj_Nm", "blk": "screw.blk_mm"}
+# Rows of the library that are no physical effects: they hold whatever was learned.
+LEARNED = "learned_"
 
-_QUARTER = (0.0, 1.5707963, 3.1415926, -1.5707963)
-# Values of shape parameters that are tried, by field; where a field has none it keeps its nominal value.
+# Values of shape parameters that are tried, by field, where no torque pattern suggests them.
 _SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
-    "stribeck_friction": {"speed_rad_s": (2.0, 6.0, 20.0, 50.0), "shape": (1.0, 2.0)},
-    "cogging_torque": {"periods": (4.0, 6.0, 8.0, 9.0, 12.0, 18.0, 20.0, 24.0, 30.0, 36.0), "phase_rad": _QUARTER},
-    "torque_ripple": {"periods": (2.0, 4.0, 6.0, 8.0, 12.0, 24.0), "phase_rad": _QUARTER},
-    "pitch_ripple": {"phase_rad": _QUARTER},
     "transmission_compliance": {"mass_kg": (2.0, 6.0, 20.0)},
     "inverter_dead_time": {"width_A": (0.05, 0.3)},
 }
-_JAM_PLACES = 25
-_JAM_WIDTHS = (0.12, 0.4)
+# Shapes that are as good as independent of each other: among so many the best one explains some noise.
+_TRIED: Mapping[str, int] = {"cogging_torque": 150, "torque_ripple": 90, "pitch_ripple": 4, "stribeck_friction": 6, "jam_spot": 60, "transmission_compliance": 3, "presliding": 2}
 # First size tried, as a share of an effect's range; then it is scaled by what the residual asks for.
 _FIRST_SHARE = 0.002
 _SCALINGS = 4
 # Where the scatter of the healthy machine explains a small change, only a large one shows, and not in proportion: further first sizes for effects of one shape.
 _LADDER = (1.0, 8.0, 30.0, 100.0)
 # A limit acts only below what the signal reaches: shares of the largest current that are tried.
-_LIMIT_SHARES = (0.98, 0.9, 0.75, 0.5)
+_LIMIT_SHARES = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.4, 0.35, 0.3)
+# First sizes of effects that are far from proportional to their size, and the power with which they grow.
+_FIRST: Mapping[str, Sequence[float]] = {"transmission_compliance": (0.004, 0.006, 0.009, 0.013, 0.02, 0.03, 0.05)}
+_POWER: Mapping[str, float] = {"transmission_compliance": 2.0}
+_FACTORS = (1e-3, 1e3)
+_POWERS = (0.5, 3.0)
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """One effect in one shape: names of its values, the size first, and where the size may lie."""
+    """One effect in one shape: names of its values, the size first, the sizes to begin with, and where the size may lie."""
 
     effect: str
     size: str
     shape: Mapping[str, float]
+    first: tuple[float, ...]
     lower: float
     upper: float
     zero: float
@@ -62,7 +64,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Signature:
-    """A candidate at the size that explains most: its vector [n] and by how much it lowers the cost of the residual."""
+    """A candidate at the size that explains most: its vector [n], and by how much it lowers the cost of the residual, less what the choice of its shape would of noise."""
 
     candidate: Candidate
     size: float
@@ -74,42 +76,52 @@ class Signature:
         return self.candidate.changes(self.size)
 
 
-def _shapes_of(effect: Effect, evidence: Evidence) -> list[dict[str, float]]:
-    grid: dict[str, Sequence[float]] = dict(_SHAPES.get(effect.name, {}))
-    if effect.name == "jam_spot":
-        position = evidence.record.position_mm
-        low, high = float(position.min()), float(position.max())
-        grid = {"place_mm": tuple(np.linspace(low, high, _JAM_PLACES)), "width_mm": _JAM_WIDTHS}
+def penalty(effects: Collection[str]) -> float:
+    """What the free choice of these effects' shapes explains of pure noise, in units of cost."""
+    return float(sum(2.0 * np.log(_TRIED.get(effect, 1)) for effect in effects))
+
+
+def _ladder(lower: float, upper: float, zero: float, rungs: Sequence[float]) -> tuple[float, ...]:
+    reaches = [reach for reach in (upper - zero, lower - zero) if reach != 0.0]
+    return tuple(zero + _FIRST_SHARE * rung * reach for reach in reaches for rung in rungs)
+
+
+def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
+    size = effect.size
+    name = f"effects.{size.name}"
+
+    def one(shape: Mapping[str, float], first: tuple[float, ...]) -> Candidate:
+        return Candidate(effect.name, name, shape, first, size.lower, size.upper, size.nominal)
+
+    suggested = shapes_of(screen, effect.name)
+    if suggested is not None:
+        return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
+    if effect.name == "current_limit":
+        peak = float(np.max(np.abs(screen.states.current_A)))
+        return [one({}, (share * peak,)) for share in _LIMIT_SHARES]
+    grid = _SHAPES.get(effect.name, {})
     names = [f"effects.{effect.name}.{field}" for field in grid]
-    return [dict(zip(names, values, strict=True)) for values in itertools.product(*grid.values())]
+    first = tuple(_FIRST.get(effect.name, ())) or _ladder(size.lower, size.upper, size.nominal, _LADDER)
+    return [one(dict(zip(names, values, strict=True)), first) for values in itertools.product(*grid.values())]
 
 
-def candidates(evidence: Evidence, without: Sequence[str] = ()) -> list[Candidate]:
+def candidates(view: View, without: Collection[str] = ()) -> list[Candidate]:
     """Every effect that the actuator does not hold yet, in every shape that is tried; and the fault parameters."""
+    evidence = view.evidence
     found = []
-    for name, value in FAULTS.items():
+    scattering = {name for one in evidence.spread for name in one.names} if not evidence.relative else set()
+    for fault, value in FAULTS.items():
         nominal = evidence.actuator[value]
-        if name not in without and nominal > 0.0:
-            found.append(Candidate(name, value, {}, 0.05 * nominal, 20.0 * nominal, nominal))
+        if fault not in without and nominal > 0.0 and value not in scattering:
+            found.append(Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal))
+    screen = Screen(view)
     for effect in load_definitions().effects:
-        if effect.name not in without and effect.name not in evidence.actuator.active_effects:
-            size = effect.size
-            for shape in _shapes_of(effect, evidence):
-                found.append(Candidate(effect.name, f"effects.{size.name}", shape, size.lower, size.upper, size.nominal))
+        if effect.name not in without and effect.name not in evidence.actuator.active_effects and not effect.name.startswith(LEARNED):
+            found += _of_effect(effect, view, screen)
     return found
 
 
-def _first_sizes(candidate: Candidate, evidence: Evidence) -> list[float]:
-    """Where the scaling begins: one per sign, or a ladder for a limit."""
-    if candidate.effect == "current_limit":
-        peak = float(np.max(np.abs(evidence.base[evidence.channels.index("current_A")]))) if "current_A" in evidence.channels else 8.0
-        return [share * peak for share in _LIMIT_SHARES]
-    up, down = candidate.upper - candidate.zero, candidate.zero - candidate.lower
-    ladder = (1.0,) if len(_SHAPES.get(candidate.effect, {})) > 1 or candidate.effect == "jam_spot" else _LADDER
-    return [candidate.zero + _FIRST_SHARE * rung * reach for reach in (up, -down) if reach != 0.0 for rung in ladder]
-
-
-def _score(vector: Reals, residual: Reals) -> tuple[float, float]:
+def _gain(vector: Reals, residual: Reals) -> tuple[float, float]:
     """How far the size should be scaled, and the cost that it then takes off."""
     length = float(vector @ vector)
     if not length > 0.0:
@@ -119,30 +131,36 @@ def _score(vector: Reals, residual: Reals) -> tuple[float, float]:
     return share, 2.0 * kept * float(vector @ residual) - kept * kept * length
 
 
-def _matched(candidate: Candidate, first: float, evidence: Evidence, held: Mapping[str, float], held_vector: Reals, residual: Reals) -> Signature | None:
+def _matched(candidate: Candidate, first: float, view: View) -> Signature | None:
     best: Signature | None = None
-    size = first
-    for attempt in range(1 if candidate.effect == "current_limit" else _SCALINGS):
+    size, power = first, _POWER.get(candidate.effect, 1.0)
+    earlier: tuple[float, float] | None = None
+    for _ in range(1 if candidate.effect == "current_limit" else _SCALINGS):
         try:
-            vector = evidence.signature({**held, **candidate.changes(size)}) - held_vector
+            vector = view.signature(candidate.changes(size))
         except InputError:
             break
-        share, score = _score(vector, residual)
+        share, gain = _gain(vector, view.residual)
+        score = gain - penalty([candidate.effect])
         if best is None or score > best.score:
             best = Signature(candidate, size, vector, score)
         if share <= 0.0 or abs(share - 1.0) < 0.2:
             break
-        reach = (1e-3, 1e3) if attempt == 0 else (0.1, 8.0)
-        wanted = candidate.zero + (size - candidate.zero) * float(np.clip(share, *reach))
-        wanted = float(np.clip(wanted, candidate.lower, candidate.upper))
+        reach, length = abs(size - candidate.zero), float(np.linalg.norm(vector))
+        if earlier is not None and reach != earlier[0]:
+            # a stretch grows with the square of its period, a play not at all before it is left
+            power = float(np.clip(np.log(length / earlier[1]) / np.log(reach / earlier[0]), *_POWERS))
+        earlier = (reach, length)
+        factor = float(np.clip(share, *_FACTORS)) ** (1.0 / power)
+        wanted = float(np.clip(candidate.zero + (size - candidate.zero) * factor, candidate.lower, candidate.upper))
         if wanted == size:
             break
         size = wanted
     return best
 
 
-def signatures(evidence: Evidence, residual: Reals, held: Mapping[str, float], held_vector: Reals, without: Sequence[str] = ()) -> list[Signature]:
-    """The best-matched signature of every candidate beside what is held already, strongest first; both cores at work."""
-    tasks = [(candidate, first) for candidate in candidates(evidence, without) for first in _first_sizes(candidate, evidence)]
-    found = each(lambda task: _matched(task[0], task[1], evidence, held, held_vector, residual), tasks)
+def signatures(view: View, without: Collection[str] = ()) -> list[Signature]:
+    """The best-matched signature of every candidate beside what the view holds already, strongest first; both cores at work."""
+    tasks = [(candidate, first) for candidate in candidates(view, without) for first in candidate.first]
+    found = each(lambda task: _matched(task[0], task[1], view), tasks)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)

@@ -1,101 +1,178 @@
-"""What a record says beyond the machine's own repeatability: the residual, whitened, and the directions in which healthy runs scatter.
+"""What a record says beyond what is already known of the machine.
 
-With healthy repeats of the same command the residual is the record minus their mean, so that a standing error of the model, which is in both, drops out. Noise is
-estimated per channel and frequency from how the repeats differ, after the share that a scatter of the machine's own parameters explains (friction, grease,
-winding) has been taken off. That share stays in the answer as directions with a known spread, not as free parameters, so that a change of the same parameter
-beyond its usual scatter can still be named.
+With healthy repeats of the same command, the model is first fitted to their mean; the record is then compared with that mean, so that a standing error of the model,
+which is in both, drops out. Noise is estimated per channel and frequency from how the repeats differ, after the share that a scatter of the machine's own parameters
+explains (friction, grease, winding) has been taken off. Without repeats the record is compared with the model itself, and the parameters are free within what a data
+sheet leaves open.
+
+Either way some of the model's parameters move within a known spread. They stay in every answer as directions with that spread, not as free parameters, so that a
+change of the same parameter beyond it can still be named.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ema_tools.actuator import Actuator
+from ema_tools.diagnosis import spread as spreads
+from ema_tools.diagnosis.spread import Spread
+from ema_tools.diagnosis.whitening import Reals, Whitener, least_noise, smoothed, spectrum, white_level
 from ema_tools.errors import InputError
 from ema_tools.native import CHANNELS, library
 from ema_tools.parallel import each
 from ema_tools.records import Record, start_of
 
-Reals = NDArray[np.float64]
-
-# Usual scatter of a machine from run to run, relative; it counts as much as this many repeats that had shown it.
-USUAL_SCATTER: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
-_USUAL_WEIGHT = 4.0
-# Step of the scatter's signatures: large against rounding, small against nonlinearity.
-_SCATTER_STEP = 0.02
-# Half width of the smoothing of a noise spectrum: this many lines, or this share of the frequency.
-_SMOOTH_LINES = 12
-_SMOOTH_SHARE = 0.15
-# No signal is trusted beyond this share of its own size, whatever its noise: a drive's voltage follows from the other signals and would have none.
-_LEAST_NOISE = 1e-3
+_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it
+_DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
+_DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero
+_ROUNDS = 6
+_SETTLED = 1e-4
 
 
-def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str]) -> Reals:
-    """The model under the record's command, [channels, rows]. Raises InputError when the model refuses."""
+def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str], start_mm: float) -> Reals:
+    """The model under the record's command from rest at `start_mm`, [channels, rows]. Raises InputError when the model refuses."""
     values, options = actuator.arrays()
-    run = library(32).simulate(values, options, record.command_mm, start_of(actuator, record))
+    run = library(32).simulate(values, options, record.command_mm, start_mm)
     return np.array([getattr(run, name) for name in channels])
 
 
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
     """The record's signals, [channels, rows]."""
-    return np.array([record.channel(name) for name in channels])
-
-
-@dataclass(frozen=True)
-class Whitener:
-    """Turns signals [channels, rows] into a vector of as many numbers in which noise has unit variance. `weights` [channels, rows // 2 + 1]."""
-
-    weights: Reals
-
-    def __call__(self, signals: Reals) -> Reals:
-        lines = np.fft.rfft(signals, axis=1, norm="ortho") * self.weights
-        # a line stands for its mirror image too, except the first and, for an even count, the last
-        last = lines.shape[1] - 1 if signals.shape[1] % 2 == 0 else lines.shape[1]
-        lines[:, 1:last] *= np.sqrt(2.0)
-        return np.concatenate([lines.real.ravel(), lines.imag.ravel()])
+    return np.array([record.recorded(name) for name in channels])
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A record against healthy repeats. Vectors are whitened and projected: squared lengths are costs with the scatter's spread allowed for.
+    """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
-    `residual` [n]: of the record; `repeats`: of each repeat against the others, what a record with nothing new looks like. `base` [channels, rows]:
-    the model as it is.
+    `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: the cost that such
+    a record has. `offsets` [channels]: spread of the signals' own zero, 0 for none.
     """
 
     actuator: Actuator
     record: Record
     channels: tuple[str, ...]
+    target: Reals
+    spread: tuple[Spread, ...]
+    whiten: Whitener
+    offsets: Reals
+    start_mm: float
+    repeats: tuple[Reals, ...] = ()
+
+    @property
+    def relative(self) -> bool:
+        """Whether healthy repeats stand behind it."""
+        return bool(self.repeats)
+
+    @property
+    def numbers(self) -> int:
+        """Independent numbers in the record's signals."""
+        return self.target.size
+
+    def simulate(self, changes: Mapping[str, float], deviations: Reals) -> Reals:
+        """Signals [channels, rows] of the model with effects at `changes` and its spread values at `deviations` [spread] of their spread."""
+        moved = dict(changes)
+        for one, value in zip(self.spread, deviations, strict=True):
+            moved = {**one.changes(self.actuator, float(value)), **moved}
+        return simulate_channels(self.actuator.changed(moved), self.record, self.channels, self.start_mm)
+
+
+@dataclass(frozen=True)
+class View:
+    """The evidence as seen from one set of effects, linear in what scatters: vectors are whitened and have the scatter's directions taken off.
+
+    `values`: of the effects; `deviations` [spread + offsets]: of what scatters, in spreads; `base` [channels, rows]: the model there; `residual` [n].
+    """
+
+    evidence: Evidence
+    values: Mapping[str, float]
+    deviations: Reals
     base: Reals
     residual: Reals
-    repeats: tuple[Reals, ...]
-    _whiten: Whitener
-    _basis: Reals
+    _basis: Reals = field(repr=False)
+    _plain: Reals = field(repr=False)
+    _directions: Reals = field(repr=False)
+
+    @property
+    def cost(self) -> float:
+        """Squared residual with the scatter at its best."""
+        return float(self.residual @ self.residual)
 
     def projected(self, signals: Reals) -> Reals:
         """Signals [channels, rows] as a vector [n]."""
-        plain = self._whiten(signals)
-        tall = np.concatenate([plain, np.zeros(self._basis.shape[1])])
-        return tall - self._basis @ (self._basis.T @ tall)
+        return self._without(np.concatenate([self.evidence.whiten(signals), np.zeros(self.deviations.size)]))
+
+    def _without(self, tall: Reals) -> Reals:
+        return np.asarray(tall - self._basis @ (self._basis.T @ tall))
 
     def signature(self, changes: Mapping[str, float]) -> Reals:
-        """What `changes` make of the model, [n]. Raises InputError when the model refuses them."""
-        return self.projected(simulate_channels(self.actuator.changed(changes), self.record, self.channels) - self.base)
+        """What `changes` beside the view's own values make of the model, [n]. Raises InputError when the model refuses them."""
+        own = self.deviations[: len(self.evidence.spread)]
+        return self.projected(self.evidence.simulate({**self.values, **changes}, own) - self.base)
+
+    def unwhitened(self) -> Reals:
+        """The residual's lines [channels, lines] weighted once more: their product with a signal's lines is the product of whitened vectors."""
+        count = self.deviations.size
+        return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
+
+    def best_deviations(self, vector: Reals | None = None) -> Reals:
+        """Deviations at their best, [spread + offsets], with an effect's unprojected `vector` taken off first."""
+        tall = self._plain if vector is None else self._plain - vector
+        step, *_ = np.linalg.lstsq(self._directions, tall, rcond=None)
+        return np.asarray(self.deviations + step)
 
 
-def _smoothed(power: Reals) -> Reals:
-    """Running mean over frequency, [channels, lines]."""
-    lines = power.shape[1]
-    total = np.concatenate([np.zeros((power.shape[0], 1)), np.cumsum(power, axis=1)], axis=1)
-    index = np.arange(lines)
-    half = np.maximum(_SMOOTH_LINES, (_SMOOTH_SHARE * index).astype(int))
-    low, high = np.maximum(index - half, 0), np.minimum(index + half + 1, lines)
-    return (total[:, high] - total[:, low]) / (high - low)
+def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, target: Reals | None = None) -> View:
+    """The evidence seen from `values` of effects; `deviations` of what scatters are zero unless told. `target` in place of the evidence's own."""
+    count, offsets = len(evidence.spread), np.flatnonzero(evidence.offsets)
+    at = np.zeros(count + offsets.size) if deviations is None else deviations
+    own = at[:count]
+    shift = np.zeros((len(evidence.channels), 1))
+    shift[offsets, 0] = evidence.offsets[offsets] * at[count:]
+
+    def moved(place: int) -> Reals:
+        one = evidence.spread[place]
+        step = _DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+        near = own.copy()
+        near[place] += step
+        return (evidence.simulate(values, near) - base) / step
+
+    base = evidence.simulate(values, own)
+    columns = [evidence.whiten(signal) for signal in each(moved, list(range(count)))]
+    for channel in offsets:
+        constant = np.zeros_like(base)
+        constant[channel] = evidence.offsets[channel]
+        columns.append(evidence.whiten(constant))
+    residual = evidence.whiten((evidence.target if target is None else target) - base - shift)
+    directions = np.vstack([np.column_stack(columns) if columns else np.empty((residual.size, 0)), -np.eye(at.size)])
+    basis, _ = np.linalg.qr(directions)
+    plain = np.concatenate([residual, at])
+    return View(evidence, values, at, base, plain - basis @ (basis.T @ plain), basis, plain, directions)
+
+
+def raw_cost(evidence: Evidence) -> float:
+    """Cost of the record against the model as known, nothing of it moved."""
+    own = np.zeros(len(evidence.spread))
+    return float(np.sum(evidence.whiten(evidence.target - evidence.simulate({}, own)) ** 2))
+
+
+def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS) -> View:
+    """The view after what scatters has moved to where it is best, as far as `rounds` of linear steps bring it."""
+    here = view(evidence, values, deviations)
+    if not evidence.spread:
+        return here
+    for _ in range(rounds):
+        there = view(evidence, values, here.best_deviations())
+        if not np.sum(there._plain**2) < np.sum(here._plain**2):
+            break
+        done = np.sum(here._plain**2) - np.sum(there._plain**2) < _SETTLED * np.sum(there._plain**2)
+        here = there
+        if done:
+            break
+    return here
 
 
 def common_channels(records: Sequence[Record]) -> tuple[str, ...]:
@@ -103,46 +180,78 @@ def common_channels(records: Sequence[Record]) -> tuple[str, ...]:
     return tuple(name for name in CHANNELS if all(record.channel(name) is not None for record in records))
 
 
+def same_command(record: Record, other: Record) -> bool:
+    """Whether two records run the same command."""
+    return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
+
+
 def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
-    if len(healthy) < 2:
-        raise InputError(f"{record.file}: {len(healthy)} healthy record(s) tell nothing of repeatability: give two or more of the same command")
     for other in healthy:
-        if other.rows != record.rows or not np.allclose(other.command_mm, record.command_mm, atol=1e-6):
+        if not same_command(record, other):
             raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
+    if len(healthy) < 2:
+        raise InputError(f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none")
 
 
-def gather(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: Sequence[str] | None = None) -> Evidence:
-    """Evidence of a record against two or more healthy repeats of its command, in the signals that all have or in `channels`.
+def _offsets(channels: Sequence[str], signals: Reals) -> Reals:
+    sizes = np.sqrt(np.mean(signals**2, axis=1))
+    return np.array([spreads.OFFSET_SHARE * size if name in spreads.OFFSET_CHANNELS else 0.0 for name, size in zip(channels, sizes, strict=True)])
+
+
+def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...]) -> Actuator:
+    """The actuator fitted to the mean [channels, rows] of healthy repeats, whose noise power by line is `power`."""
+    start = start_of(actuator, record)
+    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), _offsets(channels, mean), start)
+    fitted = settled(found, {})
+    changes: dict[str, float] = {}
+    for one, value in zip(found.spread, fitted.deviations, strict=False):
+        changes |= one.changes(actuator, float(value))
+    return actuator.changed(changes)
+
+
+def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...]) -> Evidence:
+    runs = np.array([measured_channels(other, channels) for other in healthy])
+    mean, count = runs.mean(axis=0), len(healthy)
+    deviations = runs - mean
+    least = least_noise(mean)
+    level = np.maximum(np.sqrt(np.mean(deviations**2, axis=(0, 2))), least)
+    flat = np.broadcast_to((level**2)[:, None], spectrum(mean).shape).real / count
+    known = healthy_model(actuator, record, mean, flat, channels)
+
+    start = start_of(known, record)
+    usual = spreads.from_run_to_run()
+    here = simulate_channels(known, record, channels, start)
+
+    def moved(one: Spread) -> Reals:
+        step = _DERIVATIVE_STEP / one.std
+        return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start) - here) / step
+
+    directions = np.array(each(moved, usual))
+    shares = np.linalg.lstsq((directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None)[0]
+    widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
+    left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
+    power = np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)
+    widen = 1.0 + 1.0 / count
+    whiten = Whitener.of(widen * (smoothed(power) + least[:, None] ** 2), record.rows)
+    spread = tuple(replace(one, std=one.std * float(width) * float(np.sqrt(widen))) for one, width in zip(usual, widths, strict=True))
+    # a repeat against the mean of the others scatters a little more than the record against the mean of them all
+    shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
+    repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
+    target = here + measured_channels(record, channels) - mean
+    return Evidence(known, record, channels, target, spread, whiten, np.zeros(len(channels)), start, repeats)
+
+
+def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None) -> Evidence:
+    """Evidence of a record, against two or more healthy repeats of its command where there are any, in the signals that all have or in `channels`.
 
     Raises InputError for repeats of another command or too few of them.
     """
-    _check_repeats(record, healthy)
     names = tuple(channels) if channels else common_channels([record, *healthy])
-    base = simulate_channels(actuator, record, names)
-    runs = np.array([measured_channels(other, names) for other in healthy])
-    mean = runs.mean(axis=0)
-    count = len(healthy)
-    deviations = runs - mean
-
-    def moved(name: str) -> Reals:
-        return (simulate_channels(actuator.changed({name: actuator[name] * (1.0 + _SCATTER_STEP)}), record, names) - base) / _SCATTER_STEP
-
-    directions = np.array(each(moved, list(USUAL_SCATTER)))
-    least = _LEAST_NOISE * np.sqrt(np.mean(mean**2, axis=1)) + 1e-12
-    spread = np.maximum(np.sqrt(np.mean(deviations**2, axis=(0, 2))), least)
-    flat = (directions / spread[:, None]).reshape(len(directions), -1)
-    shares = np.linalg.lstsq(flat.T, (deviations / spread[:, None]).reshape(count, -1).T, rcond=None)[0]
-    usual = np.array(list(USUAL_SCATTER.values()))
-    scatter_std = np.sqrt((_USUAL_WEIGHT * usual**2 + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
-    left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
-
-    power = np.mean(np.abs(np.fft.rfft(left, axis=2, norm="ortho")) ** 2, axis=0) * count / (count - 1)
-    widen = 1.0 + 1.0 / count
-    whiten = Whitener(1.0 / np.sqrt(widen * (_smoothed(power) + least[:, None] ** 2)))
-    scatter = np.column_stack([whiten(direction) * std * np.sqrt(widen) for direction, std in zip(directions, scatter_std, strict=True)])
-    basis, _ = np.linalg.qr(np.vstack([scatter, np.eye(scatter.shape[1])]))
-    evidence = Evidence(actuator, record, names, base, np.empty(0), (), whiten, basis)
-    # a repeat against the mean of the others scatters a little more than the record against the mean of them all
-    shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
-    repeats = tuple(evidence.projected((runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink) for k in range(count))
-    return Evidence(actuator, record, names, base, evidence.projected(measured_channels(record, names) - mean), repeats, whiten, basis)
+    if healthy:
+        _check_repeats(record, healthy)
+        return _against_repeats(actuator, record, healthy, names)
+    measured = measured_channels(record, names)
+    start = start_of(actuator, record)
+    level = np.maximum(white_level(measured), least_noise(measured))
+    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1)).copy()
+    return Evidence(actuator, record, names, measured, spreads.from_data_sheet(actuator), Whitener.of(power, record.rows), _offsets(names, measured), start)

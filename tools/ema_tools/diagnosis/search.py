@@ -2,48 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
-from ema_tools.actuator import row_of
-from ema_tools.diagnosis.candidates import FAULTS, Signature, signatures
-from ema_tools.diagnosis.evidence import Evidence
-from ema_tools.errors import InputError
+from ema_tools.diagnosis.candidates import Signature, signatures
+from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, settled, view
+from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, polished, refit, without_effect
+from ema_tools.diagnosis.whitening import Reals
 from ema_tools.parallel import each
 
-Reals = NDArray[np.float64]
+Report = Callable[[float, str], None]
 
 # Effects whose refit is worth its time, at most, and how far behind the best score they may be.
 _FINALISTS = 5
 _FINALIST_SHARE = 0.4
+_FINALIST_REACH = 30.0
 # A set of effects grows no further than this.
 _EFFECTS_MAX = 3
 # Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
-_LEAST_LIMIT = 60.0
+_LEAST_LIMIT = 30.0
 _REPEAT_MARGIN = 1.5
 # An effect must also take off this share of the excess that it found.
-_LEAST_SHARE = 0.03
+_LEAST_SHARE = 0.02
 # Fits whose costs differ by less than this cannot be told apart: three standard deviations.
 _ALIKE = 9.0
-_ALIKE_SHARE = 0.01
-_UNEXPLAINED = 0.15
-_REFIT_RUNS = 8
-
-
-@dataclass(frozen=True)
-class Fit:
-    """Effects fitted together: their values, standard errors, the cost left, and the values that lie on a bound."""
-
-    effects: tuple[str, ...]
-    values: Mapping[str, float]
-    std: Mapping[str, float]
-    cost: float
-    at_bound: tuple[str, ...]
-    vector: Reals
+_ALIKE_SHARE = 0.003
+_UNEXPLAINED = 0.1
+# The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
+_MODEL_ERROR = 0.02
+_POLISH_ROUNDS = {True: 1, False: 3}
+# Effects that no record of one machine tells apart: naming one names the class.
+INSEPARABLE: Sequence[frozenset[str]] = (frozenset({"constant_load", "coulomb_asymmetry"}),)
 
 
 @dataclass(frozen=True)
@@ -55,66 +46,47 @@ class Round:
 
 
 @dataclass(frozen=True)
+class Named:
+    """One effect of the answer's list: its class (itself first), values and standard errors as far as it was fitted, by how much it lowers the cost, and whether it is accepted."""
+
+    name: str
+    alike: tuple[str, ...]
+    values: Mapping[str, float]
+    std: Mapping[str, float]
+    score: float
+    accepted: bool
+
+
+@dataclass(frozen=True)
 class Diagnosis:
-    """What was found; `fit` None when nothing exceeds the limit. `unexplained`: share of the excess over the floor that is left."""
+    """What was found; `fit` None when nothing exceeds the limit. `unexplained`: share of the excess over the floor that is left.
+
+    `steps`: the fits that were accepted one after the other, costs falling.
+    """
 
     verdict: str
     fit: Fit | None
-    alike: tuple[str, ...]
+    named: tuple[Named, ...]
     rounds: tuple[Round, ...]
+    steps: tuple[Fit, ...]
     cost_before: float
     cost_after: float
     cost_floor: float
     unexplained: float
     limit: float
 
-
-def effect_of(name: str) -> str:
-    """Effect, or fault parameter, that a value belongs to."""
-    for fault, value in FAULTS.items():
-        if name == value:
-            return fault
-    return name.split(".")[-2]
+    @property
+    def alike(self) -> tuple[str, ...]:
+        """What looks like the first effect."""
+        return self.named[0].alike[1:] if self.named else ()
 
 
-def refit(evidence: Evidence, start: Mapping[str, float]) -> Fit:
-    """Fits the values named in `start` to the record, beginning there."""
-    names = list(start)
-    rows = [row_of(name) for name in names]
-    first = np.array([start[name] for name in names])
-    scale = np.where(np.array([name.endswith("phase_rad") for name in names]), 0.5, np.maximum(np.abs(first), 1e-9))
-    lower = np.array([row.lower for row in rows]) / scale
-    upper = np.array([row.upper for row in rows]) / scale
-
-    def vector(point: Reals) -> Reals:
-        changes = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)}
-        try:
-            return evidence.signature(changes)
-        except InputError:
-            return np.zeros_like(evidence.residual)
-
-    def jacobian(point: Reals) -> Reals:
-        here = vector(point)
-        columns = []
-        for k in range(point.size):
-            step = 0.03 if point[k] + 0.03 <= upper[k] else -0.03
-            moved = point.copy()
-            moved[k] += step
-            columns.append((here - vector(moved)) / step)
-        return np.column_stack(columns)
-
-    margin = 1e-9 * (upper - lower)
-    begun = np.clip(first / scale, lower + margin, upper - margin)
-    found = least_squares(lambda point: evidence.residual - vector(point), begun, jac=jacobian, bounds=(lower, upper), max_nfev=_REFIT_RUNS, xtol=1e-4, ftol=1e-5)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac)
-    values = {name: float(value) for name, value in zip(names, found.x * scale, strict=True)}
-    std = {name: float(np.sqrt(max(covariance[k, k], 0.0)) * scale[k]) for k, name in enumerate(names)}
-    at_bound = tuple(name for name, row in zip(names, rows, strict=True) if values[name] >= row.upper - 1e-6 * (row.upper - row.lower))
-    return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, std, 2.0 * float(found.cost), at_bound, vector(found.x))
-
-
-def _finalists(found: Sequence[Signature], least: float) -> list[Signature]:
-    """Per effect the strongest signature of each sign, of the few strongest effects above `least`."""
+def _finalists(found: Sequence[Signature]) -> list[Signature]:
+    """Per effect the strongest signature of each sign, of the few strongest effects."""
+    if not found:
+        return []
+    top = found[0].score
+    least = min(_FINALIST_SHARE * top, top - _FINALIST_REACH)
     chosen: dict[tuple[str, bool], Signature] = {}
     effects: list[str] = []
     for signature in found:
@@ -128,14 +100,6 @@ def _finalists(found: Sequence[Signature], least: float) -> list[Signature]:
     return list(chosen.values())
 
 
-def _best_each(fits: Sequence[Fit]) -> tuple[Fit, ...]:
-    """The best fit of each set of effects, best first."""
-    best: dict[tuple[str, ...], Fit] = {}
-    for fit in sorted(fits, key=lambda fit: fit.cost):
-        best.setdefault(fit.effects, fit)
-    return tuple(best.values())
-
-
 def _strongest(found: Sequence[Signature]) -> dict[str, Signature]:
     best: dict[str, Signature] = {}
     for signature in found:
@@ -143,63 +107,120 @@ def _strongest(found: Sequence[Signature]) -> dict[str, Signature]:
     return best
 
 
-def _limit_of(evidence: Evidence, found: Sequence[Signature]) -> float:
+def _repeat_residuals(start: View) -> list[Reals]:
+    """What each healthy repeat says against the others, seen from the healthy machine."""
+    return [seen.residual for seen in each(lambda target: view(start.evidence, start.values, None, target), start.evidence.repeats)]
+
+
+def _limit_of(repeats: Sequence[Reals], found: Sequence[Signature]) -> float:
     """What the same signatures make of healthy repeats, with a margin."""
     most = 0.0
     for signature in found:
         length = float(signature.vector @ signature.vector)
         if length > 0.0:
-            most = max([most, *(float(signature.vector @ repeat) ** 2 / length for repeat in evidence.repeats)])
+            most = max([most, *(float(signature.vector @ repeat) ** 2 / length for repeat in repeats)])
     return max(_LEAST_LIMIT, _REPEAT_MARGIN * most)
 
 
-def _pruned(evidence: Evidence, fit: Fit, limit: float) -> Fit:
+def _pruned(fit: Fit, limit: float) -> Fit:
     """Drops each earlier effect whose absence costs less than the limit."""
     current = fit
     for effect in fit.effects[:-1]:
-        without = {name: value for name, value in current.values.items() if effect_of(name) != effect}
+        without = without_effect(current.values, effect)
         if without:
-            smaller = refit(evidence, without)
+            smaller = _smaller(current, without)
             if smaller.cost - current.cost < limit:
                 current = smaller
     return current
 
 
-def diagnose(evidence: Evidence) -> Diagnosis:
-    """The whole search on one record's evidence."""
-    repeats = np.array([float(repeat @ repeat) for repeat in evidence.repeats])
-    floor = float(repeats.mean())
-    before = float(evidence.residual @ evidence.residual)
+def _smaller(fit: Fit, values: Mapping[str, float]) -> Fit:
+    start = settled(fit.view.evidence, values, fit.view.deviations, 1)
+    return refit(start, values)
+
+
+def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
+    """The whole search on one record's evidence; `report` is told the share done and what is at work."""
+    tell = report or (lambda _share, _text: None)
+    tell(0.05, "model against record")
+    here = settled(evidence, {})
+    repeats = _repeat_residuals(here)
+    costs = np.array([float(repeat @ repeat) for repeat in repeats]) if repeats else np.array([float(evidence.numbers)])
+    floor, before = float(costs.mean()), here.cost
     excess = max(before - floor, 1e-9)
+    doubt = _MODEL_ERROR**2 * max(raw_cost(evidence) - floor, 0.0)
     rounds: list[Round] = []
+    steps: list[Fit] = []
     best: Fit | None = None
     cost, limit = before, _LEAST_LIMIT
     while len(best.effects if best else ()) < _EFFECTS_MAX:
-        held = dict(best.values) if best else {}
-        held_vector = best.vector if best else np.zeros_like(evidence.residual)
-        left = evidence.residual - held_vector
-        found = signatures(evidence, left, held, held_vector, best.effects if best else ())
+        place = len(rounds)
+        tell(0.1 + 0.3 * place, f"round {place + 1}: every effect of the library")
+        found = signatures(here, best.effects if best else ())
         if not rounds:
-            limit = _limit_of(evidence, found)
-        needed = max(limit, _LEAST_SHARE * excess)
-        strongest = _strongest(found)
-        scores = {name: signature.score for name, signature in strongest.items()}
-        top = max(scores.values(), default=0.0)
-        finalists = _finalists(found, max(_FINALIST_SHARE * top, 0.7 * needed)) if top > needed else []
-        fits = _best_each(each(lambda signature, held=held: refit(evidence, {**held, **signature.start()}), finalists))
+            limit = _limit_of(repeats, found)
+        needed = max(_needed(limit, excess, cost, floor, evidence), doubt if rounds else 0.0)
+        scores = {name: signature.score for name, signature in _strongest(found).items()}
+        tell(0.25 + 0.3 * place, f"round {place + 1}: refit of the strongest")
+        finalists = _finalists(found) if not rounds or max(scores.values(), default=0.0) > 0.7 * needed else []
+        held = dict(best.values) if best else {}
+        seen = here
+        fits = best_of_each(each(lambda signature, held=held, seen=seen: refit(seen, joined(held, signature.start())), finalists))
+        fits = _polished(fits, evidence)
         rounds.append(Round(scores, fits))
-        if not fits or cost - fits[0].cost < needed:
+        if not fits or cost - fits[0].judged < needed:
             break
-        best = _pruned(evidence, fits[0], needed)
+        best = _pruned(fits[0], needed)
+        steps.append(best)
+        here = settled(evidence, best.values, best.view.best_deviations(), 1)
         cost = best.cost
+    tell(1.0, "done")
     unexplained = max(cost - floor, 0.0) / excess
-    strange = cost - floor > 6.0 * (float(np.std(repeats)) + np.sqrt(2.0 * evidence.residual.size))
-    if strange and unexplained > _UNEXPLAINED:
-        verdict = "unknown"
-    else:
-        verdict = "missing" if best is not None else "adequate"
-    first = rounds[0].fits
-    alike = () if best is None else tuple(
-        effect for fit in first[1:] for effect in fit.effects if fit.cost - first[0].cost < max(_ALIKE, _ALIKE_SHARE * excess) and effect not in best.effects
-    )
-    return Diagnosis(verdict, best, alike, tuple(rounds), before, cost, floor, unexplained, limit)
+    strange = cost - floor > max(6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size)), 2.0 * doubt)
+    verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
+    named = _named(rounds, best, steps, verdict, excess, before)
+    return Diagnosis(verdict, best, named, tuple(rounds), tuple(steps), before, cost, floor, unexplained, limit)
+
+
+def _needed(limit: float, excess: float, cost: float, floor: float, evidence: Evidence) -> float:
+    """What an effect must take off: the limit, a share of the excess; without repeats, in units of the misfit that is left."""
+    inflated = limit if evidence.relative else limit * max(1.0, cost / floor)
+    return max(inflated if evidence.relative else min(inflated, 0.05 * excess + limit), _LEAST_SHARE * excess)
+
+
+def _polished(fits: tuple[Fit, ...], evidence: Evidence) -> tuple[Fit, ...]:
+    """The best fits with what scatters linear where they are."""
+    if not fits:
+        return fits
+    reach = fits[0].judged + max(_FINALIST_REACH, 0.3 * fits[0].judged)
+    near = [fit for fit in fits if fit.judged < reach]
+    rest = [fit for fit in fits if fit.judged >= reach]
+    return best_of_each([*each(lambda fit: polished(fit, _POLISH_ROUNDS[evidence.relative]), near), *rest])
+
+
+def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, excess: float, before: float) -> tuple[Named, ...]:
+    """Accepted effects in the order in which they came, then the others by what they would take off alone."""
+    found: list[Named] = []
+    accepted = best.effects if best is not None else ()
+    tolerance = max(_ALIKE, _ALIKE_SHARE * excess)
+    for effect in accepted:
+        place = next(k for k, step in enumerate(steps) if effect in step.effects)
+        fits = rounds[place].fits
+        own = next((fit for fit in fits if effect in fit.effects), fits[0])
+        held = set(steps[place - 1].effects) if place else set()
+        alike = [other for fit in fits if fit.judged - own.judged < tolerance for other in fit.effects if other not in held and other != effect]
+        alike += [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
+        std = {name: value for name, value in best.std.items() if name in best.of_effect(effect)} if best else {}
+        earlier = steps[place - 1].cost if place else before
+        found.append(Named(effect, (effect, *dict.fromkeys(alike)), best.of_effect(effect) if best else {}, std, earlier - steps[place].cost, verdict == "missing"))
+    first = rounds[0]
+    tried = {fit.effects[0]: fit for fit in reversed(first.fits)}
+    others = []
+    for effect in {*first.scores, *tried} - set(accepted):
+        fit = tried.get(effect)
+        alike = [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
+        if fit is not None and not accepted:
+            alike += [other.effects[0] for other in first.fits if other.effects[0] != effect and abs(other.judged - fit.judged) < tolerance]
+        score = before - fit.judged if fit is not None else first.scores[effect]
+        others.append(Named(effect, (effect, *dict.fromkeys(alike)), fit.values if fit else {}, fit.std if fit else {}, score, False))
+    return (*found, *sorted(others, key=lambda one: -one.score))

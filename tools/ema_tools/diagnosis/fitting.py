@@ -1,0 +1,142 @@
+"""Effects fitted together to the evidence: values, standard errors, bounds hit, the cost that is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ema_tools.actuator import row_of
+from ema_tools.diagnosis.candidates import FAULTS, penalty
+from ema_tools.diagnosis.evidence import View, settled
+from ema_tools.diagnosis.whitening import Reals
+from ema_tools.errors import InputError
+
+_RUNS = 8
+_JACOBIAN_STEP = 0.02
+_PHASE_SCALE = 0.5
+_AT_BOUND = 1e-6
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Effects fitted together: their values, the covariance of these [values, values], the cost left, the values that lie on a bound, and the evidence seen from there.
+
+    `cost` is that of the residual; `judged` adds what the choice of shapes explains of noise.
+    """
+
+    effects: tuple[str, ...]
+    values: Mapping[str, float]
+    covariance: Reals
+    at_bound: tuple[str, ...]
+    view: View
+    cost: float
+
+    @property
+    def judged(self) -> float:
+        """What fits of different effects are compared by."""
+        return self.cost + penalty(self.effects)
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard errors by name."""
+        return {name: float(np.sqrt(max(self.covariance[k, k], 0.0))) for k, name in enumerate(self.values)}
+
+    def of_effect(self, effect: str) -> dict[str, float]:
+        """Values of one effect."""
+        return {name: value for name, value in self.values.items() if effect_of(name) == effect}
+
+
+def effect_of(name: str) -> str:
+    """Effect, or fault parameter, that a value belongs to."""
+    for fault, value in FAULTS.items():
+        if name == value:
+            return fault
+    return name.split(".")[-2]
+
+
+def _scale_of(name: str, first: float) -> float:
+    if name.endswith("phase_rad"):
+        return _PHASE_SCALE
+    return max(abs(first), 1e-9)
+
+
+def refit(view: View, start: Mapping[str, float]) -> Fit:
+    """Fits the values named in `start`, those that the view holds among them, beginning there; what scatters stays linear as the view has it."""
+    names = list(start)
+    rows = [row_of(name) for name in names]
+    first = np.array([start[name] for name in names])
+    scale = np.array([_scale_of(name, value) for name, value in zip(names, first, strict=True)])
+    lower = np.array([row.lower for row in rows]) / scale
+    upper = np.array([row.upper for row in rows]) / scale
+
+    def vector(point: Reals) -> Reals:
+        changes = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)}
+        try:
+            return view.signature(changes)
+        except InputError:
+            return np.zeros_like(view.residual)
+
+    def jacobian(point: Reals) -> Reals:
+        here = vector(point)
+        columns = []
+        for k in range(point.size):
+            step = _JACOBIAN_STEP if point[k] + _JACOBIAN_STEP <= upper[k] else -_JACOBIAN_STEP
+            moved = point.copy()
+            moved[k] += step
+            columns.append((here - vector(moved)) / step)
+        return np.column_stack(columns)
+
+    margin = 1e-9 * (upper - lower)
+    begun = np.clip(first / scale, lower + margin, upper - margin)
+    found = least_squares(lambda point: view.residual - vector(point), begun, jac=jacobian, bounds=(lower, upper), max_nfev=_RUNS, xtol=1e-4, ftol=1e-5)
+    covariance = np.linalg.pinv(found.jac.T @ found.jac) * np.outer(scale, scale)
+    values = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, found.x * scale, rows, strict=True)}
+    at_bound = tuple(name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
+    return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, covariance, at_bound, view, 2.0 * float(found.cost))
+
+
+def _on_bound(name: str, value: float, lower: float, upper: float, nominal: float) -> bool:
+    """A size that ends at zero is on its bound too; a phase has none."""
+    near = _AT_BOUND * (upper - lower)
+    return not name.endswith("phase_rad") and (value >= upper - near or (value <= lower + near and lower != nominal))
+
+
+def polished(fit: Fit, rounds: int) -> Fit:
+    """The fit again with what scatters linear at the fit itself, `rounds` times or until the cost stays."""
+    for _ in range(rounds):
+        view = settled(fit.view.evidence, fit.values, fit.view.best_deviations(_plain_vector(fit)), 1)
+        again = refit(view, fit.values)
+        done = abs(again.cost - fit.cost) < 0.5 + 1e-4 * fit.cost
+        fit = again
+        if done:
+            break
+    return fit
+
+
+def _plain_vector(fit: Fit) -> Reals:
+    """What the fitted values make of the view's model, before anything is projected away."""
+    view = fit.view
+    own = view.deviations[: len(view.evidence.spread)]
+    moved = view.evidence.whiten(view.evidence.simulate({**view.values, **fit.values}, own) - view.base)
+    return np.concatenate([moved, np.zeros(view.deviations.size)])
+
+
+def joined(start: Mapping[str, float], more: Mapping[str, float]) -> dict[str, float]:
+    """Values of effects fitted so far and of one more."""
+    return {**start, **more}
+
+
+def without_effect(values: Mapping[str, float], effect: str) -> dict[str, float]:
+    """Values of all effects but one."""
+    return {name: value for name, value in values.items() if effect_of(name) != effect}
+
+
+def best_of_each(fits: Sequence[Fit]) -> tuple[Fit, ...]:
+    """The best fit of each set of effects, best first."""
+    best: dict[frozenset[str], Fit] = {}
+    for fit in sorted(fits, key=lambda fit: fit.judged):
+        best.setdefault(frozenset(fit.effects), fit)
+    return tuple(best.values())

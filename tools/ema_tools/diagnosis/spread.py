@@ -1,0 +1,71 @@
+"""How machines differ: from run to run, and from their data sheet. What of that lies in a parameter of the model is free within its spread, never named as an effect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ema_tools.actuator import Actuator, row_of
+
+# Usual scatter of one machine from run to run, relative: dry friction, grease, winding.
+FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
+
+# Usual distance of one unit from its data sheet, relative: estimates, after the tolerances that makers of motors (constants 5 .. 10 %, resistance 5 .. 10 %)
+# and screws state. Torque and back-EMF constant are one property of the magnets and move together.
+FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
+    ("screw.csj_Nm",): 0.1,
+    ("screw.viscous_Nm_s_per_rad",): 0.2,
+    ("screw.inertia_kgm2",): 0.05,
+    ("screw.blk_mm",): 0.1,
+    ("motor.resistance_ohm",): 0.04,
+    ("motor.inductance_H",): 0.1,
+    ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.025,
+    ("drive.supply_V",): 0.01,
+}
+# A healthy machine is fitted as freely as its records allow: factor on the spreads above, and what a data sheet gives as zero.
+HEALTHY_FREEDOM = 5.0
+STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.05, "encoder.rod_gain_error": 0.005, "encoder.rod_offset_mm": 0.05}
+# Offsets of the recorded signals, relative to the signal's size.
+OFFSET_SHARE = 0.05
+OFFSET_CHANNELS = ("motor_position_mm", "current_A")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Values that move together, by `std` (1 standard deviation): relative to each value, or absolute where it is zero on the data sheet."""
+
+    names: tuple[str, ...]
+    std: float
+    relative: bool
+
+    @property
+    def title(self) -> str:
+        """The value that stands for all."""
+        return self.names[0]
+
+    def changes(self, actuator: Actuator, deviations: float) -> dict[str, float]:
+        """The values at so many standard deviations from the actuator's own, held inside their ranges."""
+        found = {}
+        for name in self.names:
+            row = row_of(name)
+            value = actuator[name] * (1.0 + self.std * deviations) if self.relative else actuator[name] + self.std * deviations
+            found[name] = min(max(value, row.lower), row.upper)
+        return found
+
+
+def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...]:
+    """What scatters between runs; with the relative `std` by name, the usual ones when absent."""
+    return tuple(Spread((name,), value, True) for name, value in (std or FROM_RUN_TO_RUN).items())
+
+
+def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, ...]:
+    """What differs from the data sheet, of those values that the actuator has at all."""
+    return tuple(Spread(names, freedom * std, True) for names, std in FROM_DATA_SHEET.items() if actuator[names[0]] > 0.0)
+
+
+def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spread, ...]:
+    """What is fitted to healthy records before anything is compared with them."""
+    standing = tuple(Spread((name,), std, False) for name, std in STANDING.items())
+    alone = tuple(channels) == ("position_mm",)
+    # with the rod position alone the electrical values are hardly determined: as tight as the data sheet says
+    return (*from_data_sheet(actuator, 1.0 if alone else HEALTHY_FREEDOM), *standing)

@@ -1,0 +1,202 @@
+"""Where a model fails: the right balance, what the excess is proportional to, its places, and pictures that show what was put in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ema_tools.actuator import reference_actuator
+from ema_tools.diagnosis.axes import Axis, explained, foretold, hats, motion_of
+from ema_tools.diagnosis.evidence import gather
+from ema_tools.diagnosis.where import Where, binned, mean_record, where
+from ema_tools.records import Record
+from support import chirp_record
+
+NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}
+REPEATS = 5
+WIDE = "chirp:amplitude_mm=8,start_hz=0.1,end_hz=1.5"
+
+
+def measured(changes: Mapping[str, float], seed: int, text: str = "chirp") -> Record:
+    """One run of a machine whose friction and winding scatter, with `changes` in it."""
+    random = np.random.default_rng(seed)
+    model = reference_actuator()
+    day = {"screw.csj_Nm": 0.138 * (1.0 + 0.004 * random.normal()), "motor.resistance_ohm": 0.99 * (1.0 + 0.003 * random.normal())}
+    return replace(chirp_record(model.changed({**day, **changes}), text).with_noise(NOISE, seed), file=f"run {seed}")
+
+
+@cache
+def repeats(text: str = "chirp") -> tuple[Record, ...]:
+    return tuple(measured({}, seed, text) for seed in range(1, REPEATS + 1))
+
+
+def found(changes: Mapping[str, float], text: str = "chirp") -> Where:
+    return where(reference_actuator(), measured(changes, 99, text), repeats(text))
+
+
+@pytest.mark.parametrize(
+    ("changes", "block", "words"),
+    [
+        ({"effects.winding_heating.rise_degC": 30.0}, "electrical", "proportional to current"),
+        ({"effects.inverter_dead_time.drop_V": 0.3}, "electrical", "with the sign of the current"),
+        ({"screw.csj_Nm": 0.16}, "mechanical", "with the sign of the motion"),
+        ({"effects.constant_load.torque_Nm": 0.015}, "mechanical", "constant"),
+        ({"effects.inertia_change.change": 0.1}, "mechanical", "proportional to acceleration"),
+        ({"effects.spring_load.stiffness_Nm_per_mm": 0.01}, "mechanical", "proportional to position"),
+        ({"effects.cogging_torque.amplitude_Nm": 0.045, "effects.cogging_torque.periods": 12.0}, "mechanical", "in 12 periods per motor turn"),
+        ({"effects.sensor_gain.error": 0.003}, "kinematic", "proportional to position"),
+        ({"effects.sensor_offset.offset_mm": 0.02}, "kinematic", "constant"),
+        ({"effects.feedback_delay.delay_s": 1e-3}, "controller", "proportional to speed"),
+    ],
+)
+def test_the_right_balance_is_accused_and_described(changes: dict[str, float], block: str, words: str) -> None:
+    answer = found(changes)
+    worst = max(answer.blocks, key=lambda one: one.share)
+    assert worst.name == block and worst.share > 0.9
+    assert worst.winner is not None and worst.winner.words == words
+    assert f"lies in the {block} balance" in answer.sentence and words in answer.sentence
+
+
+def test_coefficient_of_the_winning_term_is_the_change() -> None:
+    answer = found({"effects.winding_heating.rise_degC": 30.0})
+    electrical = next(one for one in answer.blocks if one.name == "electrical")
+    assert electrical.winner is not None
+    assert electrical.winner.coefficient == pytest.approx(0.99 * 0.00393 * 30.0, rel=0.05)
+
+
+def test_a_small_effect_below_the_noise_of_its_balance_is_seen_by_its_shape() -> None:
+    answer = found({"effects.constant_load.torque_Nm": 0.004})
+    mechanical = next(one for one in answer.blocks if one.name == "mechanical")
+    assert mechanical.rms < 3.0 * mechanical.floor_rms
+    assert mechanical.telling and mechanical.winner is not None and mechanical.winner.words == "constant"
+
+
+def test_a_healthy_record_accuses_no_balance() -> None:
+    for seed in range(60, 66):
+        answer = where(reference_actuator(), measured({}, seed), repeats())
+        assert not any(block.telling for block in answer.blocks), (seed, answer.sentence)
+        assert answer.sentence.endswith("no balance shows more than the healthy repeats explain.")
+
+
+def test_standing_errors_drop_out_against_repeats_and_show_without() -> None:
+    other = reference_actuator().changed({"motor.resistance_ohm": 1.3})
+    against = where(other, measured({}, 99), repeats())
+    assert not any(block.telling for block in against.blocks)
+    alone = where(other, measured({}, 99))
+    assert alone.sentence.startswith("100 % of what the model leaves unexplained lies in the electrical balance")
+    assert "proportional to current" in alone.sentence and not alone.relative
+
+
+def test_place_of_a_jam_is_told() -> None:
+    answer = found({"effects.jam_spot.amplitude_Nm": 0.2, "effects.jam_spot.place_mm": 0.8, "effects.jam_spot.width_mm": 0.1})
+    places = [place for place in answer.places if place.source == "mechanical balance" and place.by == "position"]
+    assert places[0].part == max((place for place in places), key=lambda place: place.share).part
+    low, high = (float(word) for word in places[0].part.removesuffix(" mm").split(" to "))
+    assert low < 0.8 < high and "at position" in answer.sentence
+    bins = next(one for one in answer.pictures["bins"] if one["source"] == "mechanical" and one["by"] == "position")
+    peak = bins["center"][int(np.argmax(bins["share_percent"]))]
+    assert peak == pytest.approx(0.8, abs=0.2)
+
+
+def test_orders_show_the_line_and_the_screw() -> None:
+    answer = found({"effects.cogging_torque.amplitude_Nm": 0.045, "effects.cogging_torque.periods": 12.0})
+    turns = answer.pictures["orders"]["mechanical"]["turns"]
+    assert turns["order"][int(np.argmax(turns["amplitude"]))] == 12.0
+    assert max(turns["amplitude"]) == pytest.approx(0.045, rel=0.25)
+    screw = found({"effects.sensor_gain.error": 0.0}, WIDE)
+    assert screw.pictures["orders"]["mechanical"]["stroke_leads"] == pytest.approx(3.2, abs=0.1)
+
+
+def test_torque_against_speed_shows_the_added_friction() -> None:
+    pictures = found({"screw.csj_Nm": 0.188}).pictures["torque_speed"]
+    fast = [place for place, speed in enumerate(pictures["measured"]["center"]) if speed > 50.0]
+    measured_torque = np.mean([pictures["measured"]["mean"][place] for place in fast])
+    healthy_torque = np.mean([pictures["expected"]["mean"][place] for place in fast])
+    assert pictures["other"] == "healthy"
+    assert measured_torque - healthy_torque == pytest.approx(0.05, rel=0.1)
+
+
+def test_play_is_the_width_of_its_loop() -> None:
+    loops = found({"screw.blk_mm": 0.1}).pictures["hysteresis"]["play"]
+    assert np.ptp(loops["measured"]["y"]) == pytest.approx(100.0, rel=0.1)
+    assert np.ptp(loops["healthy"]["y"]) == pytest.approx(33.0, rel=0.2)
+    assert np.ptp(loops["model"]["y"]) == pytest.approx(33.0, rel=0.1)
+
+
+def test_missing_signals_are_said() -> None:
+    record = replace(measured({}, 99), current_A=None)
+    answer = where(reference_actuator(), record, [replace(one, current_A=None) for one in repeats()])
+    reasons = {block.name: block.reason for block in answer.blocks}
+    assert reasons["mechanical"] and reasons["electrical"] and not reasons["kinematic"]
+    assert "not to be had: mechanical, electrical" in answer.sentence
+    alone = replace(record, motor_position_mm=None, voltage_V=None)
+    assert where(reference_actuator(), alone).sentence.startswith("No balance can be drawn")
+
+
+def test_shares_of_signals_use_the_noise_that_is_known() -> None:
+    record = measured({"effects.winding_heating.rise_degC": 60.0}, 99)
+    evidence = gather(reference_actuator(), record, repeats())
+    plain, weighed = where(reference_actuator(), record, repeats()), where(reference_actuator(), record, repeats(), evidence.whiten, evidence.channels)
+    for answer in (plain, weighed):
+        assert sum(one.share for one in answer.channels) == pytest.approx(1.0)
+        assert {one.name for one in answer.channels} == {"position_mm", "motor_position_mm", "current_A", "voltage_V"}
+    assert [one.share for one in plain.channels] != [one.share for one in weighed.channels]
+    noise = next(one for one in plain.channels if one.name == "current_A")
+    assert noise.floor_rms == pytest.approx(0.03, rel=0.5)
+
+
+def test_result_is_finite_json() -> None:
+    answer = found({"screw.csj_Nm": 0.16})
+    text = json.dumps(answer.result(), allow_nan=False)
+    result = json.loads(text)
+    assert result["relative_to_healthy"] is True and result["blocks"][0]["name"] == "mechanical"
+    assert len(text) < 200_000
+    assert sum(block["share_percent"] for block in result["blocks"]) == pytest.approx(100.0)
+
+
+def test_out_of_sample_share_does_not_reward_flexibility() -> None:
+    random = np.random.default_rng(5)
+    noise, half = random.normal(size=600), np.arange(600) // 50 % 2 == 0
+    columns = hats(random.uniform(0.0, 1.0, 600), 0.0, 1.0, 16)
+    assert explained(noise, columns, half) < 0.0
+    signal = columns @ np.arange(16.0)
+    assert explained(signal, columns, half) == pytest.approx(1.0)
+    assert foretold(signal, columns, half) == pytest.approx(signal)
+
+
+def test_table_columns_interpolate_and_hold_the_edges() -> None:
+    nodes = np.random.default_rng(6).normal(size=16)
+    at = np.array([-3.0, 0.0, 0.31, 1.0, 7.0])
+    assert hats(at, 0.0, 1.0, 16) @ nodes == pytest.approx(np.interp(at, np.linspace(0.0, 1.0, 16), nodes))
+
+
+def test_bins_hold_mean_band_and_share() -> None:
+    axis = Axis("position", "mm", np.repeat([0.0, 1.0], 50))
+    values = np.concatenate((np.tile([1.0, 3.0], 25), np.zeros(50)))
+    bins = binned(axis, values, 2)
+    assert bins is not None
+    assert bins.mean == pytest.approx([2.0, 0.0]) and bins.low == pytest.approx([1.0, 0.0]) and bins.share == pytest.approx([1.0, 0.0])
+    assert binned(Axis("position", "mm", np.zeros(4)), np.zeros(4)) is None
+
+
+def test_motion_tells_passes_and_halves_hold_both_directions() -> None:
+    record = chirp_record()
+    from ema_tools.balances import Smoother
+
+    motion = motion_of(reference_actuator(), record, Smoother.of(record.period_s))
+    half = motion.halves()
+    assert motion.passes[-1] > 30
+    for part in (half, ~half):
+        assert 0.3 < np.mean(motion.direction[part] > 0.0) < 0.7
+
+
+def test_mean_of_records_keeps_common_signals() -> None:
+    first, second = repeats()[:2]
+    mean = mean_record([first, replace(second, voltage_V=None)])
+    assert mean.voltage_V is None
+    assert mean.position_mm == pytest.approx(0.5 * (first.position_mm + second.position_mm))
