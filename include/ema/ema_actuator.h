@@ -6,6 +6,7 @@
 #ifndef EMA_ACTUATOR_H
 #define EMA_ACTUATOR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -69,6 +70,9 @@ typedef uint16_t ema_value_id_t;
 #define EMA_EFFECT_VALUE_ID(name, field) \
     ((ema_value_id_t)(EMA_PARAM_COUNT + ((offsetof(ema_effects_t, name) + offsetof(ema_effect_##name##_t, field)) / sizeof(ema_real))))
 
+/* Whether the value belongs to a learned table. A model reads tables where they lie, so they are not identified while it runs. Cost: a handful of comparisons. */
+bool ema_actuator_is_learned(ema_value_id_t id);
+
 /* Every real value, then every option, has one row: ids of options start at EMA_VALUE_COUNT. */
 typedef struct {
     ema_real nominal;
@@ -82,8 +86,9 @@ const ema_range_t* ema_actuator_range(size_t id);
 /* Sets the reference actuator without effects. Errors: EMA_ERR_NULL. Cost: one copy per value. */
 ema_status_t ema_actuator_defaults(ema_actuator_t* actuator);
 
-/* Checks every value and option against its range. On EMA_ERR_NOT_FINITE or EMA_ERR_RANGE, `offender` (may be NULL) is the id of
- * the first bad one. EMA_ERR_NULL. Cost: two comparisons per value. */
+/* Checks every value and option against its range, and every table that acts: EMA_ERR_RANGE for an axis that is none of the five or a range longer than a
+ * periodic axis, EMA_ERR_BOUNDS when `first` is not below `last`. On these and on EMA_ERR_NOT_FINITE, `offender` (may be NULL) is the id of the first bad
+ * value. EMA_ERR_NULL. Cost: two comparisons per value. */
 ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender);
 
 /* Reads and writes a real value by id. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for an id outside the list. Cost: constant. */

@@ -50,6 +50,7 @@ typedef struct {
     ema_real delay_output[EMA_DELAY_SAMPLES]; /* earlier outputs, while the drive delays them */
     ema_real effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
     ema_real delay_mm[EMA_DELAY_SAMPLES];
+    ema_real outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
     uint32_t step;
     uint32_t crowded_steps;    /* steps with more events than are located; the last of them stopped the shaft */
     int32_t motion;            /* an ema_motion_t */
@@ -172,8 +173,41 @@ typedef struct {
     uint32_t motor;
     uint32_t presliding;
     uint32_t transmission;
-    bool any;
+    uint32_t reading;
+    uint32_t tables; /* all learned tables, wherever they act */
+    bool any;        /* one that acts on the motion */
 } ema_active_t;
+
+/* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables stay where they lie. */
+typedef struct {
+#define EMA_HELD_PARAMETER(name)
+#define EMA_HELD_FRICTION(name) ema_effect_##name##_t name;
+#define EMA_HELD_TORQUE(name) ema_effect_##name##_t name;
+#define EMA_HELD_LOAD(name) ema_effect_##name##_t name;
+#define EMA_HELD_VOLTAGE(name) ema_effect_##name##_t name;
+#define EMA_HELD_MOTOR(name) ema_effect_##name##_t name;
+#define EMA_HELD_PRESLIDING(name) ema_effect_##name##_t name;
+#define EMA_HELD_TRANSMISSION(name) ema_effect_##name##_t name;
+#define EMA_HELD_FRICTION_TABLE(name)
+#define EMA_HELD_TORQUE_TABLE(name)
+#define EMA_HELD_VOLTAGE_TABLE(name)
+#define EMA_HELD_READING_TABLE(name)
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_HELD_##site(name)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+#undef EMA_HELD_PARAMETER
+#undef EMA_HELD_FRICTION
+#undef EMA_HELD_TORQUE
+#undef EMA_HELD_LOAD
+#undef EMA_HELD_VOLTAGE
+#undef EMA_HELD_MOTOR
+#undef EMA_HELD_PRESLIDING
+#undef EMA_HELD_TRANSMISSION
+#undef EMA_HELD_FRICTION_TABLE
+#undef EMA_HELD_TORQUE_TABLE
+#undef EMA_HELD_VOLTAGE_TABLE
+#undef EMA_HELD_READING_TABLE
+} ema_held_effects_t;
 
 typedef struct {
     ema_pid_t pid;
@@ -183,7 +217,8 @@ typedef struct {
     ema_screw_t screw;
     ema_encoder_t encoder;
     ema_active_t active;
-    ema_effects_t effects;
+    ema_held_effects_t effects;
+    const ema_effects_t* learned; /* where the tables lie; NULL while none acts */
     ema_circuit_t motor_circuit;
     ema_circuit_t current_loop;
     ema_circuit_t whole_step;  /* of the circuit that the drive's mode uses, over a whole model step */

@@ -6,7 +6,7 @@
  *     ema_session_result(&session, &result);
  *
  * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 8 KiB and 4 bytes a row of command and rod position
- * as int16. The deepest call, a fit of the annealer's quadratic, takes about 2 KiB of stack in float32. It is a plain value apart from the
+ * as int16. The deepest call, preparing the runs at the end, takes about 3 KiB of stack in float32. It is a plain value apart from the
  * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
  */
 #ifndef EMA_SESSION_H
@@ -64,7 +64,8 @@ enum {
     EMA_REASON_NOT_CONVERGED = 8,  /* the evaluations were used up while the cost still fell */
     EMA_REASON_NEAR_THRESHOLD = 16,/* the shift cannot be told from its threshold with the stated confidence */
     EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters */
-    EMA_REASON_BELOW_HEALTHY = 64  /* a parameter fell by more than its threshold, which wear does not do */
+    EMA_REASON_BELOW_HEALTHY = 64, /* a parameter fell by more than its threshold, which wear does not do */
+    EMA_REASON_LEARNED_RANGE = 128 /* a learned table was used outside the range it was seen in */
 };
 
 typedef struct {
@@ -81,6 +82,7 @@ typedef struct {
     ema_real objective_after;  /* at the best point */
     ema_real residual_rms_mm;  /* of the rod position at the best point */
     ema_real residual_correlation; /* of neighbouring rows: 0 is white */
+    ema_real outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
     uint32_t evaluations;      /* model runs: the search's, plus those before and after it */
     uint64_t model_steps;      /* in all of them, counting only steps that were made */
     ema_annealer_info_t search;
@@ -110,7 +112,7 @@ typedef struct {
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record);
 
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init; EMA_ERR_BOUNDS; EMA_ERR_RANGE for a
- * number of parameters, an id, bounds wider than the parameter's own range, or a healthy value outside its bounds. */
+ * number of parameters, an id (a learned table's value is none), bounds wider than the parameter's own range, or a healthy value outside its bounds. */
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
 /* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of ema_record_append. */

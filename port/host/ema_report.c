@@ -26,6 +26,7 @@ static const ema_reason_t ema_reasons[] = {
     {EMA_REASON_NEAR_THRESHOLD, "a shift cannot be told from its threshold with the stated confidence"},
     {EMA_REASON_NOT_SENSITIVE, "the record does not determine the parameters"},
     {EMA_REASON_BELOW_HEALTHY, "a parameter fell by more than its threshold, which wear does not do"},
+    {EMA_REASON_LEARNED_RANGE, "a learned table was used outside the range it was seen in"},
 };
 
 #define REASON_COUNT (sizeof ema_reasons / sizeof ema_reasons[0])

@@ -2,10 +2,8 @@
 
 #include "ema_limits.h"
 
-void ema_pid_prepare(ema_pid_t* pid, const ema_actuator_t* actuator)
+void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_options_t* options)
 {
-    const ema_params_t* params = &actuator->params;
-    const ema_options_t* options = &actuator->options;
     pid->every_steps = (uint32_t)options->every_steps;
     pid->period_s = params->step_s * (ema_real)pid->every_steps;
     pid->rate_hz = EMA_R(1.0) / pid->period_s;

@@ -5,7 +5,7 @@
 #include "ema/ema_plant.h"
 #include "ema_math.h"
 
-void ema_pid_prepare(ema_pid_t* pid, const ema_actuator_t* actuator);
+void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_options_t* options);
 
 /* The control law in its general form: cascade, derivative action. */
 ema_real ema_pid_general(const ema_pid_t* pid, ema_state_t* state, ema_real error_m, ema_real feedback_mm);

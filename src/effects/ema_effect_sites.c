@@ -1,5 +1,8 @@
 #include "ema_effect_sites.h"
 
+#include "ema_math.h"
+#include "ema_table.h"
+
 /* Bit of an effect in the sets of ema_active_t, and the place of its state. */
 enum {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_INDEX_##name,
@@ -26,25 +29,52 @@ typedef struct {
 
 ema_active_t ema_effects_active(const ema_effects_t* effects)
 {
-    ema_active_t active = {0U, 0U, 0U, 0U, 0U, 0U, 0U, false};
-    uint32_t parameter = 0U;
-#define EMA_SET_PARAMETER parameter
-#define EMA_SET_FRICTION active.friction
-#define EMA_SET_TORQUE active.torque
-#define EMA_SET_LOAD active.load
-#define EMA_SET_VOLTAGE active.voltage
-#define EMA_SET_MOTOR active.motor
-#define EMA_SET_PRESLIDING active.presliding
-#define EMA_SET_TRANSMISSION active.transmission
+    ema_active_t active = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, false};
+#define EMA_SET_PARAMETER(bit)
+#define EMA_SET_FRICTION(bit) active.friction |= (bit);
+#define EMA_SET_TORQUE(bit) active.torque |= (bit);
+#define EMA_SET_LOAD(bit) active.load |= (bit);
+#define EMA_SET_VOLTAGE(bit) active.voltage |= (bit);
+#define EMA_SET_MOTOR(bit) active.motor |= (bit);
+#define EMA_SET_PRESLIDING(bit) active.presliding |= (bit);
+#define EMA_SET_TRANSMISSION(bit) active.transmission |= (bit);
+#define EMA_SET_TABLE(site, bit) \
+    active.tables |= (bit);      \
+    active.site |= (bit);
+#define EMA_SET_FRICTION_TABLE(bit) EMA_SET_TABLE(friction, bit)
+#define EMA_SET_TORQUE_TABLE(bit) EMA_SET_TABLE(torque, bit)
+#define EMA_SET_VOLTAGE_TABLE(bit) EMA_SET_TABLE(voltage, bit)
+#define EMA_SET_READING_TABLE(bit) EMA_SET_TABLE(reading, bit)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
     if (EMA_SIZE(effects, name) != EMA_R(0.0)) {                                            \
-        EMA_SET_##site |= EMA_BIT(name);                                                    \
+        EMA_SET_##site(EMA_BIT(name))                                                       \
     }
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
-    (void)parameter;
     active.any = (active.friction | active.torque | active.load | active.voltage | active.motor | active.presliding | active.transmission) != 0U;
     return active;
+}
+
+void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
+{
+#define EMA_HOLD(name) plant->effects.name = effects->name;
+#define EMA_HOLD_PARAMETER(name)
+#define EMA_HOLD_FRICTION(name) EMA_HOLD(name)
+#define EMA_HOLD_TORQUE(name) EMA_HOLD(name)
+#define EMA_HOLD_LOAD(name) EMA_HOLD(name)
+#define EMA_HOLD_VOLTAGE(name) EMA_HOLD(name)
+#define EMA_HOLD_MOTOR(name) EMA_HOLD(name)
+#define EMA_HOLD_PRESLIDING(name) EMA_HOLD(name)
+#define EMA_HOLD_TRANSMISSION(name) EMA_HOLD(name)
+#define EMA_HOLD_FRICTION_TABLE(name)
+#define EMA_HOLD_TORQUE_TABLE(name)
+#define EMA_HOLD_VOLTAGE_TABLE(name)
+#define EMA_HOLD_READING_TABLE(name)
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_HOLD_##site(name)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+    plant->active = ema_effects_active(effects);
+    plant->learned = (plant->active.tables != 0U) ? effects : NULL;
 }
 
 uint32_t ema_effects_substeps(const ema_effects_t* effects)
@@ -73,6 +103,10 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 #define EMA_ADJUST_VOLTAGE(name)
 #define EMA_ADJUST_MOTOR(name)
 #define EMA_ADJUST_PRESLIDING(name)
+#define EMA_ADJUST_FRICTION_TABLE(name)
+#define EMA_ADJUST_TORQUE_TABLE(name)
+#define EMA_ADJUST_VOLTAGE_TABLE(name)
+#define EMA_ADJUST_READING_TABLE(name)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ADJUST_##site(name)
 #include "ema/ema_effects.def"
     /* a transmission takes its mass off the total inertia, so that total must be known before */
@@ -91,6 +125,10 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
     if ((plant->active.friction & EMA_BIT(name)) != 0U) {                                \
         change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);            \
     }
+#define EMA_CALL_FRICTION_TABLE(name)                                                    \
+    if ((plant->active.friction & EMA_BIT(name)) != 0U) {                                \
+        change_Nm += ema_effect_##name(&plant->learned->name, site, level_Nm);           \
+    }
 #define EMA_CALL_PARAMETER(name)
 #define EMA_CALL_TORQUE(name)
 #define EMA_CALL_LOAD(name)
@@ -98,10 +136,15 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 #define EMA_CALL_MOTOR(name)
 #define EMA_CALL_PRESLIDING(name)
 #define EMA_CALL_TRANSMISSION(name)
+#define EMA_CALL_TORQUE_TABLE(name)
+#define EMA_CALL_VOLTAGE_TABLE(name)
+#define EMA_CALL_READING_TABLE(name)
 #define EMA_EFFECT(name, site_name, memory, substeps, equation, source, look_alikes, parameters) EMA_CALL_##site_name(name)
 #include "ema/ema_effects.def"
 #undef EMA_CALL_FRICTION
+#undef EMA_CALL_FRICTION_TABLE
 #define EMA_CALL_FRICTION(name)
+#define EMA_CALL_FRICTION_TABLE(name)
     return change_Nm;
 }
 
@@ -109,13 +152,20 @@ ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real torque_Nm = EMA_R(0.0);
 #undef EMA_CALL_TORQUE
+#undef EMA_CALL_TORQUE_TABLE
 #define EMA_CALL_TORQUE(name)                                              \
     if ((plant->active.torque & EMA_BIT(name)) != 0U) {                    \
         torque_Nm += ema_effect_##name(&plant->effects.name, site);        \
     }
+#define EMA_CALL_TORQUE_TABLE(name)                                        \
+    if ((plant->active.torque & EMA_BIT(name)) != 0U) {                    \
+        torque_Nm += ema_effect_##name(&plant->learned->name, site);       \
+    }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_TORQUE
+#undef EMA_CALL_TORQUE_TABLE
 #define EMA_CALL_TORQUE(name)
+#define EMA_CALL_TORQUE_TABLE(name)
     return torque_Nm;
 }
 
@@ -137,13 +187,20 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real voltage_V = EMA_R(0.0);
 #undef EMA_CALL_VOLTAGE
+#undef EMA_CALL_VOLTAGE_TABLE
 #define EMA_CALL_VOLTAGE(name)                                              \
     if ((plant->active.voltage & EMA_BIT(name)) != 0U) {                    \
         voltage_V += ema_effect_##name(&plant->effects.name, site);         \
     }
+#define EMA_CALL_VOLTAGE_TABLE(name)                                        \
+    if ((plant->active.voltage & EMA_BIT(name)) != 0U) {                    \
+        voltage_V += ema_effect_##name(&plant->learned->name, site);        \
+    }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_VOLTAGE
+#undef EMA_CALL_VOLTAGE_TABLE
 #define EMA_CALL_VOLTAGE(name)
+#define EMA_CALL_VOLTAGE_TABLE(name)
     return voltage_V;
 }
 
@@ -159,6 +216,47 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 #undef EMA_CALL_MOTOR
 #define EMA_CALL_MOTOR(name)
     return change;
+}
+
+ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
+{
+    ema_real reading_mm = EMA_R(0.0);
+#undef EMA_CALL_READING_TABLE
+#define EMA_CALL_READING_TABLE(name)                                        \
+    if ((plant->active.reading & EMA_BIT(name)) != 0U) {                    \
+        reading_mm += ema_effect_##name(&plant->learned->name, site);       \
+    }
+#include "ema/ema_effects.def"
+#undef EMA_CALL_READING_TABLE
+#define EMA_CALL_READING_TABLE(name)
+    return reading_mm;
+}
+
+ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod)
+{
+    ema_real outside_ratio = EMA_R(0.0);
+#undef EMA_CALL_FRICTION_TABLE
+#undef EMA_CALL_TORQUE_TABLE
+#undef EMA_CALL_VOLTAGE_TABLE
+#undef EMA_CALL_READING_TABLE
+#define EMA_OUTSIDE(name, site)                                                                                        \
+    if ((plant->active.tables & EMA_BIT(name)) != 0U) {                                                            \
+        outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(&plant->learned->name), site), outside_ratio);      \
+    }
+#define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, shaft)
+#define EMA_CALL_TORQUE_TABLE(name) EMA_OUTSIDE(name, shaft)
+#define EMA_CALL_VOLTAGE_TABLE(name) EMA_OUTSIDE(name, shaft)
+#define EMA_CALL_READING_TABLE(name) EMA_OUTSIDE(name, rod)
+#include "ema/ema_effects.def"
+#undef EMA_CALL_FRICTION_TABLE
+#undef EMA_CALL_TORQUE_TABLE
+#undef EMA_CALL_VOLTAGE_TABLE
+#undef EMA_CALL_READING_TABLE
+#define EMA_CALL_FRICTION_TABLE(name)
+#define EMA_CALL_TORQUE_TABLE(name)
+#define EMA_CALL_VOLTAGE_TABLE(name)
+#define EMA_CALL_READING_TABLE(name)
+    return outside_ratio;
 }
 
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad)

@@ -42,6 +42,10 @@ typedef struct {
 #define EMA_DECLARE_TRANSMISSION(name)                                                             \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);    \
     ema_rod_t ema_effect_##name(const ema_effect_##name##_t* effect, const ema_transmission_t* step, ema_real* memory);
+#define EMA_DECLARE_FRICTION_TABLE(name) EMA_DECLARE_FRICTION(name)
+#define EMA_DECLARE_TORQUE_TABLE(name) EMA_DECLARE_TORQUE(name)
+#define EMA_DECLARE_VOLTAGE_TABLE(name) EMA_DECLARE_VOLTAGE(name)
+#define EMA_DECLARE_READING_TABLE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_DECLARE_##site(name)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
@@ -53,11 +57,17 @@ typedef struct {
 #undef EMA_DECLARE_MOTOR
 #undef EMA_DECLARE_PRESLIDING
 #undef EMA_DECLARE_TRANSMISSION
+#undef EMA_DECLARE_FRICTION_TABLE
+#undef EMA_DECLARE_TORQUE_TABLE
+#undef EMA_DECLARE_VOLTAGE_TABLE
+#undef EMA_DECLARE_READING_TABLE
 
 /* Before the run: which effects differ from zero and act at which site; the substeps they need; and what those at site PARAMETER make of the parameters. */
 ema_active_t ema_effects_active(const ema_effects_t* effects);
 uint32_t ema_effects_substeps(const ema_effects_t* effects);
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
+/* Gives the plant the sets of active effects and the values that they look at while it runs. */
+void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
 
 /* While it runs: the sum over the active effects of a site. */
 ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm);
@@ -70,6 +80,10 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site);
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad);
 /* Keeps that share. */
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);
+/* What the rod sensor reads on top; the site's position is the rod's. */
+ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
+/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at `rod`. */
+ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod);
 ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory);
 
 #endif

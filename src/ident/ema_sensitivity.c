@@ -19,7 +19,7 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t
     }
     bool valid = count <= EMA_IDENTIFIED_MAX;
     for (uint32_t k = 0; valid && (k < count); ++k) {
-        valid = (size_t)ids[k] < EMA_VALUE_COUNT;
+        valid = ((size_t)ids[k] < EMA_VALUE_COUNT) && !ema_actuator_is_learned(ids[k]);
     }
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         valid = valid && (weight[channel] >= EMA_R(0.0)) && ((weight[channel] == EMA_R(0.0)) || (record->place[channel] >= 0));
@@ -44,6 +44,9 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t
         (void)ema_actuator_set(&beside, ids[k], value + delta[k]);
         self->delta[k] = delta[k];
         status = ema_model_init(&self->model[1U + k], &beside, start_mm);
+        if (status == EMA_OK) {
+            ema_model_learned(&self->model[1U + k], actuator);
+        }
     }
     return status;
 }
@@ -52,6 +55,13 @@ static ema_real ema_channel_of(const ema_output_t* output, uint32_t channel)
 {
     const ema_real values[EMA_CHANNEL_COUNT] = {output->position_mm, output->motor_position_mm, output->current_A, output->voltage_V};
     return values[channel];
+}
+
+void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actuator)
+{
+    for (uint32_t k = 0; k <= self->parameters; ++k) {
+        ema_model_learned(&self->model[k], actuator);
+    }
 }
 
 /* Adds one row to the sums once every run has passed it. */
@@ -117,6 +127,8 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     const ema_real rows = (ema_real)self->row;
     result->residual_rms_mm = ema_sqrt(self->position_square / rows);
     result->residual_correlation = (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
+
+    result->outside_ratio = self->model[0].state.outside_ratio;
 
     /* unit diagonal: the parameters have different units */
     ema_real factor[EMA_IDENTIFIED_MAX * EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};

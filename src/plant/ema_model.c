@@ -37,7 +37,7 @@ static ema_real ema_fastest_per_s(const ema_plant_t* plant, const ema_circuit_t*
     return circuit->algebraic ? (drag + coupling) : (drag + ema_sqrt(coupling) - circuit->rate_current);
 }
 
-static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options)
+static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options, const ema_effects_t* effects)
 {
     plant->motor_circuit = ema_circuit_of(params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
     plant->current_loop = ema_circuit_of(params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
@@ -53,7 +53,7 @@ static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* p
     }
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
     plant->tries_whole_step = plant->substeps == 1U;
-    const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(&plant->effects);
+    const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(effects);
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
@@ -73,9 +73,9 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
 {
     ema_status_t status = ema_actuator_check(actuator, NULL);
     if (status == EMA_OK) {
-        ema_actuator_t adjusted = *actuator;
-        ema_effects_adjust(&actuator->effects, &adjusted.params);
-        const ema_params_t* const params = &adjusted.params;
+        ema_params_t adjusted = actuator->params;
+        ema_effects_adjust(&actuator->effects, &adjusted);
+        const ema_params_t* const params = &adjusted;
         if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
             || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
             || !((params->anti_windup_per_s * params->step_s * (ema_real)actuator->options.every_steps) < EMA_ANTI_WINDUP_MAX)
@@ -85,18 +85,32 @@ static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* 
             status = EMA_ERR_INERTIA;
         } else {
             plant->start_mm = start_mm;
-            plant->effects = actuator->effects;
-            plant->active = ema_effects_active(&actuator->effects);
-            ema_pid_prepare(&plant->pid, &adjusted);
+            ema_effects_hold(plant, &actuator->effects);
+            ema_pid_prepare(&plant->pid, params, &actuator->options);
             ema_drive_prepare(&plant->drive, params, &actuator->options);
             ema_motor_prepare(&plant->motor, params);
             ema_gearbox_prepare(&plant->gearbox, params);
             ema_screw_prepare(&plant->screw, &plant->gearbox, params);
             ema_encoder_prepare(&plant->encoder, params, &actuator->options);
-            status = ema_motion_prepare(plant, params, &actuator->options);
+            status = ema_motion_prepare(plant, params, &actuator->options, &actuator->effects);
         }
     }
     return status;
+}
+
+/* The state as learned tables see it, at the motor's or at the rod's position. */
+static ema_site_t ema_tick_site(const ema_plant_t* plant, const ema_state_t* state, ema_real position_mm)
+{
+    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, position_mm, state->current_A, EMA_R(0.0)};
+    return site;
+}
+
+ema_real ema_tick_learned(const ema_plant_t* plant, ema_state_t* state)
+{
+    const ema_site_t shaft = ema_tick_site(plant, state, state->motor_mm);
+    const ema_site_t rod = ema_tick_site(plant, state, state->rod_mm);
+    state->outside_ratio = ema_max(ema_site_outside(plant, &shaft, &rod), state->outside_ratio);
+    return ema_site_reading(plant, &rod);
 }
 
 /* What was asked `age` steps ago. */
@@ -125,6 +139,13 @@ void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, const ema_dr
     }
 }
 
+void ema_model_learned(ema_model_t* model, const ema_actuator_t* actuator)
+{
+    if (model->plant.learned != NULL) {
+        model->plant.learned = &actuator->effects;
+    }
+}
+
 void ema_model_restart(ema_model_t* model)
 {
     const ema_plant_t* const plant = &model->plant;
@@ -136,7 +157,9 @@ void ema_model_restart(ema_model_t* model)
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;
     state->rod_mm = plant->start_mm;
-    const ema_real seen_mm = plant->encoder.at_rod ? ema_encoder_rod(&plant->encoder, plant->start_mm) : plant->start_mm;
+    const ema_site_t site = ema_tick_site(plant, state, plant->start_mm);
+    const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm) + ((plant->active.reading != 0U) ? ema_site_reading(plant, &site) : EMA_R(0.0));
+    const ema_real seen_mm = plant->encoder.at_rod ? rod_mm : plant->start_mm;
     for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
         state->delay_mm[k] = seen_mm;
     }

@@ -23,10 +23,16 @@ ema_drive_output_t ema_tick_late(const ema_plant_t* plant, ema_state_t* state, e
 /* The model step under it: first what was asked before, then what was asked later. */
 void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* first);
 
+/* What learned tables add to the rod sensor's reading; keeps how far tables are used outside the range that they were seen in. */
+ema_real ema_tick_learned(const ema_plant_t* plant, ema_state_t* state);
+
 static inline ema_output_t ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_real command_mm)
 {
     ema_output_t row;
     row.position_mm = ema_encoder_rod(&plant->encoder, state->rod_mm);
+    if (plant->active.tables != 0U) {
+        row.position_mm += ema_tick_learned(plant, state);
+    }
     row.motor_position_mm = state->motor_mm;
     const ema_real feedback_mm = ema_encoder_step(&plant->encoder, state, state->motor_mm, row.position_mm);
     const ema_real output = ema_pid_step(&plant->pid, state, command_mm, feedback_mm);

@@ -73,7 +73,7 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         if (!(identified->lower < identified->upper)) {
             return EMA_ERR_BOUNDS;
         }
-        if (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK) {
+        if (ema_actuator_is_learned(identified->id) || (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK)) {
             return EMA_ERR_RANGE;
         }
         const ema_range_t* const range = ema_actuator_range(identified->id);
@@ -145,6 +145,8 @@ static ema_status_t ema_search_start(ema_session_t* session)
     const ema_actuator_t candidate = session->healthy_done ? ema_actuator_at(config, ema_annealer_candidate(&session->annealer)) : *config->actuator;
     const ema_real limit = (config->abandon && session->healthy_done) ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX) : EMA_COST_MAX;
     ema_status_t status = ema_objective_start(&session->run, &candidate, &session->record, config->weight, session->start_mm, limit);
+    /* the candidate ends here, its tables are the configuration's */
+    ema_model_learned(&session->run.model, config->actuator);
     if ((status != EMA_OK) && session->healthy_done) {
         /* bounds can hold values of which no model can be made, too stiff ones for instance: they cost the most, and the search goes on */
         session->run.state = EMA_OBJECTIVE_DIVERGED;
@@ -172,7 +174,11 @@ static ema_status_t ema_weighing_start(ema_session_t* session)
             delta[i] = -delta[i];
         }
     }
-    return ema_sensitivity_start(&session->weighing, &estimate, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+    const ema_status_t status = ema_sensitivity_start(&session->weighing, &estimate, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+    if (status == EMA_OK) {
+        ema_sensitivity_learned(&session->weighing, config->actuator);
+    }
+    return status;
 }
 
 /* A model run has ended: its cost goes to the annealer, and the next run, or the weighing, begins. */
@@ -279,6 +285,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     result->objective_after = session->annealer.best.cost;
     result->residual_rms_mm = weighed.residual_rms_mm;
     result->residual_correlation = weighed.residual_correlation;
+    result->outside_ratio = weighed.outside_ratio;
     result->evaluations = session->evaluations;
     result->model_steps = session->model_steps;
     result->search = session->annealer.info;

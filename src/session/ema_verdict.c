@@ -2,6 +2,9 @@
 
 #include "ema_math.h"
 
+/* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
+#define EMA_OUTSIDE_MAX EMA_R(0.0334)
+
 /* Reasons that one parameter's estimate gives; `fault` is set when it is surely beyond its threshold. */
 static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate, ema_real healthy, ema_real confidence, bool* fault)
 {
@@ -44,6 +47,7 @@ void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_
                        && (shared_mm <= (params->structure_ratio * params->position_noise_mm));
     reasons |= result->adequate ? 0U : (uint32_t)EMA_REASON_INADEQUATE;
     reasons |= (result->outcome == EMA_OUTCOME_BUDGET) ? (uint32_t)EMA_REASON_NOT_CONVERGED : 0U;
+    reasons |= (result->outside_ratio <= EMA_OUTSIDE_MAX) ? 0U : (uint32_t)EMA_REASON_LEARNED_RANGE;
     result->reasons = reasons;
     if (reasons != 0U) {
         result->verdict = EMA_VERDICT_UNDECIDED;

@@ -79,12 +79,23 @@ static void test_every_effect_at_zero_is_absent_bit_for_bit(void)
     }
 }
 
+/* A table without values changes nothing: its nodes, behind gain, axis, first and last, at a hundredth of their range. */
+static void fill_table(ema_actuator_t* with, const row_t* row)
+{
+    for (size_t id = row->first + 4U; id < (row->first + row->count); ++id) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(with, (ema_value_id_t)id, EMA_R(0.01) * ema_actuator_range(id)->upper));
+    }
+}
+
 /* Largest change of current in A or of the rod's reading in mm by a row whose size is `share` of its upper bound. */
 static double felt(const row_t* row, ema_real share)
 {
     const ema_command_t command = ema_rig_chirp(EMA_R(6.0), EMA_R(2.0), EMA_R(1.0e-3));
     ema_actuator_t with = actuator;
     EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&with, (ema_value_id_t)row->first, share * ema_actuator_range(row->first)->upper));
+    if (ema_actuator_is_learned((ema_value_id_t)row->first)) {
+        fill_table(&with, row);
+    }
     ema_model_t plain = ema_rig_model(&actuator, EMA_R(0.0));
     ema_model_t on = ema_rig_model(&with, EMA_R(0.0));
     double largest = 0.0;

@@ -28,7 +28,7 @@ void tearDown(void)
 static ema_pid_t prepared(void)
 {
     ema_pid_t pid;
-    ema_pid_prepare(&pid, &actuator);
+    ema_pid_prepare(&pid, &actuator.params, &actuator.options);
     return pid;
 }
 

@@ -41,7 +41,7 @@ static void assert_pid(const ema_actuator_t* actuator, const ema_vec_bits_t (*bi
 {
     ema_pid_t pid;
     ema_state_t state = {0};
-    ema_pid_prepare(&pid, actuator);
+    ema_pid_prepare(&pid, &actuator->params, &actuator->options);
     for (uint32_t run = 0; run < EMA_VEC_PID_RUNS; ++run) {
         const ema_real output = ema_pid_step(&pid, &state, number(bits[run][0]), number(bits[run][1]));
         EMA_ASSERT_CLOSE(number(bits[run][2]), output, (double)EMA_VEC_PID_TOLERANCE, 0.0);

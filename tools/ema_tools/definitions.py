@@ -110,6 +110,12 @@ class Effect:
     source: str
     look_alikes: tuple[str, ...]
     parameters: tuple[EffectParameter, ...]
+    is_learned: bool = False  # no physical effect but a table that holds what was learned from records
+
+    @property
+    def nodes(self) -> tuple[EffectParameter, ...]:
+        """The nodes of a learned table in their order; nothing for a physical effect."""
+        return tuple(row for row in self.parameters if row.field.startswith("node_")) if self.is_learned else ()
 
     @property
     def size(self) -> EffectParameter:
@@ -200,12 +206,19 @@ _TOKEN = re.compile(
     |(?P<mark>[(),]))""",
     re.VERBOSE,
 )
+_DEFINE = re.compile(r"^#define[ ]+(?P<row>\w+\((?:[^\n\\]|\\\n)*)\n", re.MULTILINE)
+_DIRECTIVE = re.compile(r"^#[^\n]*$", re.MULTILINE)
+_LEARNED = "_TABLE"  # end of the site of a learned table
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+
+
+def _only_breaks(match: re.Match[str]) -> str:
+    return "\n" * match.group().count("\n")
 
 
 def _tokens(text: str, path: Path) -> Iterator[tuple[str, str, int]]:
     """Tokens (kind, text, row) of a list; comments are skipped but keep their line breaks."""
-    blank = _COMMENT.sub(lambda match: "\n" * match.group().count("\n"), text)
+    blank = _COMMENT.sub(_only_breaks, text)
     place = 0
     while blank[place:].strip():
         match = _TOKEN.match(blank, place)
@@ -232,8 +245,24 @@ class _Reader:
 
     def __init__(self, text: str, path: Path) -> None:
         self._path = path
-        self._tokens = list(_tokens(text, path))
+        self._macros: dict[str, tuple[tuple[object, ...], list[_Call]]] = {}
+        for match in _DEFINE.finditer(text):
+            # a macro of the list: its own call with the names of its arguments, then the calls that it stands for
+            head, *body = _Reader(match.group("row").replace("\\\n", "\n"), path).calls()
+            self._macros[head.name] = (head.arguments, body)
+        plain = _DIRECTIVE.sub("", _DEFINE.sub(_only_breaks, text))
+        self._tokens = list(_tokens(plain, path))
         self._place = 0
+
+    def _expanded(self, call: _Call) -> list[_Call]:
+        """What `call` stands for: itself, or the calls of the list's own macro with its arguments in them."""
+        if call.name not in self._macros:
+            return [call]
+        names, body = self._macros[call.name]
+        if len(names) != len(call.arguments):
+            raise DefinitionError(f"{self._path.name}, row {call.row}: {call.name} needs {len(names)} arguments: see its #define")
+        given = dict(zip(names, call.arguments, strict=True))
+        return [_Call(inner.name, call.row, tuple(given.get(argument, argument) for argument in inner.arguments)) for inner in body]
 
     def _peek(self) -> tuple[str, str, int]:
         return self._tokens[self._place]
@@ -278,9 +307,9 @@ class _Reader:
             self._next()
             return float(text)
         if kind == "word" and self._tokens[self._place + 1][1] == "(":
-            inner = []
+            inner: list[_Call] = []
             while self._peek()[0] == "word":
-                inner.append(self._call())
+                inner += self._expanded(self._call())
             return tuple(inner)
         if kind == "word":
             self._next()
@@ -323,7 +352,8 @@ def _effects(path: Path) -> Iterator[Effect]:
             field, nominal, lower, upper, text = _typed(part, (str, float, float, float, str), path)
             values.append(EffectParameter(str(name), str(field), float(nominal), float(lower), float(upper), str(text)))  # type: ignore[arg-type]
         others = tuple(other.strip() for other in str(look_alikes).split(",") if other.strip())
-        yield Effect(str(name), str(site), int(memory), int(substeps), str(equation), str(source), others, tuple(values))  # type: ignore[call-overload]
+        place = str(site).removesuffix(_LEARNED)
+        yield Effect(str(name), place, int(memory), int(substeps), str(equation), str(source), others, tuple(values), place != site)  # type: ignore[call-overload]
 
 
 @functools.cache

@@ -20,6 +20,7 @@ SITES = {
     "MOTOR": "torque constant and back-EMF",
     "PRESLIDING": "contact before it slides",
     "TRANSMISSION": "between play and rod",
+    "READING": "rod sensor's reading",
 }
 
 
@@ -36,6 +37,7 @@ def describe(effect: Effect) -> dict[str, Any]:
     return {
         "name": effect.name,
         "acts_on": SITES.get(effect.site, effect.site.lower()),
+        "learned": effect.is_learned,
         "equation": effect.equation,
         "source": effect.source,
         "look_alikes": list(effect.look_alikes),
@@ -58,6 +60,8 @@ def print_one(console: Console, effect: Effect) -> None:
     """One effect with its parameters."""
     console.print(f"[bold]{effect.name}[/bold]: {effect.equation}", highlight=False)
     console.print(f"acts on: {SITES.get(effect.site, effect.site.lower())}")
+    if effect.is_learned:
+        console.print("learned: no physical effect but a table; it says what was seen from first to last, and the edge value is held outside")
     console.print(f"source: {effect.source}")
     console.print(f"look-alikes: {', '.join(effect.look_alikes) or 'none known'}")
     shown = table(f"\\[effects.{effect.name}]", "parameter", "meaning", "unit", "zero", "lower", "upper", text_columns=3)

@@ -44,6 +44,7 @@ REASONS = {
     16: "a shift cannot be told from its threshold with the stated confidence",
     NOT_DETERMINED: "the record does not determine the parameters",
     64: "a parameter fell by more than its threshold, which wear does not do",
+    128: "a learned table was used outside the range it was seen in",
 }
 
 

@@ -93,7 +93,10 @@ def test_agrees_in_every_block(case: Case) -> None:
 
 
 def test_what_it_cannot_hide_it_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert len(NAMES) == len(load_definitions().effects)
+    # learned tables stand for what has no name, so no machine hides one
+    assert [*NAMES] == [effect.name for effect in load_definitions().effects if not effect.is_learned]
+    with pytest.raises(ValueError, match="learned_torque: no machine has a learned table"):
+        simulate_truth(example_of("learned_torque"), np.zeros(3))
     monkeypatch.delattr(effects, "spring_load")
     with pytest.raises(ValueError, match="spring_load: the truth plant cannot hide it yet"):
         simulate_truth(example_of("spring_load"), np.zeros(3))

@@ -78,6 +78,7 @@ extra_torque_Nm = _sum_at_point("TORQUE", "torque_Nm")
 extra_load_Nm = _sum_at_point("LOAD", "load_Nm")
 voltage_change_V = _sum_at_point("VOLTAGE", "voltage_change_V")
 motor_change = _sum_at_point("MOTOR", "motor_change")
+extra_reading_mm = _sum_at_point("READING", "reading_mm")
 
 
 def _add_contact(first: Any, place: int, zero: float) -> Any:

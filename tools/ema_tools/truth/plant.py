@@ -43,6 +43,8 @@ def _values(values: Mapping[str, float]) -> np.void:
         known.find(name)
         complete[name] = float(value)
     for effect in known.effects:
+        if effect.is_learned and complete[effect.size.name] != effect.size.nominal:
+            raise ValueError(f"{effect.name}: no machine has a learned table: leave its {effect.size.field} at zero")
         if complete[effect.size.name] != effect.size.nominal and not hasattr(effects, effect.name):
             raise ValueError(f"{effect.name}: the truth plant cannot hide it yet: write it in truth/effects.py")
     kind = np.dtype([(name, np.float64) for name in complete])

@@ -341,7 +341,7 @@ def _of_effect(effect: Effect) -> Case:
     case = Case(f"effect_{effect.name}", shows, SHORT_CHIRP, 2_500, 20, values)
     if effect.name in _OF_EFFECT:
         tolerance = _OF_EFFECT[effect.name]
-    elif effect.site == "PARAMETER":
+    elif effect.site in ("PARAMETER", "READING"):
         return case
     else:
         tolerance = {"TRANSMISSION": SOFT, "PRESLIDING": STRETCHED}.get(effect.site, IN_MOTION)

@@ -12,6 +12,7 @@ What a module must hold depends on its site; `effect` is the named tuple of its 
 | VOLTAGE | `voltage_change_V(effect, point)` |
 | MOTOR | `motor_change(effect, point)`, relative, of torque constant and back-EMF |
 | PRESLIDING | `share_slope_per_rad`, `fastest_rate_per_s`: see presliding |
+| READING | `reading_mm(effect, point)`, added to the rod sensor's; `point.motor_mm` is the rod's position |
 | TRANSMISSION | `shaft_inertia_kgm2`, `rest`, `reaction_Nm`, `rates`, `rod`, `fastest_rate_per_s`: see transmission_compliance |
 
 Functions of a moving site are decorated with `compiled`; PARAMETER ones are plain Python. `EXAMPLE` holds the values that
@@ -33,6 +34,7 @@ SITE_FUNCTIONS = {
     "VOLTAGE": ("voltage_change_V",),
     "MOTOR": ("motor_change",),
     "PRESLIDING": ("share_slope_per_rad", "fastest_rate_per_s"),
+    "READING": ("reading_mm",),
     "TRANSMISSION": ("shaft_inertia_kgm2", "rest", "reaction_Nm", "rates", "rod", "fastest_rate_per_s"),
 }
 

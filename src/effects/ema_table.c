@@ -1,0 +1,102 @@
+#include "ema_table.h"
+
+#include "ema_math.h"
+
+/* Places of a table's values. */
+enum {
+    EMA_TABLE_GAIN = 0,
+    EMA_TABLE_AXIS = 1,
+    EMA_TABLE_FIRST = 2,
+    EMA_TABLE_LAST = 3,
+    EMA_TABLE_NODES = 4,
+    EMA_TABLE_VALUES = 20
+};
+
+#define EMA_TABLE_SPANS ((uint32_t)(EMA_TABLE_VALUES - EMA_TABLE_NODES - 1))
+
+#define EMA_ASSERT_TABLE(name) _Static_assert(sizeof(ema_effect_##name##_t) == ((size_t)EMA_TABLE_VALUES * sizeof(ema_real)), "a table as EMA_TABLE makes it");
+#define EMA_ASSERT_PARAMETER(name)
+#define EMA_ASSERT_FRICTION(name)
+#define EMA_ASSERT_TORQUE(name)
+#define EMA_ASSERT_LOAD(name)
+#define EMA_ASSERT_VOLTAGE(name)
+#define EMA_ASSERT_MOTOR(name)
+#define EMA_ASSERT_PRESLIDING(name)
+#define EMA_ASSERT_TRANSMISSION(name)
+#define EMA_ASSERT_FRICTION_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_ASSERT_TORQUE_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_ASSERT_VOLTAGE_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_ASSERT_READING_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ASSERT_##site(name)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+
+/* Where the site is on the axis, counted from the first node; on a periodic axis within one period, else the period is zero. */
+typedef struct {
+    ema_real from_first;
+    ema_real period;
+} ema_place_t;
+
+static ema_place_t ema_table_place(const ema_real* table, const ema_site_t* site)
+{
+    ema_real at = EMA_R(0.0);
+    ema_place_t place = {EMA_R(0.0), EMA_R(0.0)};
+    switch ((ema_axis_t)(int32_t)table[EMA_TABLE_AXIS]) {
+    case EMA_AXIS_SPEED:
+        at = site->speed_rad_s;
+        break;
+    case EMA_AXIS_LEAD:
+        at = site->position_mm;
+        place.period = site->plant->gearbox.lead_mm;
+        break;
+    case EMA_AXIS_TURN:
+        at = site->angle_rad;
+        place.period = EMA_TURN_RAD;
+        break;
+    case EMA_AXIS_CURRENT:
+        at = site->current_A;
+        break;
+    case EMA_AXIS_POSITION:
+    default:
+        at = site->position_mm;
+        break;
+    }
+    place.from_first = at - table[EMA_TABLE_FIRST];
+    if (place.period > EMA_R(0.0)) {
+        place.from_first -= place.period * ema_floor(place.from_first / place.period);
+    }
+    return place;
+}
+
+ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
+{
+    const ema_real* const node = &table[EMA_TABLE_NODES];
+    const ema_place_t place = ema_table_place(table, site);
+    const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
+    ema_real value = node[EMA_TABLE_SPANS];
+    if ((place.period > EMA_R(0.0)) && (place.from_first > range)) {
+        /* round to the first node */
+        const ema_real share = ema_min((place.from_first - range) / (place.period - range), EMA_R(1.0));
+        value += share * (node[0] - node[EMA_TABLE_SPANS]);
+    } else {
+        /* written so that NaN lands on the first node */
+        const ema_real spans = ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPANS / range), EMA_R(0.0), (ema_real)EMA_TABLE_SPANS);
+        const uint32_t span = (uint32_t)spans;
+        if (span < EMA_TABLE_SPANS) {
+            value = node[span] + ((spans - (ema_real)span) * (node[span + 1U] - node[span]));
+        }
+    }
+    return table[EMA_TABLE_GAIN] * value;
+}
+
+ema_real ema_table_outside(const ema_real* table, const ema_site_t* site)
+{
+    const ema_place_t place = ema_table_place(table, site);
+    const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
+    ema_real beyond = ema_max(-place.from_first, place.from_first - range);
+    if (place.period > EMA_R(0.0)) {
+        /* the nearer edge */
+        beyond = ema_min(beyond, place.period - place.from_first);
+    }
+    return ema_max(beyond, EMA_R(0.0)) / range;
+}
