@@ -255,7 +255,7 @@ def test_figures_are_valid_plotly() -> None:
     result = _made(identified(case="A"))
     comparison = parse_result(compared(), "c.json", "c")
     assert isinstance(comparison, Compared)
-    for figure in (figures.scalars(result), figures.search(result), figures.accuracy([result]), figures.shares(comparison)):
+    for figure in (figures.scalars(result), figures.search(result), figures.accuracy([result]), figures.shares(comparison.where)):
         go.Figure({"data": figure["data"], "layout": figure["layout"]})
         assert figure["label"] and all("role" in trace["meta"] for trace in figure["data"])
 

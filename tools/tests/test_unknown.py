@@ -12,7 +12,7 @@ from ema_tools.actuator import reference_actuator
 from ema_tools.diagnosis.unknown import KINDS, NODES, Learned, Unknown, learned, left_over, result
 from ema_tools.diagnosis.where import where
 from ema_tools.records import Record
-from test_where import WIDE, measured, repeats
+from repeated_runs import WIDE, measured, repeats
 
 
 def left(changes: Mapping[str, float] | Record, text: str = WIDE, healthy: bool = True) -> tuple[Unknown, ...]:

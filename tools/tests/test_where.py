@@ -5,35 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
 from ema_tools.actuator import reference_actuator
 from ema_tools.diagnosis.axes import Axis, explained, foretold, hats, motion_of
-from ema_tools.diagnosis.evidence import gather
 from ema_tools.diagnosis.where import Where, binned, mean_record, where
-from ema_tools.records import Record
+from ema_tools.diagnosis.whitening import Whitener
+from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
-
-NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}
-REPEATS = 5
-WIDE = "chirp:amplitude_mm=8,start_hz=0.1,end_hz=1.5"
-
-
-def measured(changes: Mapping[str, float], seed: int, text: str = "chirp") -> Record:
-    """One run of a machine whose friction and winding scatter, with `changes` in it."""
-    random = np.random.default_rng(seed)
-    model = reference_actuator()
-    day = {"screw.csj_Nm": 0.138 * (1.0 + 0.004 * random.normal()), "motor.resistance_ohm": 0.99 * (1.0 + 0.003 * random.normal())}
-    return replace(chirp_record(model.changed({**day, **changes}), text).with_noise(NOISE, seed), file=f"run {seed}")
-
-
-@cache
-def repeats(text: str = "chirp") -> tuple[Record, ...]:
-    return tuple(measured({}, seed, text) for seed in range(1, REPEATS + 1))
-
 
 def found(changes: Mapping[str, float], text: str = "chirp") -> Where:
     return where(reference_actuator(), measured(changes, 99, text), repeats(text))
@@ -140,12 +121,16 @@ def test_missing_signals_are_said() -> None:
 
 def test_shares_of_signals_use_the_noise_that_is_known() -> None:
     record = measured({"effects.winding_heating.rise_degC": 60.0}, 99)
-    evidence = gather(reference_actuator(), record, repeats())
-    plain, weighed = where(reference_actuator(), record, repeats()), where(reference_actuator(), record, repeats(), evidence.whiten, evidence.channels)
+    channels = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
+    power = np.outer([1e-6, 1e-6, 1e-3, 1e-3], np.ones(record.rows // 2 + 1))
+    plain, weighed = where(reference_actuator(), record, repeats()), where(reference_actuator(), record, repeats(), Whitener.of(power, record.rows), channels)
     for answer in (plain, weighed):
         assert sum(one.share for one in answer.channels) == pytest.approx(1.0)
-        assert {one.name for one in answer.channels} == {"position_mm", "motor_position_mm", "current_A", "voltage_V"}
-    assert [one.share for one in plain.channels] != [one.share for one in weighed.channels]
+        assert {one.name for one in answer.channels} == set(channels)
+    # with weights that are alike at all frequencies the shares are those of the squares
+    weights = {name: size / power[place, 0] for place, name in enumerate(channels) for size in [next(one.rms for one in plain.channels if one.name == name) ** 2]}
+    for one in weighed.channels:
+        assert one.share == pytest.approx(weights[one.name] / sum(weights.values()), rel=1e-6)
     noise = next(one for one in plain.channels if one.name == "current_A")
     assert noise.floor_rms == pytest.approx(0.03, rel=0.5)
 

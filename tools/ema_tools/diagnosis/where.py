@@ -468,17 +468,18 @@ def _sentence(blocks: Sequence[Block], channels: Sequence[Channel], places: Sequ
 
 @dataclass(frozen=True)
 class Bins:
-    """A residual over an axis in equal bins: centres, mean, and the band of one standard deviation, all [bins]; empty bins left out."""
+    """A residual over an axis in equal bins: centres, mean, the band of one standard deviation, and the shares of its square and of the samples, all [bins]; empty bins left out."""
 
     centers: Reals
     mean: Reals
     low: Reals
     high: Reals
     share: Reals
+    time_share: Reals
 
     def result(self) -> dict[str, list[float]]:
         """For JSON."""
-        return {"center": short(self.centers), "mean": short(self.mean), "low": short(self.low), "high": short(self.high), "share_percent": short(100.0 * self.share)}
+        return {"center": short(self.centers), "mean": short(self.mean), "low": short(self.low), "high": short(self.high), "share_percent": short(100.0 * self.share), "time_percent": short(100.0 * self.time_share)}
 
 
 def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:
@@ -495,7 +496,7 @@ def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:
     energy = np.bincount(index, values**2, bins)
     centers = low + (np.arange(bins) + 0.5) * (high - low) / bins
     share = energy / max(float(energy.sum()), 1e-300)
-    return Bins(centers[there], mean[there], (mean - spread)[there], (mean + spread)[there], share[there])
+    return Bins(centers[there], mean[there], (mean - spread)[there], (mean + spread)[there], share[there], count[there] / values.size)
 
 
 def _pictures(

@@ -1,4 +1,4 @@
-"""The page for results of `ema identify` and `ema compare`: one HTML file that needs nothing else.
+"""The page for results of `ema identify`, `ema compare`, `ema diagnose` and `ema add`: one HTML file that needs nothing else. For the last two see `ema_tools.report.diagnosis`.
 
 Besides the keys that programs read, a result may hold these, and the page shows what is there:
 

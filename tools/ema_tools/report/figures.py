@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
 import numpy as np
 
-from ema_tools.report.results import FAULTS, Compared, Identified
+from ema_tools.report.results import FAULTS, Identified, Place
 from ema_tools.report.words import number, shift
 
 LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
@@ -196,9 +197,9 @@ def _error(x: list[float], y: list[str], name: str, role: str, symbol: str) -> F
     return trace
 
 
-def shares(result: Compared) -> Figure:
+def shares(where: Sequence[Place]) -> Figure:
     """Where more of the squared error lies than of the time: both shares of the most telling parts."""
-    places = result.where[:_PLACES_MAX]
+    places = where[:_PLACES_MAX]
     # Two lines, so that a phone keeps room for the figure.
     names = [escape(place.name).replace(": ", ":<br>") for place in places]
     shares = [place.share_percent for place in places]

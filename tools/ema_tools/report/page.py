@@ -6,13 +6,15 @@ import json
 import math
 import re
 from collections.abc import Iterable
+from functools import partial
 from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.report import figures, words
+from ema_tools.report import diagnosis, figures, words
 from ema_tools.report.curves import pack
-from ema_tools.report.results import Compared, Curves, Identified
+from ema_tools.report.diagnosis_results import Diagnosed
+from ema_tools.report.results import Compared, Curves, Identified, Result
 from ema_tools.report.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
@@ -40,7 +42,7 @@ class _Page:
         return f'<div class="plot" id="{identity}" role="img" aria-label="{escape(label)}" style="height:{figure["height"]}px"></div>'
 
 
-def render(results: list[Identified | Compared], command: str) -> str:
+def render(results: list[Result], command: str) -> str:
     """The page as text. `command` made it and stands in its provenance."""
     page = _Page()
     identified = [result for result in results if isinstance(result, Identified)]
@@ -52,13 +54,15 @@ def render(results: list[Identified | Compared], command: str) -> str:
         page.add(f'<section id="result-{index}" aria-labelledby="result-{index}-title"><div class="wrap">')
         if isinstance(result, Identified):
             _identified(page, result, f"result-{index}")
+        elif isinstance(result, Diagnosed):
+            diagnosis.section(page, result, f"result-{index}", partial(_curves, page))
         else:
             _compared(page, result, f"result-{index}")
         page.add("</div></section>")
     with_case = [result for result in identified if result.case is not None]
     if with_case:
         _paper(page, with_case)
-    _next(page, identified, compared)
+    _next(page, identified, compared, any(isinstance(result, Diagnosed) for result in results))
     _origin(page, results, command)
     page.add("</main>")
     return _document(_short_title(results[0]), page)
@@ -101,7 +105,9 @@ def verdict(result: Identified) -> str:
     return f"{'; '.join(result.reasons)}." if result.reasons else "no reason was given."
 
 
-def _title(result: Identified | Compared) -> str:
+def _title(result: Result) -> str:
+    if isinstance(result, Diagnosed):
+        return diagnosis.headline(result)
     return sentence(result) if isinstance(result, Identified) else _worst(result)
 
 
@@ -115,13 +121,13 @@ def _worst(result: Compared) -> str:
     return f"{result.title}: rod position off by {words.number(share)} %" if share is not None else result.title
 
 
-def _short_title(result: Identified | Compared) -> str:
-    if isinstance(result, Compared):
+def _short_title(result: Result) -> str:
+    if not isinstance(result, Identified):
         return result.title
     return ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults) + f": {result.verdict}"
 
 
-def _head(page: _Page, results: list[Identified | Compared]) -> None:
+def _head(page: _Page, results: list[Result]) -> None:
     first = results[0]
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
     if isinstance(first, Identified):
@@ -138,7 +144,9 @@ def _head(page: _Page, results: list[Identified | Compared]) -> None:
     page.add("</ul></nav>")
 
 
-def _tile(result: Identified | Compared) -> str:
+def _tile(result: Result) -> str:
+    if isinstance(result, Diagnosed):
+        return diagnosis.tile(result)
     if isinstance(result, Compared):
         share = result.channels.get("position_mm", (0.0, None))[1]
         small = f"rod position {words.number(share)} % off" if share is not None else "rod position does not move"
@@ -242,16 +250,22 @@ def _compared(page: _Page, result: Compared, identity: str) -> None:
     page.add(compared_tables(result))
     if result.where:
         page.add('<figure><div class="figure-head"><h3>Where the error sits</h3><ul class="legend"><li><span class="key dot before"></span>share of the squared error</li>')
-        page.add('<li><span class="key ring"></span>share of the time</li></ul></div>', page.figure(f"{identity}-where", figures.shares(result)))
+        page.add('<li><span class="key ring"></span>share of the time</li></ul></div>', page.figure(f"{identity}-where", figures.shares(result.where)))
         page.add("<figcaption>Parts of the record that hold more of a residual than of the time, the most telling first.</figcaption></figure>")
 
 
-def _next(page: _Page, identified: list[Identified], compared: list[Compared]) -> None:
+def _next(page: _Page, identified: list[Identified], compared: list[Compared], diagnosed: bool) -> None:
     page.add('<section id="next" aria-labelledby="next-title"><div class="wrap"><h2 id="next-title">What to do next</h2>')
     for result in identified:
         for reason in result.reasons:
             if words.advice(reason):
                 page.add(f"<p>{escape(result.title)}: {_code(words.advice(reason))}</p>")
+    if diagnosed:
+        page.add(
+            "<p>An effect that is recommended goes into the model, and from there into the firmware:</p>",
+            "<pre><code>ema add mine.toml EFFECT --fit today.csv --holdout other.csv -o better.toml\n"
+            "ema diagnose better.toml today.csv --healthy repeat1.csv --healthy repeat2.csv    # again, to the floor</code></pre>",
+        )
     if compared:
         page.add("<p>Where one block holds most of the error, fit its parameters on a healthy record: <code>ema calibrate</code>.</p>")
     page.add(
@@ -270,7 +284,7 @@ def _code(text: str) -> str:
     return "".join(f"<code>{piece}</code>" if index % 2 else piece for index, piece in enumerate(pieces))
 
 
-def _origin(page: _Page, results: list[Identified | Compared], command: str) -> None:
+def _origin(page: _Page, results: list[Result], command: str) -> None:
     page.add('<section id="origin" aria-labelledby="origin-title"><div class="wrap"><h2 id="origin-title">Where this comes from</h2><dl class="origin">')
     page.add(f"<dt>page</dt><dd><code>{escape(command)}</code></dd>")
     shared = _shared([result.provenance for result in results])

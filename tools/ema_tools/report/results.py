@@ -1,18 +1,21 @@
-"""Reads result files: what the page takes from the JSON of `ema identify` and `ema compare`, checked field by field."""
+"""Reads result files: what the page takes from the JSON of `ema identify` and `ema compare`, checked field by field; those of `ema diagnose` are read next door."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ema_tools.cases import CASES, Case
 from ema_tools.errors import InputError
 from ema_tools.files import read_json
+from ema_tools.report.reader import Reader, Series
+
+if TYPE_CHECKING:
+    from ema_tools.report.diagnosis_results import Diagnosed
 
 FAULTS = ("csj_Nm", "blk_mm")
 CHANNELS = ("position_mm", "speed_mm_s", "current_A", "voltage_V")
@@ -20,8 +23,6 @@ BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 
 # Rows on each side over which the slope of the position is taken where the speed is not recorded.
 SLOPE_ROWS = 4
-
-Series: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,10 @@ class Compared:
         return f"Model against {self.name}"
 
 
-def read_result(path: Path) -> Identified | Compared:
+Result = Union["Identified", "Compared", "Diagnosed"]
+
+
+def read_result(path: Path) -> Result:
     """The result in the file at `path`.
 
     Raises InputError when the file cannot be read, is no JSON, or lacks a field.
@@ -156,67 +160,21 @@ def read_result(path: Path) -> Identified | Compared:
     return parse_result(data, str(path), path.stem)
 
 
-def parse_result(data: dict[str, Any], source: str, stem: str) -> Identified | Compared:
+def parse_result(data: dict[str, Any], source: str, stem: str) -> Result:
     """The result in `data`; `source` names it in errors, `stem` on the page when it has no name of its own."""
-    reader = _Reader(data, source)
+    from ema_tools.report.diagnosis_results import diagnosed
+
+    reader = Reader(data, source)
+    if data.get("command") in ("diagnose", "add") or ("error" in data and "balances" not in data):
+        return diagnosed(reader, stem)
     if any(name in data for name in FAULTS):
         return _identified(reader, stem)
     if "balances" in data:
         return _compared(reader, stem)
-    raise InputError(f"{source}: holds none of `csj_Nm`, `blk_mm` and `balances`: give the --json result of `ema identify` or `ema compare`")
+    raise InputError(f"{source}: holds none of `csj_Nm`, `blk_mm` and `balances`, nor a diagnosis: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`")
 
 
-class _Reader:
-    """Fields of a JSON object, with errors that name file and field."""
-
-    def __init__(self, data: dict[str, Any], source: str, prefix: str = "") -> None:
-        self.data = data
-        self.source = source
-        self.prefix = prefix
-
-    def fail(self, key: str, problem: str) -> InputError:
-        return InputError(f"{self.source}: field {self.prefix}{key} {problem}: write the result again with --json")
-
-    def table(self, key: str) -> _Reader:
-        value = self.data.get(key)
-        if not isinstance(value, dict):
-            raise self.fail(key, "is missing" if value is None else "is not an object")
-        return _Reader(value, self.source, f"{self.prefix}{key}.")
-
-    def number(self, key: str) -> float:
-        value = self.data.get(key)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.fail(key, "is missing" if value is None else "is not a number")
-        if not math.isfinite(value):
-            raise self.fail(key, "is not finite")
-        return float(value)
-
-    def text(self, key: str, default: str) -> str:
-        value = self.data.get(key, default)
-        if not isinstance(value, str):
-            raise self.fail(key, "is not a text")
-        return value
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        value = self.data.get(key, [])
-        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-            raise self.fail(key, "is not a list of texts")
-        return tuple(value)
-
-    def series(self, key: str) -> Series:
-        value = self.data.get(key)
-        try:
-            array = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise self.fail(key, "is not a list of numbers") from None
-        if array.ndim != 1 or array.size == 0:
-            raise self.fail(key, "is not a list of numbers")
-        if not np.all(np.isfinite(array)):
-            raise self.fail(key, f"is not finite at row {int(np.argmin(np.isfinite(array))) + 1}")
-        return array
-
-
-def _identified(reader: _Reader, stem: str) -> Identified:
+def _identified(reader: Reader, stem: str) -> Identified:
     faults: dict[str, Estimate] = {}
     left_out: dict[str, str] = {}
     for name in (name for name in FAULTS if name in reader.data):
@@ -231,7 +189,7 @@ def _identified(reader: _Reader, stem: str) -> Identified:
         undetermined = "std" in part.data and part.data["std"] is None
         faults[name] = Estimate(estimate, math.nan if undetermined else part.number("std"), shift, healthy)
     if not faults:
-        raise _Reader({}, reader.source, f"{next(iter(left_out))}.").fail("estimate", "is null for every parameter, which leaves nothing to show")
+        raise Reader({}, reader.source, f"{next(iter(left_out))}.").fail("estimate", "is null for every parameter, which leaves nothing to show")
     letter = reader.text("case", "")
     if letter and len(faults) < len(FAULTS):
         raise reader.fail(next(name for name in FAULTS if name not in faults), "is missing, which a case needs")
@@ -251,13 +209,13 @@ def _identified(reader: _Reader, stem: str) -> Identified:
         case=cases.get(letter),
         noise=reader.text("noise", ""),
         search=_search(reader.table("search")) if "search" in reader.data else None,
-        curves=_curves(reader.table("curves"), ("before", "after")) if "curves" in reader.data else None,
-        provenance=_provenance(reader),
+        curves=curves_of(reader.table("curves"), ("before", "after")) if "curves" in reader.data else None,
+        provenance=provenance_of(reader),
         left_out=left_out,
     )
 
 
-def _compared(reader: _Reader, stem: str) -> Compared:
+def _compared(reader: Reader, stem: str) -> Compared:
     channels: dict[str, tuple[float, float | None]] = {}
     table = reader.table("channels")
     for name in table.data:
@@ -277,7 +235,7 @@ def _compared(reader: _Reader, stem: str) -> Compared:
         raise reader.fail("where", "is not a list")
     places: list[Place] = []
     for index, entry in enumerate(where):
-        part = _Reader(entry if isinstance(entry, dict) else {}, reader.source, f"where[{index}].")
+        part = Reader(entry if isinstance(entry, dict) else {}, reader.source, f"where[{index}].")
         if part.data.get("time_share") is not None:
             places.append(Place(part.text("name", "unnamed"), part.number("share_percent"), 100.0 * part.number("time_share")))
     return Compared(
@@ -286,17 +244,17 @@ def _compared(reader: _Reader, stem: str) -> Compared:
         channels=channels,
         balances=balances,
         where=tuple(sorted((place for place in places if place.surprise > 0.0), key=lambda place: -place.surprise)),
-        curves=_curves(reader.table("curves"), ("model",)) if "curves" in reader.data else None,
-        provenance=_provenance(reader),
+        curves=curves_of(reader.table("curves"), ("model",)) if "curves" in reader.data else None,
+        provenance=provenance_of(reader),
     )
 
 
-def _search(reader: _Reader) -> Search:
+def _search(reader: Reader) -> Search:
     cost = reader.series("cost_mm2s")
     return Search(cost, np.minimum.accumulate(cost))
 
 
-def _curves(reader: _Reader, models: tuple[str, ...]) -> Curves:
+def curves_of(reader: Reader, models: tuple[str, ...]) -> Curves:
     period_s = reader.number("period_s")
     if period_s <= 0.0:
         raise reader.fail("period_s", "is not positive")
@@ -329,7 +287,7 @@ def slope(values: Series, period_s: float) -> Series:
     return np.concatenate((ends[:SLOPE_ROWS], inner, ends[-SLOPE_ROWS:]))
 
 
-def _provenance(reader: _Reader) -> dict[str, str]:
+def provenance_of(reader: Reader) -> dict[str, str]:
     table = reader.data.get("provenance", {})
     if not isinstance(table, dict):
         raise reader.fail("provenance", "is not an object")

@@ -15,6 +15,7 @@ _CHANNELS = {
     "current_A": ("Motor current", "A"),
     "voltage_V": ("Motor voltage", "V"),
 }
+CHANNEL_TITLES = {name: title for name, (title, _) in _CHANNELS.items()}
 _BALANCES = {
     "mechanical": ("Mechanical", "Nm", "torque of the motor against what the mechanics take"),
     "electrical": ("Electrical", "V", "applied voltage against resistance, inductance and back-EMF"),

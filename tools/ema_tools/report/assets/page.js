@@ -26,8 +26,10 @@
     const traces = figure.data.map((trace) => {
       const colour = css(trace.meta.role === "measured" && trace.mode === "markers" ? "ring" : trace.meta.role);
       const painted = { ...trace };
-      if (painted.mode === "lines") painted.line = { ...painted.line, color: colour };
-      else painted.marker = { ...painted.marker, color: colour };
+      if (painted.mode && painted.mode.includes("lines")) painted.line = { ...painted.line, color: colour };
+      if (painted.mode !== "lines") painted.marker = { ...painted.marker, color: colour };
+      // Two more hexadecimal digits: the band lets the grid through.
+      if (painted.fill) painted.fillcolor = colour + "30";
       if (painted.error_x) painted.error_x = { ...painted.error_x, color: colour };
       return painted;
     });
@@ -69,6 +71,7 @@
 
   class CurveSet {
     constructor(set) {
+      this.id = set.id;
       this.x = times(set.time);
       this.ends = [this.x[0], this.x[this.x.length - 1]];
       this.range = this.ends;
@@ -150,13 +153,25 @@
   }
 
   // Plots are drawn when they come near the window: a phone does not wait for those far below.
-  const draws = new Map();
+  const draws = new Map(), sets = new Map();
   for (const set of data.curves.map((packed) => new CurveSet(packed))) {
+    sets.set(set.id, set);
     for (const plot of set.plots) draws.set(plot, () => set.draw(plot));
   }
   for (const figure of data.figures) {
     const plot = document.getElementById(figure.id);
-    draws.set(plot, () => Plotly.react(plot, ...paint(figure), config));
+    draws.set(plot, () => {
+      const first = !plot.data;
+      Plotly.react(plot, ...paint(figure), config);
+      // A part of the time that is clicked is shown in the curves.
+      if (first && figure.zooms && sets.has(figure.zooms)) {
+        plot.on("plotly_click", ({ points: [point] }) => {
+          const set = sets.get(figure.zooms);
+          set.zoom([point.x - figure.half, point.x + figure.half]);
+          set.plots[0].scrollIntoView({ block: "nearest" });
+        });
+      }
+    });
   }
   const near = new IntersectionObserver((entries) => {
     for (const entry of entries) {

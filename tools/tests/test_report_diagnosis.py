@@ -1,0 +1,197 @@
+"""The page of a diagnosis: everything that the result holds stands there, in the order of the questions, and what it lacks is left out."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import plotly.graph_objects as go
+import pytest
+
+from ema_tools.actuator import reference_actuator
+from ema_tools.diagnosis.gate import judge
+from ema_tools.diagnosis.unknown import learned, left_over, result
+from ema_tools.diagnosis.where import where
+from ema_tools.errors import InputError
+from ema_tools.files import plain
+from ema_tools.records import simulated
+from ema_tools.report import diagnosis, diagnosis_figures, write_report
+from ema_tools.report.diagnosis_results import Diagnosed
+from ema_tools.report.results import parse_result
+from ema_tools.results import curves
+from repeated_runs import WIDE, measured, repeats
+from report_results import identified
+from test_report_page import _structure, _without_scripts
+
+HIDDEN = {"effects.jam_spot.amplitude_Nm": 0.1, "effects.jam_spot.place_mm": 2.0, "effects.jam_spot.width_mm": 1.5}
+
+
+@cache
+def _made() -> str:
+    """A whole result as text: gate, where and unknown of a record, with a ranking and steps as the search gives them."""
+    model, record = reference_actuator(), measured(HIDDEN, 99, WIDE)
+    found = where(model, record, repeats(WIDE))
+    unknowns = left_over(model, record, found)
+    value = {"value": 0.1, "std": 0.002, "at_bound": False}
+    data = {
+        "command": "diagnose",
+        "name": "today.csv",
+        "verdict": "missing",
+        "sentence": "jam_spot explains what the record shows beyond the repeats.",
+        "effects": [
+            {"name": "jam_spot", "class": ["jam_spot"], "parameters": {"effects.jam_spot.amplitude_Nm": value}, "score": 5000.0, "limit": 60.0, "accepted": True},
+            {"name": "pitch_ripple", "class": ["pitch_ripple", "spring_load"], "parameters": {"effects.pitch_ripple.ratio": 0.2}, "score": 900.0, "limit": 60.0, "accepted": False, "reason": "explains less"},
+            {"name": "constant_load", "class": [], "parameters": {}, "score": 0.0, "limit": 60.0, "accepted": False},
+        ],
+        "error": {"before": 3.2, "after": 1.05, "floor": 1.0, "holdout_before": 3.4, "holdout_after": 1.1},
+        "next_experiment": {"command": "triangle:amplitude_mm=8", "sentence": "A slow triangle over two leads separates jam_spot from pitch_ripple."},
+        "gate": judge(model, record, repeats(WIDE)).result(),
+        "where": found.result(),
+        "unknown": result(unknowns, learned(unknowns[0])),
+        "steps": [
+            {"effects": ["constant_load"], "added": "constant_load", "error_training": 2.9, "error_holdout": 3.6, "parameters": {}, "recommended": False, "reason": "the held-out error rises"},
+            {"effects": ["constant_load", "jam_spot"], "added": "jam_spot", "error_training": 1.05, "error_holdout": 1.1, "parameters": {"effects.jam_spot.amplitude_Nm": value}, "recommended": True},
+        ],
+        "curves": curves(record, {"before": simulated(model, record), "after": simulated(model.changed(HIDDEN), record)}),
+        "provenance": {"command": "ema diagnose mine.toml today.csv"},
+    }
+    return json.dumps(plain(data), allow_nan=False)
+
+
+def made(**changes: Any) -> dict[str, Any]:
+    """The whole result; `changes` replace keys, Ellipsis removes one."""
+    data = {**json.loads(_made()), **changes}
+    return {key: value for key, value in data.items() if value is not ...}
+
+
+def parsed(data: dict[str, Any]) -> Diagnosed:
+    found = parse_result(data, "today.json", "today")
+    assert isinstance(found, Diagnosed)
+    return found
+
+
+def page(folder: Path, *results: dict[str, Any]) -> str:
+    files = []
+    for place, data in enumerate(results):
+        files.append(folder / f"result_{place}.json")
+        files[-1].write_text(json.dumps(data), encoding="utf-8")
+    write_report(files, folder / "page.html", "ema report", force=True)
+    return (folder / "page.html").read_text(encoding="utf-8")
+
+
+def words(html: str) -> str:
+    return " ".join("".join(_structure(_without_scripts(html)).texts).replace("\u00a0", " ").split())
+
+
+def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
+    text = words(page(tmp_path, made()))
+    asked = ["today.csv: jam_spot missing in the model", "Can this record answer?", "Where does the model fail?", "Which effect is missing?", "Does the error fall?", "What to measure next"]
+    places = [text.index(question) for question in asked]
+    assert places == sorted(places)
+    for said in (
+        "jam_spot explains what the record shows beyond the repeats.",
+        "lies in the mechanical balance",
+        "jam_spot.amplitude_Nm = 0.1000 ± 0.0020 Nm",
+        "not recommended: the held-out error rises",
+        "explains less",
+        "separates jam_spot from pitch_ripple",
+        "ema diagnose mine.toml today.csv",
+    ):
+        assert said in text, said
+    assert text.count("jam_spot explains what the record shows beyond the repeats.") == 1
+    assert "What is it that the library does not hold?" not in text
+
+
+def test_page_is_well_formed_beside_other_results(tmp_path: Path) -> None:
+    html = page(tmp_path, made(), identified(), made(name="</script><b>", verdict="unknown"), made(verdict="adequate", effects=[], steps=[]))
+    found = _structure(_without_scripts(html))
+    assert found.problems == [] and found.open == []
+    assert len(found.identities) == len(set(found.identities))
+    assert set(found.references) <= set(found.identities)
+    assert html.count("<script") == 3
+    drawn = json.loads(html.split('<script id="page-data" type="application/json">')[1].split("</script>")[0])
+    assert {figure["id"] for figure in drawn["figures"]} <= set(found.identities)
+    assert len(html.encode()) < 9_000_000
+
+
+def test_unknown_is_drawn_with_what_can_be_flown(tmp_path: Path) -> None:
+    text = words(page(tmp_path, made(verdict="unknown", effects=[], steps=[])))
+    assert "today.csv: something is there that the library does not hold" in text
+    assert "The unknown torque on the shaft repeats with position, against the motion" in text
+    assert "Over position, against the motion:" in text and "learned_friction, a table over position" in text
+
+
+def test_adequate_and_bare_results_are_shown(tmp_path: Path) -> None:
+    bare = {"command": "diagnose", "verdict": "adequate", "error": {"before": 1.0, "floor": 1.0, "after": None}}
+    html = page(tmp_path, bare)
+    assert "nothing exceeds what the machine repeats" in words(html) and 'class="plot"' not in _without_scripts(html)
+    assert "Which effect is missing?" not in words(html)
+
+
+def test_addition_is_shown_with_its_fall(tmp_path: Path) -> None:
+    added = {
+        "command": "add", "effect": "jam_spot", "actuator": "new.toml", "name": "today.csv", "error": {"before": 3.2, "after": 1.05, "floor": 1.0, "holdout_before": 3.0, "holdout_after": 3.3},
+        "parameters": {"effects.jam_spot.width_mm": {"value": 2.0, "std": 0.01, "at_bound": True}}, "recommended": False, "reason": "width_mm lies on its bound",
+    }  # fmt: skip
+    text = words(page(tmp_path, added))
+    assert "jam_spot added: weighted error 3.20 → 1.05 on today.csv" in text
+    assert "jam_spot.width_mm = 2.000 ± 0.010 mm (at its bound)" in text and "not recommended: width_mm lies on its bound" in text
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"verdict": "perhaps"}, "field verdict is none of adequate, missing, unknown"),
+        ({"error": ...}, "field error is missing"),
+        ({"effects": [{"name": "x", "score": 1.0}]}, "field effects[0].limit is missing"),
+        ({"effects": "none"}, "field effects is not a list of objects"),
+        ({"steps": [{"effects": ["x"]}]}, "field steps[0].error_training is missing"),
+        ({"gate": {"remarks": [{"severity": "bad"}]}}, "field gate.remarks[0].severity is none of blocks, weakens, fine"),
+        ({"where": {"pictures": {"bins": [{"center": [1.0], "mean": ["a"]}]}}}, "field where.pictures.bins[0].mean is not a list of numbers"),
+    ],
+)
+def test_bad_field_is_named(change: dict[str, Any], expected: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parsed(made(**change))
+    assert str(caught.value).startswith(f"today.json: {expected}")
+
+
+def test_figures_are_valid_plotly_with_roles() -> None:
+    found = parsed(made())
+    drawn = [diagnosis_figures.ranking(found), diagnosis_figures.waterfall(found), *map(diagnosis_figures.picture, (*found.pictures, *found.unknown_pictures))]
+    assert len(drawn) > 20
+    for figure in drawn:
+        go.Figure({"data": figure["data"], "layout": figure["layout"]})
+        assert figure["label"] and all("role" in trace["meta"] for trace in figure["data"])
+        json.dumps(figure, allow_nan=False)
+
+
+def test_waterfall_falls_to_the_floor_with_its_twin() -> None:
+    traces = {trace["name"]: trace for trace in diagnosis_figures.waterfall(parsed(made()))["data"]}
+    assert traces["left"]["y"] == [3.2, 2.9, 1.05]
+    assert traces["taken off"]["y"] == pytest.approx([0.3, 1.85]) and traces["taken off"]["base"] == [2.9, 1.05]
+    assert traces["held-out record"]["y"] == [3.4, 3.6, 1.1]
+    assert set(traces["floor"]["y"]) == {1.0}
+
+
+def test_ranking_shows_scores_over_their_limit() -> None:
+    traces = {trace.get("name"): trace for trace in diagnosis_figures.ranking(parsed(made()))["data"]}
+    assert traces["accepted"]["x"] == pytest.approx([5000.0 / 60.0], rel=1e-4) and traces["accepted"]["y"] == ["jam_spot"]
+    assert traces["not accepted"]["x"] == pytest.approx([15.0, 0.01])
+
+
+def test_every_picture_of_where_reaches_the_page() -> None:
+    found = parsed(made())
+    sources = {one.source for one in found.pictures}
+    assert {"mechanical", "electrical", "kinematic", "controller", "torque without inertia", "play loop", "torque loop", "mechanical order"} <= sources
+    worst = [one for one in found.pictures if one.source == "mechanical"]
+    assert {one.by for one in worst} == {"speed", "position", "place in the lead", "motor angle", "current", "acceleration", "time since reversal", "time"}
+    assert max(worst, key=diagnosis._unevenness).by in ("position", "time", "time since reversal")
+
+
+def test_long_names_and_missing_parts_do_not_break_the_page(tmp_path: Path) -> None:
+    for key in ("gate", "where", "unknown", "steps", "curves", "provenance", "next_experiment", "sentence", "name", "effects"):
+        html = page(tmp_path, made(**{key: ...}))
+        assert _structure(_without_scripts(html)).problems == []
