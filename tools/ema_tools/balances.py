@@ -156,17 +156,62 @@ def _at_points(actuator: Actuator, motion: Motion, site: str, call: Callable[[An
     return np.array([sum(call(module, effect, point) for module, effect in functions) for point in points])
 
 
-def drive_current(actuator: Actuator, record: Record) -> Reals:
-    """The motor current, [rows]: as recorded, or from the command of an ideal current drive.
+def _mixed(values: Reals, rows: int, share: float) -> Reals:
+    """(1 - share) of `values` [rows] `rows` earlier and `share` of one more row earlier; the first and the last value go on beyond the record."""
+    place = np.arange(values.size) - rows
+    last = values.size - 1
+    return (1.0 - share) * values[np.clip(place, 0, last)] + share * values[np.clip(place - 1, 0, last)]
 
-    Raises MissingSignal.
+
+def _split(rows: float) -> tuple[int, float]:
+    """A delay in whole rows and the rest of one; what is a whole number but for rounding counts as one."""
+    whole = math.floor(rows + 1e-9)
+    return whole, max(rows - whole, 0.0)
+
+
+def drive_current(actuator: Actuator, record: Record) -> Reals:
+    """The motor current, [rows]: as recorded, or from the command of a current drive that is never short of voltage.
+
+    A drive without lag and delay has the command of the row, as published models take it, which leads by half a row what is held from row to row. That half counts as soon as
+    a delay is known: the drive then has the mean of what it holds over half a row to both sides. Raises MissingSignal.
     """
+    values = adjusted(actuator)
+    current_drive = values["drive.mode"] == 1.0
+    lag_s = values["drive.current_loop_s"]
+    delay = values["drive.output_delay_s"] / record.period_s
+    late, rest = _split(delay)
+    whole, share = _split(delay + 0.5)
+    stands = delay == 0.0 or not current_drive or lag_s > 0.0
     if record.current_A is not None:
-        return record.current_A
-    ideal = actuator["drive.mode"] == 1.0 and actuator["drive.current_loop_s"] == 0.0 and actuator["drive.command_scale_V"] > 0.0
-    if ideal and record.voltage_V is not None:
-        return record.voltage_V * (actuator["drive.current_scale_A"] / actuator["drive.command_scale_V"])
-    raise MissingSignal("current_A is not recorded")
+        # the row shows what the drive holds at its instant: with a part of a row of delay, still the command before
+        shown = late + (1 if rest > 0.0 else 0)
+        return record.current_A if stands else _mixed(record.current_A, whole - shown, share)
+    if not (current_drive and values["drive.command_scale_V"] > 0.0 and record.voltage_V is not None):
+        raise MissingSignal("current_A is not recorded")
+    asked = record.voltage_V * (values["drive.current_scale_A"] / values["drive.command_scale_V"])
+    if lag_s == 0.0:
+        return asked if stands else _mixed(asked, whole, share)
+    # exact for a reference that is held: over a row the older command acts first
+    fade, newer = math.exp(-record.period_s / lag_s), math.exp(-(1.0 - rest) * record.period_s / lag_s)
+    weights = (0.0, 1.0 - newer, newer - fade)
+    held = _mixed(asked, late, 0.0)
+    start = signal.lfiltic(weights, (1.0, -fade), [held[0]], [held[0], held[0]])
+    return np.asarray(signal.lfilter(weights, (1.0, -fade), held, zi=start)[0])
+
+
+def _learned_reading_mm(actuator: Actuator, rod_mm: Reals) -> Reals:
+    """What learned tables add to the rod sensor's reading, [rows]."""
+    functions = list(_active(actuator, "READING"))
+    if not functions:
+        return np.zeros_like(rod_mm)
+    nothing = np.zeros_like(rod_mm)
+    seen = Motion(nothing, nothing, nothing, rod_mm / actuator.lead_mm_per_rad, rod_mm)
+    return _at_points(actuator, seen, "READING", lambda module, effect, point: module.reading_mm(effect, point))
+
+
+def _read_right(actuator: Actuator, record: Record) -> Reals:
+    """The recorded rod position without what learned tables add to it, [rows]."""
+    return record.position_mm - _learned_reading_mm(actuator, record.position_mm)
 
 
 def motor_position(actuator: Actuator, record: Record) -> Reals:
@@ -174,8 +219,9 @@ def motor_position(actuator: Actuator, record: Record) -> Reals:
     if record.motor_position_mm is not None:
         return record.motor_position_mm
     if actuator["screw.blk_mm"] == 0.0 and not _transmission(actuator):
-        return (record.position_mm - actuator["encoder.rod_offset_mm"]) / (1.0 + actuator["encoder.rod_gain_error"])
-    raise MissingSignal("motor_position_mm is not recorded, and the rod follows the motor with play")
+        return (_read_right(actuator, record) - actuator["encoder.rod_offset_mm"]) / (1.0 + actuator["encoder.rod_gain_error"])
+    between = _transmission(actuator) or "play"
+    raise MissingSignal(f"motor_position_mm is not recorded, and the rod follows the motor with {between}")
 
 
 def _transmission(actuator: Actuator) -> str:
@@ -198,28 +244,54 @@ def _friction_change_Nm(actuator: Actuator, motion: Motion, level: float) -> Rea
     return _at_points(actuator, motion, "FRICTION", lambda module, effect, point: module.level_change_Nm(effect, level, point))
 
 
+def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
+    """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
+    found = [float(getattr(effect, "stretch_rad")) for _, effect in _active(actuator, "PRESLIDING")]
+    direction = np.sign(motion.speed_rad_s)
+    return (stretched(motion.angle_rad, found[0]), True) if found else (direction, False)
+
+
+def stretched(angle_rad: Reals, stretch_rad: float) -> Reals:
+    """Share of the sliding level that a contact carries which stretches before it slides, [rows]: dz/dtheta = (1 - z sgn w) / stretch, from zero."""
+    turns = np.diff(angle_rad, prepend=angle_rad[:1])
+    out = np.empty_like(turns)
+    share = 0.0
+    for row, (side, kept) in enumerate(zip(np.where(turns < 0.0, -1.0, 1.0).tolist(), np.exp(-np.abs(turns) / stretch_rad).tolist(), strict=True)):
+        share = side + (share - side) * kept
+        out[row] = share
+    return out
+
+
 @dataclass(frozen=True)
 class Mechanical:
     """The mechanical balance as a linear model on smoothed rows, all [rows] or [rows, 4].
 
-    drive = load + extra direction + columns @ parameters; columns: acceleration (inertia), speed (viscous), direction (level of sliding friction),
-    one (load against extension). `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level.
+    drive = load + extra contact + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
+    one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
+    `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level backward and forward.
     """
 
     smoother: Smoother
     drive_Nm: Reals
     load_Nm: Reals
     extra_Nm: Reals
-    static_extra_Nm: Reals
+    static_extra_Nm: tuple[Reals, Reals]
+    contact: Reals
+    asymmetry: float
     columns: Reals
     time_s: Reals
     resting: NDArray[np.bool_]
 
+    @property
+    def added_Nm(self) -> Reals:
+        """Torque of the friction that effects and efficiency add while sliding, against extension, [rows]."""
+        return self.extra_Nm * self.contact
+
     def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
         """What balances the torque, up to the static level, on every row; `parameters` [4] of the columns."""
         net = self.drive_Nm - self.load_Nm - self.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
-        static = static_Nm + self.static_extra_Nm
-        return np.clip(net, -static, static)
+        backward, forward = self.static_extra_Nm
+        return np.clip(net, -((1.0 - self.asymmetry) * static_Nm + backward), (1.0 + self.asymmetry) * static_Nm + forward)
 
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
@@ -247,34 +319,54 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
 
 def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Mechanical:
     """Drive torque, what the effects add, and the columns of the base parameters. Raises MissingSignal."""
-    transmission = _transmission(actuator)
-    if transmission:
-        raise MissingSignal(f"{transmission} moves the rod on its own, which no recorded signal shows")
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
     motion = motion_of(actuator, record, use)
-    drive = values["motor.torque_constant_Nm_per_A"] * motion.current_A
+    ripple = _at_points(actuator, motion, "MOTOR", lambda module, effect, point: module.motor_change(effect, point))
+    drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:
         drive = np.clip(drive, -values["motor.torque_limit_Nm"], values["motor.torque_limit_Nm"])
-    direction = np.sign(motion.speed_rad_s)
+    contact, elastic = _contact(actuator, motion)
+    asymmetry = values["screw.friction_asymmetry"]
     load = _at_points(actuator, motion, "LOAD", lambda module, effect, point: module.load_Nm(effect, point))
     passed = load + values["screw.load_torque_Nm"]
-    efficiency = values["gearbox.efficiency"]
-    opposing = (1.0 / efficiency - 1.0) * np.abs(passed)
-    loss = np.where(passed * direction > 0.0, opposing, (1.0 - efficiency) * np.abs(passed))
-    static = values["screw.csj_Nm"]
-    still = replace(motion, speed_rad_s=np.zeros_like(direction))
+    still = replace(motion, speed_rad_s=np.zeros_like(contact))
     torque = _at_points(actuator, motion, "TORQUE", lambda module, effect, point: module.torque_Nm(effect, point))
+
+    def added(level: float, seen: Motion) -> tuple[Reals, Reals]:
+        """What effects and efficiency add to a level, backward and forward."""
+        backward, forward = (
+            np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(passed) for side in (-1.0, 1.0)
+        )
+        change = _friction_change_Nm(actuator, seen, level * (1.0 + asymmetry))
+        other = change if asymmetry == 0.0 else _friction_change_Nm(actuator, seen, level * (1.0 - asymmetry))
+        return backward + other, forward + change
+
+    sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
+    resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
+    at_rest = np.zeros_like(contact)
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        load_Nm=load - torque,
-        extra_Nm=loss + _friction_change_Nm(actuator, motion, values["screw.dynamic_ratio"] * static),
-        static_extra_Nm=opposing + _friction_change_Nm(actuator, still, static),
-        columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, direction, np.ones_like(direction)]),
+        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use),
+        extra_Nm=np.where(contact < 0.0, *added(sliding, motion)),
+        static_extra_Nm=added(static, still) if resting.any() else (at_rest, at_rest),
+        contact=contact,
+        asymmetry=asymmetry,
+        columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, contact * (1.0 + asymmetry * np.sign(contact)), np.ones_like(contact)]),
         time_s=record.time_s,
-        resting=_resting(motion, _speed_noise_rad_s(actuator, record, use), use),
+        resting=resting,
     )
+
+
+def _soft_mass_Nm(actuator: Actuator, record: Record, motion: Motion, smoother: Smoother) -> Reals:
+    """What a mass behind a soft transmission takes more than one that is rigidly coupled, as torque against extension, [rows]."""
+    if not _transmission(actuator):
+        return np.zeros(record.rows)
+    mass_kg, lead_m = actuator["transmission_compliance.mass_kg"], 1e-3 * actuator.lead_mm_per_rad
+    rod_m = 1e-3 * smoother.smooth(record.position_mm) / (1.0 + adjusted(actuator)["encoder.rod_gain_error"])
+    acceleration = np.gradient(np.gradient(rod_m, record.period_s), record.period_s)
+    return np.asarray(mass_kg * lead_m * (acceleration - lead_m * motion.acceleration_rad_s2))
 
 
 def _speed_noise_rad_s(actuator: Actuator, record: Record, smoother: Smoother) -> float:
@@ -315,7 +407,7 @@ def mechanical(actuator: Actuator, record: Record, smoother: Smoother | None = N
     values = adjusted(actuator)
     static = values["screw.csj_Nm"]
     parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
-    sliding = (values["screw.dynamic_ratio"] * static + model.extra_Nm) * model.columns[:, 2]
+    sliding = values["screw.dynamic_ratio"] * static * model.columns[:, 2] + model.added_Nm
     friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, static), sliding)
     residual = model.drive_Nm - model.load_Nm - model.columns @ parameters - friction
     use = model.smoother
@@ -362,7 +454,10 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     speed = np.diff(motor_rad) / period
     angle = 0.5 * (motor_rad[1:] + motor_rad[:-1])
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
-    known = _at_points(actuator, middle, "VOLTAGE", lambda module, effect, point: module.voltage_change_V(effect, point), record.voltage_V[:-1])
+    voltage = _mixed(record.voltage_V[:-1], *_split(adjusted(actuator)["drive.output_delay_s"] / period))
+    known = _at_points(actuator, middle, "VOLTAGE", lambda module, effect, point: module.voltage_change_V(effect, point), voltage)
+    ripple = _at_points(actuator, middle, "MOTOR", lambda module, effect, point: module.motor_change(effect, point))
+    known -= adjusted(actuator)["motor.back_emf_V_s_per_rad"] * ripple * speed
 
     smoother = Smoother.of(period)
 
@@ -370,7 +465,7 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
         return smoother.decimated(smoother.smooth(values))
 
     return Electrical(
-        voltage_V=kept(record.voltage_V[:-1]),
+        voltage_V=kept(voltage),
         known_V=kept(known),
         columns=np.column_stack([kept(current), kept(rate), kept(speed)]),
         time_s=smoother.kept(record.time_s[:-1] + 0.5 * period),
@@ -407,7 +502,7 @@ def kinematic(actuator: Actuator, record: Record) -> Balance:
     gain, offset = 1.0 + values["encoder.rod_gain_error"], values["encoder.rod_offset_mm"]
     rod = played(record.motor_position_mm, values["screw.blk_mm"], (float(record.position_mm[0]) - offset) / gain)
     inner = Smoother.of(record.period_s).inner
-    return Balance("kinematic", "mm", inner(record.time_s), inner(record.position_mm), inner(record.position_mm - (gain * rod + offset)))
+    return Balance("kinematic", "mm", inner(record.time_s), inner(record.position_mm), inner(record.position_mm - (gain * rod + offset + _learned_reading_mm(actuator, rod))))
 
 
 def feedback_of(actuator: Actuator, record: Record) -> Reals:

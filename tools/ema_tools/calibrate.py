@@ -190,7 +190,7 @@ def from_mechanics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actua
 
 def _with_rest(model: Mechanical, parameters: Reals, ratio: float) -> tuple[Reals, Reals]:
     """Target and columns in which friction at rest is what the present parameters say: whatever balances the torque, up to the static level."""
-    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, abs(float(parameters[2])) / ratio), model.extra_Nm * model.columns[:, 2])
+    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, abs(float(parameters[2])) / ratio), model.added_Nm)
     columns = model.columns.copy()
     columns[model.resting, 2] = 0.0
     use = model.smoother
