@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -137,8 +138,11 @@ def test_result_is_json_with_every_signal() -> None:
     assert result["coverage"]["stroke_leads"] > 1.0
 
 
-def test_measured_axis_is_not_refused(tmp_path) -> None:
+def test_measured_axis_is_not_refused(tmp_path: Path) -> None:
     """EMPS: a stiff loop, a current drive, no current recorded."""
     found = import_emps(emps_path(), tmp_path / "emps")
     gate = judge(found.actuator, found.record)
     assert gate.answerable, gate.sentence
+    said = [one.text for one in gate.remarks if one.topic == "signals"]
+    assert "current_A is not recorded; the command of the ideal current drive stands for it" in said
+    assert {one.topic for one in gate.remarks if one.severity != "fine"} == {"repeats"}

@@ -11,8 +11,9 @@ import pytest
 from ema_tools.actuator import reference_actuator
 from ema_tools.diagnosis.unknown import KINDS, NODES, Learned, Unknown, learned, left_over, result
 from ema_tools.diagnosis.where import where
-from ema_tools.records import Record
+from ema_tools.records import Record, simulated
 from repeated_runs import WIDE, measured, repeats
+from support import chirp_record
 
 
 def left(changes: Mapping[str, float] | Record, text: str = WIDE, healthy: bool = True) -> tuple[Unknown, ...]:
@@ -145,3 +146,21 @@ def test_result_is_finite_json() -> None:
     shares = [picture["explained_percent"] for picture in answer["balances"][0]["pictures"]]
     assert shares == sorted(shares, reverse=True)
     assert result([])["learned"] is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "channel"),
+    [
+        (JAM, "current_A"),
+        (RIPPLE, "current_A"),
+        ({"effects.winding_heating.rise_degC": 60.0}, "voltage_V"),
+        ({"effects.quadratic_viscous.drag_Nm_s2_per_rad2": 4e-6}, "position_mm"),
+        ({"effects.sensor_gain.error": 0.002}, "position_mm"),
+    ],
+)
+def test_the_table_can_be_flown_without_knowing_the_name(changes: dict[str, float], channel: str) -> None:
+    model = reference_actuator()
+    true = chirp_record(model.changed(changes), WIDE)
+    taught = model.changed(table(left(changes)).changes)
+    before, after = (float(np.linalg.norm(getattr(simulated(one, true), channel) - true.recorded(channel))) for one in (model, taught))
+    assert after < 0.1 * before

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from ema_tools.actuator import Actuator
-from ema_tools.balances import Smoother, filter_of, noise_of
+from ema_tools.balances import Smoother, drive_current, filter_of, motor_position, noise_of
 from ema_tools.compare import TITLES, UNITS
 from ema_tools.diagnosis.axes import Motion, motion_of
+from ema_tools.errors import MissingSignal
 from ema_tools.native import Reals, Simulation
 from ema_tools.records import Record, simulated
 
@@ -114,7 +115,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     motion = motion_of(actuator, record, smoother)
     run = simulated(actuator, record)
     coverage = _coverage(actuator, record, motion, smoother)
-    remarks = [*_signals(record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
+    remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
     if coverage["stroke_mm"] > 0.0 and not any(remark.severity == "blocks" for remark in remarks):
         remarks += [*_units(actuator, record, run), *_clock(actuator, record, run, smoother), *_sampling(actuator, record, coverage)]
         remarks += [*_saturation(actuator, record), *_clipping(record), *_stuck(record, run), *_start(actuator, record, motion)]
@@ -122,11 +123,30 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
 
 
-def _signals(record: Record) -> list[Remark]:
+def _signals(actuator: Actuator, record: Record) -> list[Remark]:
     missing = [name for name in HIDES if record.channel(name) is None]
-    if not missing:
-        return [Remark("signals", "fine", "rod position, motor position, current and voltage are recorded")]
-    return [Remark("signals", "weakens", f"{name} is not recorded: {HIDES[name]}", f"record {name} too") for name in missing]
+    found = []
+    for name in missing:
+        other = _instead(actuator, record, name)
+        if other:
+            found.append(Remark("signals", "fine", f"{name} is not recorded; {other} stands for it"))
+        else:
+            found.append(Remark("signals", "weakens", f"{name} is not recorded: {HIDES[name]}", f"record {name} too"))
+    return found or [Remark("signals", "fine", "rod position, motor position, current and voltage are recorded")]
+
+
+def _instead(actuator: Actuator, record: Record, name: str) -> str:
+    """What stands for a signal that is not recorded; empty for nothing."""
+    try:
+        if name == "current_A":
+            drive_current(actuator, record)
+            return "the command of the ideal current drive"
+        if name == "motor_position_mm":
+            motor_position(actuator, record)
+            return "the rod position, since nothing lies between,"
+    except MissingSignal:
+        return ""
+    return ""
 
 
 def _repeats(record: Record, healthy: Sequence[Record]) -> list[Remark]:
@@ -157,11 +177,9 @@ def _coverage(actuator: Actuator, record: Record, motion: Motion, smoother: Smoo
     moving = direction[direction != 0.0]
     stroke, noise = float(np.ptp(position)), noise_of(record.position_mm)
     reversals = _turns(position, max(_TURN_SHARE * stroke, _TURN_NOISE * noise)) if stroke > 0.0 else 0
-    power = np.abs(np.fft.rfft(record.command_mm - record.command_mm.mean())) ** 2
-    # the speed of a command carries the frequencies that a mechanism feels
-    power *= np.fft.rfftfreq(record.rows, record.period_s) ** 2
+    power = np.abs(np.fft.rfft(speed)) ** 2
     reached = np.cumsum(power) / max(float(power.sum()), 1e-300)
-    top = float(np.fft.rfftfreq(record.rows, record.period_s)[int(np.searchsorted(reached, 0.95))])
+    top = float(np.fft.rfftfreq(speed.size, record.period_s)[min(int(np.searchsorted(reached, 0.95)), power.size - 1)])
     friction = actuator["screw.csj_Nm"]
     inertia = actuator["screw.inertia_kgm2"] * float(np.quantile(np.abs(inner(motion.acceleration_rad_s2)), 0.9))
     viscous = actuator["screw.viscous_Nm_s_per_rad"] * fastest
