@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_tools.actuator import Actuator
 from ema_tools.definitions import Effect, load_definitions
 from ema_tools.diagnosis.evidence import View
-from ema_tools.diagnosis.screening import Screen, shapes_of
+from ema_tools.diagnosis.screening import Screen, Shaped, shapes_of
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
 from ema_tools.parallel import each
@@ -89,24 +90,41 @@ def _ladder(lower: float, upper: float, zero: float, rungs: Sequence[float]) -> 
 def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
     size = effect.size
     name = f"effects.{size.name}"
+    actuator = view.evidence.actuator
+    present = effect.name in actuator.active_effects
 
-    def one(shape: Mapping[str, float], first: tuple[float, ...]) -> Candidate:
-        return Candidate(effect.name, name, shape, first, size.lower, size.upper, size.nominal)
+    def one(shape: Mapping[str, float], first: tuple[float, ...], zero: float = size.nominal) -> Candidate:
+        return Candidate(effect.name, name, shape, first, size.lower, size.upper, zero)
 
-    suggested = shapes_of(screen, effect.name)
-    if suggested is not None:
-        return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
     if effect.name == "current_limit":
         peak = float(np.max(np.abs(screen.states.current_A)))
         return [one({}, (share * peak,)) for share in _LIMIT_SHARES]
-    grid = _SHAPES.get(effect.name, {})
+    suggested = shapes_of(screen, effect.name)
+    if suggested is not None and not present:
+        return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
+    if suggested is not None and "phase_rad" in {value.field for value in effect.parameters}:
+        return [one(*_turned(effect, actuator, shaped)) for shaped in suggested if _same_periods(effect, actuator, shaped.shape)]
+    grid = {} if present else _SHAPES.get(effect.name, {})
     names = [f"effects.{effect.name}.{field}" for field in grid]
-    first = tuple(_FIRST.get(effect.name, ())) or _ladder(size.lower, size.upper, size.nominal, _LADDER)
-    return [one(dict(zip(names, values, strict=True)), first) for values in itertools.product(*grid.values())]
+    zero = actuator[size.name]
+    first = () if present else tuple(_FIRST.get(effect.name, ()))
+    return [one(dict(zip(names, values, strict=True)), first or _ladder(size.lower, size.upper, zero, _LADDER), zero) for values in itertools.product(*grid.values())]
+
+
+def _same_periods(effect: Effect, actuator: Actuator, shape: Mapping[str, float]) -> bool:
+    name = f"{effect.name}.periods"
+    return all(abs(value - actuator[name]) < 1e-6 for key, value in shape.items() if key.endswith(name))
+
+
+def _turned(effect: Effect, actuator: Actuator, change: Shaped) -> tuple[Mapping[str, float], tuple[float, ...]]:
+    """Shape and size of a periodic effect that is there already and changes in amplitude and phase."""
+    phase = f"{effect.name}.phase_rad"
+    both = actuator[effect.size.name] * np.exp(1j * actuator[phase]) + change.size * np.exp(1j * change.shape[f"effects.{phase}"])
+    return {**change.shape, f"effects.{phase}": float(np.angle(both))}, (float(np.clip(abs(both), effect.size.lower, effect.size.upper)),)
 
 
 def candidates(view: View, without: Collection[str] = ()) -> list[Candidate]:
-    """Every effect that the actuator does not hold yet, in every shape that is tried; and the fault parameters."""
+    """Every effect in every shape that is tried, a change of those that the actuator holds already among them; and the fault parameters."""
     evidence = view.evidence
     found = []
     scattering = {name for one in evidence.spread for name in one.names} if not evidence.relative else set()
@@ -116,7 +134,7 @@ def candidates(view: View, without: Collection[str] = ()) -> list[Candidate]:
             found.append(Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal))
     screen = Screen(view)
     for effect in load_definitions().effects:
-        if effect.name not in without and effect.name not in evidence.actuator.active_effects and not effect.name.startswith(LEARNED):
+        if effect.name not in without and not effect.name.startswith(LEARNED):
             found += _of_effect(effect, view, screen)
     return found
 

@@ -1,33 +1,26 @@
 """What a record says beyond what is already known of the machine.
 
-With healthy repeats of the same command, the model is first fitted to their mean; the record is then compared with that mean, so that a standing error of the model,
-which is in both, drops out. Noise is estimated per channel and frequency from how the repeats differ, after the share that a scatter of the machine's own parameters
-explains (friction, grease, winding) has been taken off. Without repeats the record is compared with the model itself, and the parameters are free within what a data
-sheet leaves open.
-
-Either way some of the model's parameters move within a known spread. They stay in every answer as directions with that spread, not as free parameters, so that a
-change of the same parameter beyond it can still be named.
+Some of the model's parameters move within a known spread: from run to run, or as units differ from their data sheet. They stay in every answer as directions with that spread,
+not as free parameters, so that a change of the same parameter beyond it can still be named. `gathering` makes evidence from records.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ema_tools.actuator import Actuator
-from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.spread import Spread
-from ema_tools.diagnosis.whitening import Reals, Whitener, least_noise, smoothed, spectrum, white_level
-from ema_tools.errors import InputError
-from ema_tools.native import CHANNELS, library
+from ema_tools.diagnosis.whitening import Reals, Whitener
+from ema_tools.native import library
 from ema_tools.parallel import each
-from ema_tools.records import Record, start_of
+from ema_tools.records import Record
 
-_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it
-_DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
+DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
 _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero
+_CREDIBLE = 3.0  # spreads
 _ROUNDS = 6
 _SETTLED = 1e-4
 
@@ -119,10 +112,13 @@ class View:
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
 
     def best_deviations(self, vector: Reals | None = None) -> Reals:
-        """Deviations at their best, [spread + offsets], with an effect's unprojected `vector` taken off first."""
+        """Deviations at their best, [spread + offsets], with an effect's unprojected `vector` taken off first; no farther than what is credible.
+
+        Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
+        """
         tall = self._plain if vector is None else self._plain - vector
         step, *_ = np.linalg.lstsq(self._directions, tall, rcond=None)
-        return np.asarray(self.deviations + step)
+        return np.asarray(np.clip(self.deviations + step, -_CREDIBLE, _CREDIBLE))
 
 
 def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, target: Reals | None = None) -> View:
@@ -135,7 +131,7 @@ def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | No
 
     def moved(place: int) -> Reals:
         one = evidence.spread[place]
-        step = _DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+        step = DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
         near = own.copy()
         near[place] += step
         return (evidence.simulate(values, near) - base) / step
@@ -166,92 +162,11 @@ def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals |
         return here
     for _ in range(rounds):
         there = view(evidence, values, here.best_deviations())
-        if not np.sum(there._plain**2) < np.sum(here._plain**2):
+        fallen = np.sum(here._plain**2) - np.sum(there._plain**2)
+        if not fallen > 0.0:
             break
-        done = np.sum(here._plain**2) - np.sum(there._plain**2) < _SETTLED * np.sum(there._plain**2)
+        done = fallen < _SETTLED * np.sum(there._plain**2)
         here = there
         if done:
             break
     return here
-
-
-def common_channels(records: Sequence[Record]) -> tuple[str, ...]:
-    """Signals that every record has."""
-    return tuple(name for name in CHANNELS if all(record.channel(name) is not None for record in records))
-
-
-def same_command(record: Record, other: Record) -> bool:
-    """Whether two records run the same command."""
-    return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
-
-
-def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
-    for other in healthy:
-        if not same_command(record, other):
-            raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
-    if len(healthy) < 2:
-        raise InputError(f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none")
-
-
-def _offsets(channels: Sequence[str], signals: Reals) -> Reals:
-    sizes = np.sqrt(np.mean(signals**2, axis=1))
-    return np.array([spreads.OFFSET_SHARE * size if name in spreads.OFFSET_CHANNELS else 0.0 for name, size in zip(channels, sizes, strict=True)])
-
-
-def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...]) -> Actuator:
-    """The actuator fitted to the mean [channels, rows] of healthy repeats, whose noise power by line is `power`."""
-    start = start_of(actuator, record)
-    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), _offsets(channels, mean), start)
-    fitted = settled(found, {})
-    changes: dict[str, float] = {}
-    for one, value in zip(found.spread, fitted.deviations, strict=False):
-        changes |= one.changes(actuator, float(value))
-    return actuator.changed(changes)
-
-
-def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...]) -> Evidence:
-    runs = np.array([measured_channels(other, channels) for other in healthy])
-    mean, count = runs.mean(axis=0), len(healthy)
-    deviations = runs - mean
-    least = least_noise(mean)
-    level = np.maximum(np.sqrt(np.mean(deviations**2, axis=(0, 2))), least)
-    flat = np.broadcast_to((level**2)[:, None], spectrum(mean).shape).real / count
-    known = healthy_model(actuator, record, mean, flat, channels)
-
-    start = start_of(known, record)
-    usual = spreads.from_run_to_run()
-    here = simulate_channels(known, record, channels, start)
-
-    def moved(one: Spread) -> Reals:
-        step = _DERIVATIVE_STEP / one.std
-        return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start) - here) / step
-
-    directions = np.array(each(moved, usual))
-    shares = np.linalg.lstsq((directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None)[0]
-    widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
-    left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
-    power = np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)
-    widen = 1.0 + 1.0 / count
-    whiten = Whitener.of(widen * (smoothed(power) + least[:, None] ** 2), record.rows)
-    spread = tuple(replace(one, std=one.std * float(width) * float(np.sqrt(widen))) for one, width in zip(usual, widths, strict=True))
-    # a repeat against the mean of the others scatters a little more than the record against the mean of them all
-    shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
-    repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
-    target = here + measured_channels(record, channels) - mean
-    return Evidence(known, record, channels, target, spread, whiten, np.zeros(len(channels)), start, repeats)
-
-
-def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None) -> Evidence:
-    """Evidence of a record, against two or more healthy repeats of its command where there are any, in the signals that all have or in `channels`.
-
-    Raises InputError for repeats of another command or too few of them.
-    """
-    names = tuple(channels) if channels else common_channels([record, *healthy])
-    if healthy:
-        _check_repeats(record, healthy)
-        return _against_repeats(actuator, record, healthy, names)
-    measured = measured_channels(record, names)
-    start = start_of(actuator, record)
-    level = np.maximum(white_level(measured), least_noise(measured))
-    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1)).copy()
-    return Evidence(actuator, record, names, measured, spreads.from_data_sheet(actuator), Whitener.of(power, record.rows), _offsets(names, measured), start)

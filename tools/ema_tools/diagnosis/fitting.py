@@ -44,6 +44,13 @@ class Fit:
         """Standard errors by name."""
         return {name: float(np.sqrt(max(self.covariance[k, k], 0.0))) for k, name in enumerate(self.values)}
 
+    def deviations(self) -> Reals:
+        """What scatters, at its best beside the fitted values, in spreads."""
+        view = self.view
+        own = view.deviations[: len(view.evidence.spread)]
+        moved = view.evidence.whiten(view.evidence.simulate({**view.values, **self.values}, own) - view.base)
+        return view.best_deviations(np.concatenate([moved, np.zeros(view.deviations.size)]))
+
     def of_effect(self, effect: str) -> dict[str, float]:
         """Values of one effect."""
         return {name: value for name, value in self.values.items() if effect_of(name) == effect}
@@ -107,21 +114,13 @@ def _on_bound(name: str, value: float, lower: float, upper: float, nominal: floa
 def polished(fit: Fit, rounds: int) -> Fit:
     """The fit again with what scatters linear at the fit itself, `rounds` times or until the cost stays."""
     for _ in range(rounds):
-        view = settled(fit.view.evidence, fit.values, fit.view.best_deviations(_plain_vector(fit)), 1)
+        view = settled(fit.view.evidence, fit.values, fit.deviations(), 1)
         again = refit(view, fit.values)
         done = abs(again.cost - fit.cost) < 0.5 + 1e-4 * fit.cost
         fit = again
         if done:
             break
     return fit
-
-
-def _plain_vector(fit: Fit) -> Reals:
-    """What the fitted values make of the view's model, before anything is projected away."""
-    view = fit.view
-    own = view.deviations[: len(view.evidence.spread)]
-    moved = view.evidence.whiten(view.evidence.simulate({**view.values, **fit.values}, own) - view.base)
-    return np.concatenate([moved, np.zeros(view.deviations.size)])
 
 
 def joined(start: Mapping[str, float], more: Mapping[str, float]) -> dict[str, float]:

@@ -24,11 +24,13 @@ _EFFECTS_MAX = 3
 # Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
 _LEAST_LIMIT = 30.0
 _REPEAT_MARGIN = 1.5
+# A healthy machine's standing effects are worth having in the model only when they are large against what repeats leave, and against each other.
+_STANDING_LIMIT = 100.0
+_STANDING_SHARE = 0.05
 # An effect must also take off this share of the excess that it found.
 _LEAST_SHARE = 0.02
 # Fits whose costs differ by less than this cannot be told apart: three standard deviations.
 _ALIKE = 9.0
-_ALIKE_SHARE = 0.003
 _UNEXPLAINED = 0.1
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
 _MODEL_ERROR = 0.02
@@ -128,58 +130,82 @@ def _pruned(fit: Fit, limit: float) -> Fit:
     for effect in fit.effects[:-1]:
         without = without_effect(current.values, effect)
         if without:
-            smaller = _smaller(current, without)
+            smaller = refit(settled(current.view.evidence, without, current.view.deviations, 1), without)
             if smaller.cost - current.cost < limit:
                 current = smaller
     return current
 
 
-def _smaller(fit: Fit, values: Mapping[str, float]) -> Fit:
-    start = settled(fit.view.evidence, values, fit.view.deviations, 1)
-    return refit(start, values)
+@dataclass(frozen=True)
+class _Path:
+    """How a set of effects grew: rounds, accepted fits one after the other, and the view from the last."""
+
+    rounds: tuple[Round, ...]
+    steps: tuple[Fit, ...]
+    view: View
+
+
+def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report) -> _Path:
+    """Adds the effect that takes off most, as long as it takes off what `needed` says of the signatures, the round and the present cost."""
+    here, cost = start, start.cost
+    rounds: list[Round] = []
+    steps: list[Fit] = []
+    while len(steps[-1].effects if steps else ()) < effects_max:
+        place = len(rounds)
+        share = place / (effects_max + 1.0)
+        tell(share, f"round {place + 1}: every effect of the library")
+        held = steps[-1].effects if steps else ()
+        found = signatures(here, held)
+        least = needed(found, place, cost)
+        scores = {name: signature.score for name, signature in _strongest(found).items()}
+        tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
+        finalists = _finalists(found) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
+        values = dict(steps[-1].values) if steps else {}
+        fits = best_of_each(each(lambda signature, values=values, seen=here: refit(seen, joined(values, signature.start())), finalists))
+        fits = _polished(fits, start.evidence)
+        rounds.append(Round(scores, fits))
+        if not fits or cost - fits[0].judged < least:
+            break
+        best = _pruned(fits[0], least)
+        steps.append(best)
+        here = settled(start.evidence, best.values, best.deviations(), 1)
+        cost = best.cost
+    return _Path(tuple(rounds), tuple(steps), here)
+
+
+def standing_effects(evidence: Evidence, report: Report | None = None) -> Fit | None:
+    """What a healthy machine shows beyond the model with its parameters fitted; None when it is nothing."""
+    here = settled(evidence, {})
+    excess = max(here.cost - evidence.numbers, 0.0)
+    needed = max(_STANDING_LIMIT, _STANDING_SHARE * excess)
+    path = _grown(here, lambda _found, _place, _cost: needed, _EFFECTS_MAX, report or (lambda _share, _text: None))
+    return path.steps[-1] if path.steps else None
 
 
 def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     """The whole search on one record's evidence; `report` is told the share done and what is at work."""
-    tell = report or (lambda _share, _text: None)
-    tell(0.05, "model against record")
     here = settled(evidence, {})
     repeats = _repeat_residuals(here)
     costs = np.array([float(repeat @ repeat) for repeat in repeats]) if repeats else np.array([float(evidence.numbers)])
     floor, before = float(costs.mean()), here.cost
     excess = max(before - floor, 1e-9)
     doubt = _MODEL_ERROR**2 * max(raw_cost(evidence) - floor, 0.0)
-    rounds: list[Round] = []
-    steps: list[Fit] = []
-    best: Fit | None = None
-    cost, limit = before, _LEAST_LIMIT
-    while len(best.effects if best else ()) < _EFFECTS_MAX:
-        place = len(rounds)
-        tell(0.1 + 0.3 * place, f"round {place + 1}: every effect of the library")
-        found = signatures(here, best.effects if best else ())
-        if not rounds:
+    limit = _LEAST_LIMIT
+
+    def needed(found: Sequence[Signature], place: int, cost: float) -> float:
+        nonlocal limit
+        if place == 0:
             limit = _limit_of(repeats, found)
-        needed = max(_needed(limit, excess, cost, floor, evidence), doubt if rounds else 0.0)
-        scores = {name: signature.score for name, signature in _strongest(found).items()}
-        tell(0.25 + 0.3 * place, f"round {place + 1}: refit of the strongest")
-        finalists = _finalists(found) if not rounds or max(scores.values(), default=0.0) > 0.7 * needed else []
-        held = dict(best.values) if best else {}
-        seen = here
-        fits = best_of_each(each(lambda signature, held=held, seen=seen: refit(seen, joined(held, signature.start())), finalists))
-        fits = _polished(fits, evidence)
-        rounds.append(Round(scores, fits))
-        if not fits or cost - fits[0].judged < needed:
-            break
-        best = _pruned(fits[0], needed)
-        steps.append(best)
-        here = settled(evidence, best.values, best.view.best_deviations(), 1)
-        cost = best.cost
-    tell(1.0, "done")
+        return max(_needed(limit, excess, cost, floor, evidence), doubt if place else 0.0)
+
+    path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None))
+    best = path.steps[-1] if path.steps else None
+    cost = best.cost if best is not None else before
     unexplained = max(cost - floor, 0.0) / excess
     strange = cost - floor > max(6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size)), 2.0 * doubt)
     verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
-    named = _named(rounds, best, steps, verdict, excess, before)
-    return Diagnosis(verdict, best, named, tuple(rounds), tuple(steps), before, cost, floor, unexplained, limit)
+    named = _named(path.rounds, best, path.steps, verdict, doubt, before)
+    return Diagnosis(verdict, best, named, path.rounds, path.steps, before, cost, floor, unexplained, limit)
 
 
 def _needed(limit: float, excess: float, cost: float, floor: float, evidence: Evidence) -> float:
@@ -198,11 +224,11 @@ def _polished(fits: tuple[Fit, ...], evidence: Evidence) -> tuple[Fit, ...]:
     return best_of_each([*each(lambda fit: polished(fit, _POLISH_ROUNDS[evidence.relative]), near), *rest])
 
 
-def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, excess: float, before: float) -> tuple[Named, ...]:
+def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, doubt: float, before: float) -> tuple[Named, ...]:
     """Accepted effects in the order in which they came, then the others by what they would take off alone."""
     found: list[Named] = []
     accepted = best.effects if best is not None else ()
-    tolerance = max(_ALIKE, _ALIKE_SHARE * excess)
+    tolerance = max(_ALIKE, doubt)
     for effect in accepted:
         place = next(k for k, step in enumerate(steps) if effect in step.effects)
         fits = rounds[place].fits
