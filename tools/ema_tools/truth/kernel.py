@@ -1,7 +1,7 @@
 """The loop of the truth plant: Heun's method in small steps, Coulomb friction by bisection or LuGre friction.
 
 `v` is the record of all values by name. State `s`: current A, motor speed rad/s, motor angle rad, rod mm, rod speed mm/s
-(the last two only behind a soft transmission), bristle deflection rad (LuGre).
+(the last two only behind a soft transmission), bristle deflection rad (LuGre), output of the play mm, time s, magnetic lag -1 .. 1.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ema_tools.reference.compiled import compiled
-from ema_tools.truth import effects
+from ema_tools.truth import effects, outside
 
 COULOMB = 0
 LUGRE = 1
@@ -31,11 +31,11 @@ def mm_per_rad(v: Any) -> float:
 
 
 @compiled
-def _level_Nm(v: Any, i: float, w: float, theta: float, direction: float, resting: bool) -> float:
+def _level_Nm(v: Any, i: float, w: float, theta: float, time_s: float, direction: float, resting: bool) -> float:
     """Level of dry friction against motion in `direction`, or against its start."""
     x = mm_per_rad(v) * theta
     level = v["screw.csj_Nm"] * (1.0 if resting else v["screw.dynamic_ratio"])
-    level = effects.friction_Nm(v, level, i, w, theta, x, direction)
+    level = effects.friction_Nm(v, level, i, w, theta, x, direction) * outside.friction_fade(v, time_s) + outside.broken_ball(v, theta)
     eta = v["gearbox.efficiency"]
     load = effects.load_Nm(v, x)
     lost = 1.0 - eta if load * direction <= 0.0 else 1.0 / eta - 1.0
@@ -43,9 +43,9 @@ def _level_Nm(v: Any, i: float, w: float, theta: float, direction: float, restin
 
 
 @compiled
-def _pull_Nm(v: Any, i: float, theta: float, force_N: float) -> float:
+def _pull_Nm(v: Any, i: float, theta: float, force_N: float, lag: float) -> float:
     """Torque that drives the shaft, without any friction."""
-    torque = effects.torque_constant_Nm_per_A(v) * effects.torque_ripple(v, theta) * i
+    torque = effects.torque_constant_Nm_per_A(v) * effects.torque_ripple(v, theta) * (i - outside.magnetic_lag(v, lag))
     if v["motor.torque_limit_Nm"] > 0.0:
         torque = _clip(torque, v["motor.torque_limit_Nm"])
     n = mm_per_rad(v)
@@ -87,7 +87,7 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     theta = s[2]
     n = mm_per_rad(v)
     if law == 0 and v["motor.inductance_H"] > 0.0:
-        volt = held + effects.lost_voltage_V(v, held, i)
+        volt = held * outside.bus_hum(v, s[7]) + effects.lost_voltage_V(v, held, i)
         back = _back_V(v, w, theta)
         out[0] = (volt - effects.resistance_ohm(v) * i - back) / v["motor.inductance_H"]
     elif law == 1 and v["drive.current_loop_s"] > 0.0:
@@ -105,8 +105,8 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     out[1] = 0.0
     out[2] = 0.0
     if moving != 0:
-        friction = moving * _level_Nm(v, i, w, theta, float(moving), False)
-        out[1] = (_pull_Nm(v, i, theta, force) - effects.drag_Nm(v, w) - friction) / inertia
+        friction = moving * _level_Nm(v, i, w, theta, s[7], float(moving), False)
+        out[1] = (_pull_Nm(v, i, theta, force, s[8]) - effects.drag_Nm(v, w) - outside.speed_hump(v, w) - friction) / inertia
         out[2] = w
 
 
@@ -119,8 +119,8 @@ def _heun(
     for j in range(5):
         out[j] = s[j] + dt * k[0, j]
     out[0] = _current_after(v, law, held, out[0], out[1], out[2])
-    out[5] = s[5]
-    out[6] = s[6]
+    for j in range(5, 9):
+        out[j] = s[j]
     _slopes(v, out, law, held, moving, push, k[1])
     for j in range(5):
         out[j] = s[j] + 0.5 * dt * (k[0, j] + k[1, j])
@@ -142,9 +142,9 @@ def _breaks_away(v: Any, s: np.ndarray) -> int:
     """Direction in which a shaft at rest starts, or 0."""
     n = mm_per_rad(v)
     force = effects.transmission_compliance(v, s[6] - s[3], -s[4])
-    pull = _pull_Nm(v, s[0], s[2], force)
+    pull = _pull_Nm(v, s[0], s[2], force, s[8])
     start = 1 if pull > 0.0 else -1
-    if abs(pull) <= _level_Nm(v, s[0], 0.0, s[2], float(start), True):
+    if abs(pull) <= _level_Nm(v, s[0], 0.0, s[2], s[7], float(start), True):
         return 0
     if start * n * s[2] >= v["screw.travel_mm"] * (1.0 - 1e-15):
         return 0
@@ -217,8 +217,8 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
     w = s[1]
     direction = 1 if w > 0.0 else -1
     inertia = effects.inertia_kgm2(v)
-    steady = _level_Nm(v, s[0], w, s[2], float(direction), False)
-    resting = _level_Nm(v, s[0], 0.0, s[2], float(direction), True)
+    steady = _level_Nm(v, s[0], w, s[2], s[7], float(direction), False)
+    resting = _level_Nm(v, s[0], 0.0, s[2], s[7], float(direction), True)
     g = steady + (resting - steady) * math.exp(-((w / 0.02) ** 2))
     stiffness = resting / presliding_rad
     damping = 2.0 * math.sqrt(stiffness * inertia) * math.exp(-((w / 0.5) ** 2))
@@ -252,6 +252,7 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
 def _control(v: Any, error: float, feedback: float, c: np.ndarray, period: float) -> float:
     """Control law; `c`: integrator, last error, last feedback, last measure, whether it has run. Metres."""
     first = c[4] == 0.0
+    error = outside.command_dead_band(v, error)
     mean = feedback if first or v["control.average_speed"] == 0.0 else 0.5 * (feedback + c[2])
     speed = 0.0 if first else (mean - c[3]) / period
     de = 0.0 if first else (error - c[1]) / period
@@ -266,7 +267,7 @@ def _control(v: Any, error: float, feedback: float, c: np.ndarray, period: float
         raw = v["control.kp_per_m"] * effects.gain_drift(v) * error + v["control.kd_s_per_m"] * d + c[0]
         charge = v["control.ki_per_m_s"] * error
     u = _clip(raw, v["control.output_limit"])
-    c[0] += period * (charge - v["control.anti_windup_per_s"] * (raw - u))
+    c[0] += period * (charge - v["control.anti_windup_per_s"] * (raw - u) - outside.integrator_leak(v, c[0]))
     c[1] = error
     c[2] = feedback
     c[3] = mean
@@ -329,9 +330,9 @@ def run(
     `noise_mm` [n] is added to the feedback sensor's reading; `rows` [5, n]: rod mm, motor mm, current A, voltage V, rod
     speed mm/s at the start of each step.
     """
-    s = np.zeros(7)
-    trial = np.zeros(7)
-    k = np.zeros((2, 7))
+    s = np.zeros(9)
+    trial = np.zeros(9)
+    k = np.zeros((2, 9))
     c = np.zeros(5)
     readings = np.empty(command_mm.size)
     outputs = np.zeros(command_mm.size)
@@ -348,15 +349,16 @@ def run(
     for step in range(command_mm.size):
         x = n * s[2]
         rod = s[3] if soft else s[6]
-        reading = effects.rod_reading_mm(v, rod)
-        readings[step] = (reading if v["encoder.side"] == 1.0 else x) + noise_mm[step]
+        reading = effects.rod_reading_mm(v, rod + outside.lead_error(v, rod))
+        shown_x = x + n * outside.encoder_eccentricity(v, s[2])
+        readings[step] = (reading if v["encoder.side"] == 1.0 else shown_x) + noise_mm[step]
         if step % every == 0:
             seen = 1e-3 * _seen(v, readings, step)
             u = _control(v, 1e-3 * command_mm[step] - seen, seen, c, every * h)
         outputs[step] = u
         _, _, shown = _applied(v, u, s)
         rows[0, step] = reading
-        rows[1, step] = x
+        rows[1, step] = shown_x
         rows[3, step] = shown
         rows[4, step] = s[4] if soft else (n * s[1] if _pushes(v, s, moving) else 0.0)
         # the motor sees the output of `age` steps ago, which changes once inside the step
@@ -372,8 +374,11 @@ def run(
                 pieces = int(math.ceil((end - begin) * parts - 1e-9))
                 for _ in range(pieces):
                     dt = (end - begin) * h / pieces
+                    before = s[0]
                     if law_of_friction == COULOMB:
                         moving = _coulomb(v, s, law, held, moving, dt, k, trial)
                     else:
                         moving = _lugre(v, s, law, held, presliding_rad, dt, k, trial)
+                    s[7] += dt
+                    s[8] = outside.lag_after(v, s[8], s[0] - before)
                 begin = end

@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_tools.definitions import defaults, load_definitions
 from ema_tools.reference.recording import Recording
-from ema_tools.truth import effects, kernel
+from ema_tools.truth import effects, kernel, outside
 
 _FRICTION_LAWS = {"coulomb": kernel.COULOMB, "lugre": kernel.LUGRE}
 
@@ -32,15 +32,20 @@ class Sensors:
     motor_position_offset_mm: float = 0.0
     current_gain_error: float = 0.0
     current_offset_A: float = 0.0
+    voltage_noise_V: float = 0.0
+    voltage_resolution_V: float = 0.0
     feedback_noise_mm: float = 0.0
 
 
 def _values(values: Mapping[str, float]) -> np.void:
     """All values by name in one record, as the kernel reads them."""
     known = load_definitions()
-    complete = defaults()
+    complete = {**defaults(), **{f"{name}.{field}": value for name, fields in outside.DEFAULTS.items() for field, value in fields.items()}}
     for name, value in values.items():
-        known.find(name)
+        if name.partition(".")[0] not in outside.DEFAULTS:
+            known.find(name)
+        elif name not in complete:
+            raise KeyError(name)
         complete[name] = float(value)
     for effect in known.effects:
         if effect.is_learned and complete[effect.size.name] != effect.size.nominal:
@@ -75,6 +80,7 @@ def simulate_truth(
     `command_mm` [steps]: held over one model step each. `friction`: "coulomb", or "lugre" whose shaft yields by
     `presliding_rad` before it slides. `step_s`: longest integration step, 10 us (2 us for LuGre) unless told. `seed` decides
     the noise of `sensors`. The effect `presliding` makes the friction LuGre's with that effect's own stretch.
+    Effects outside the library go by their names in `outside`, such as "broken_ball.friction_Nm".
     Raises KeyError for an unknown name, ValueError for an unknown friction law or an effect that the plant does not have.
     """
     if friction not in _FRICTION_LAWS:
@@ -110,7 +116,7 @@ def simulate_truth(
         current_A=_seen(
             current, errors.current_noise_A, errors.current_gain_error, errors.current_offset_A, errors.current_resolution_A, rng
         ),
-        voltage_V=voltage,
+        voltage_V=_seen(voltage, errors.voltage_noise_V, 0.0, 0.0, errors.voltage_resolution_V, rng),
         speed_mm_s=speed,
     )
 
