@@ -25,7 +25,11 @@ from ema_tools.native import CHANNELS, Reals
 from ema_tools.records import Record, simulated
 
 # What a term explains must exceed the most that any term explains of a healthy repeat by this factor; with healthy repeats only.
-_TERM_MARGIN = 2.0
+_TERM_MARGIN = 2.5
+# And the variance of so many independent samples: the best of a dozen terms on white noise, with room for noise that is not white.
+_TERM_VARIANCES = 40.0
+# And this share on passes that it was not fitted to, or it is chance.
+_TERM_LEAST = 0.02
 # Without them: it must explain this share on passes that it was not fitted to.
 _TERM_SHARE = 0.1
 # Standard deviations of the usual scatter that count as one more repeat.
@@ -320,8 +324,9 @@ def _blocks_against_repeats(actuator: Actuator, record: Record, healthy: Sequenc
         wide = math.sqrt(floor**2 + sum(float(np.mean(one**2)) for one in usual))
         terms = _terms(judged, motion, lines)
         limit = _TERM_MARGIN * max((term.energy for one in deviations for term in _terms(replace(mine, residual=one), motion, lines)), default=0.0)
+        limit = max(limit, _TERM_VARIANCES * floor**2)
         loud = judged.rms > FLOOR_MARGIN * wide
-        telling = loud or any(term.energy > limit and term.explained > 0.0 for term in terms)
+        telling = loud or any(term.energy > limit and term.explained > _TERM_LEAST for term in terms)
         blocks.append(Block(name, mine.unit, judged.rms, floor, _relative(judged), 0.0, telling, terms))
         residuals[name] = judged
         references[name] = Reference(middle, deviations, floor)
