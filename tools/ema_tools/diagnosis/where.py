@@ -45,7 +45,7 @@ _PLACES_MAX = 24
 # Orders of the spectrum over angle: lines per turn of the motor, or of the screw.
 _MOTOR_ORDERS = np.arange(1.0, 40.5)
 # An order is drawn when this share of it passes the balance's filter, and sine and cosine of it differ on the stroke.
-_SEEN_SHARE = 0.02
+_SEEN_SHARE = 0.01
 _DISTINCT = 100.0
 _LEAD_ORDERS = np.arange(0.5, 12.1, 0.5)
 
@@ -237,27 +237,30 @@ class Lines:
         kept = (smooth if smoother.every == 1 else signal.sosfiltfilt(smoother.low_pass, smooth))[:, :: smoother.every]
         return Lines(name, orders, np.stack([kept[: orders.size], kept[orders.size :]], axis=2))
 
-    def amplitudes(self, residual: Reals, at: Motion) -> Reals:
-        """Amplitude of every order by least squares over the angle, which also holds for motion to and fro, [orders]; NaN where the filter leaves too little of it."""
+    def amplitudes(self, residual: Reals, at: Motion) -> tuple[Reals, Reals]:
+        """Amplitude of every order by least squares over the angle, which also holds for motion to and fro, and what noise of the residual's size makes of it, both
+        [orders]; NaN where the filter leaves too little of an order."""
         # a constant, the sign of the motion and the speed are no lines
         moving = at.moving
         trend = np.column_stack([np.ones_like(at.direction), at.direction, at.speed_rad_s])[moving]
         left = residual[moving] - trend @ np.linalg.lstsq(trend, residual[moving], rcond=None)[0]
         waves = self.waves[:, moving]
         normal = np.einsum("osi,osj->oij", waves, waves)
-        seen = (np.trace(normal, axis1=1, axis2=2) > _SEEN_SHARE * left.size) & (np.linalg.cond(normal + 1e-12 * np.eye(2)) < _DISTINCT)
-        found = np.full(self.orders.size, math.nan)
+        power = np.trace(normal, axis1=1, axis2=2)
+        seen = (power > _SEEN_SHARE * left.size) & (np.linalg.cond(normal + 1e-12 * np.eye(2)) < _DISTINCT)
+        found, chance = np.full(self.orders.size, math.nan), np.full(self.orders.size, math.nan)
         if np.any(seen):
             solved = np.linalg.solve(normal[seen], np.einsum("osi,s->oi", waves[seen], left)[..., None])
             found[seen] = np.linalg.norm(solved[..., 0], axis=1)
-        return found
+            chance[seen] = 2.0 * np.sqrt(np.mean(left**2) / power[seen])
+        return found, chance
 
     def strongest(self, residual: Reals, at: Motion) -> tuple[str, list[Reals]] | None:
-        """The strongest order as a term."""
-        amplitudes = self.amplitudes(residual, at)
-        if not np.any(np.isfinite(amplitudes)):
+        """The order that stands out most, as a term."""
+        amplitudes, chance = self.amplitudes(residual, at)
+        if not np.any(chance > 0.0):
             return None
-        place = int(np.nanargmax(amplitudes))
+        place = int(np.nanargmax(amplitudes / np.where(chance > 0.0, chance, math.nan)))
         return f"in {self.orders[place]:g} periods per {self.name}", [self.waves[place, :, 0], self.waves[place, :, 1]]
 
 
@@ -482,6 +485,11 @@ class Bins:
     share: Reals
     time_share: Reals
 
+    @property
+    def steady(self) -> float:
+        """Mean square of the bins' means."""
+        return float(np.sum(self.time_share * self.mean**2))
+
     def result(self) -> dict[str, list[float]]:
         """For JSON."""
         return {"center": short(self.centers), "mean": short(self.mean), "low": short(self.low), "high": short(self.high), "share_percent": short(100.0 * self.share), "time_percent": short(100.0 * self.time_share)}
@@ -511,9 +519,14 @@ def _pictures(
     for name, balance in residuals.items():
         at = motion.at(balance.time_s)
         for axis in at.axes(rod=name == "kinematic"):
-            found = binned(axis, balance.residual)
+            found, friction = binned(axis, balance.residual), False
+            if name == "mechanical":
+                # as friction, which turns round with the motion, where this is more even
+                turned = binned(axis, balance.residual * at.direction)
+                friction = found is not None and turned is not None and turned.steady > found.steady
+                found = turned if friction else found
             if found is not None:
-                pictures["bins"].append({"source": name, "unit": balance.unit, "by": axis.name, "axis_unit": axis.unit, **found.result()})
+                pictures["bins"].append({"source": name, "unit": balance.unit, "by": axis.name, "axis_unit": axis.unit, "friction": friction, **found.result()})
     if "mechanical" in residuals:
         pictures["torque_speed"] = _torque_speed(actuator, residuals["mechanical"], mean is not None, motion)
     for name in ("mechanical", "kinematic"):
@@ -547,9 +560,9 @@ def _orders(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> dict[st
     at = motion.at(balance.time_s)
     found: dict[str, Any] = {"unit": balance.unit}
     for key, one in zip(("turns", "leads"), lines, strict=True):
-        amplitudes = one.amplitudes(balance.residual, at)
+        amplitudes, chance = one.amplitudes(balance.residual, at)
         known = np.isfinite(amplitudes)
-        found[key] = {"order": short(one.orders[known]), "amplitude": short(amplitudes[known])}
+        found[key] = {"order": short(one.orders[known]), "amplitude": short(amplitudes[known]), "chance": short(chance[known])}
     found["stroke_turns"] = float(np.ptp(at.angle_rad) / (2.0 * math.pi))
     found["stroke_leads"] = float(np.ptp(at.motor_mm) / motion.lead_mm)
     return found

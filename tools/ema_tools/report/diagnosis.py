@@ -12,9 +12,9 @@ Layout of the JSON (keys marked * must be there; everything else is shown where 
     next_experiment   a text, or an object with `sentence`
     gate              ema_tools.diagnosis.gate.Gate.result()
     where             ema_tools.diagnosis.where.Where.result(); pictures in it:
-                        bins          [{source, unit, by, axis_unit, center, mean, low, high, share_percent, time_percent}]
+                        bins          [{source, unit, by, axis_unit, friction, center, mean, low, high, share_percent, time_percent}]
                         torque_speed  {unit, axis_unit, other: model | healthy, points: {x, y}, measured, expected: {center, mean, low, high, ..}}
-                        orders        {balance: {unit, turns: {order, amplitude}, leads: {order, amplitude}, ..}}
+                        orders        {balance: {unit, turns: {order, amplitude, chance}, leads: {order, amplitude, chance}, ..}}
                         hysteresis    {play, torque: {unit, axis_unit, measured: {x, y}, model or healthy: {x, y}}}
     unknown           ema_tools.diagnosis.unknown.result(): {sentence, balances: [{what, unit, rms, sentence, ranking, pictures}], learned: {.., sentence} or null}
     steps             [{effects: [..], added, error_training, error_holdout, parameters: {name: {value, std, at_bound}}, recommended, reason}], in the order of addition
@@ -185,7 +185,7 @@ def _pictures(page: Sheet, result: Diagnosed, identity: str) -> None:
         page.add(f'<p class="note">The excess of the {escape(worst.name)} balance over every state, the most uneven first: mean and band of one standard deviation. A point of the time axis zooms the curves.</p>')
         page.add('<div class="thirds">')
         for place, one in enumerate(bins[:_BIN_PICTURES_MAX]):
-            _picture(page, f"{identity}-bins-{place}", one, f"Over {one.by}", identity)
+            _picture(page, f"{identity}-bins-{place}", one, _over(one), identity)
         page.add("</div>")
 
 
@@ -197,12 +197,19 @@ def _unevenness(shown: Picture) -> float:
     return float(np.sum(shown.share[there] * np.log(shown.share[there] / shown.time[there])))
 
 
+def _over(shown: Picture) -> str:
+    """Title of a picture over an axis; friction is counted against the motion."""
+    return f"Over {shown.by}{', against the motion' if shown.friction else ''}"
+
+
 def _picture(page: Sheet, identity: str, shown: Picture, title: str, zooms: str = "") -> None:
     drawn = diagnosis_figures.picture(shown)
     if zooms and shown.by == "time":
         x = shown.lines["excess"].x
         drawn |= {"zooms": zooms, "half": 0.5 * float(x[-1] - x[0]) / max(1, x.size - 1)}
     legend = ""
+    if "chance" in shown.lines:
+        legend = '<ul class="legend"><li><span class="key dashed"></span>what noise makes</li></ul>'
     if "measured" in shown.lines:
         others = "".join(f'<li><span class="key after"></span>{_OTHER[name]}</li>' for name in shown.lines if name in _OTHER)
         legend = f'<ul class="legend"><li><span class="key before"></span>measured</li>{others}</ul>'
@@ -272,8 +279,7 @@ def _unknown(page: Sheet, result: Diagnosed, identity: str) -> None:
     if result.unknown_pictures:
         page.add('<div class="thirds">')
         for place, one in enumerate(result.unknown_pictures[:_UNKNOWN_PICTURES_MAX]):
-            against = ", against the motion" if one.friction else ""
-            _picture(page, f"{identity}-unknown-{place}", one, f"Over {one.by}{against}: {words.number(one.explained_percent or 0.0, 2)} % foretold")
+            _picture(page, f"{identity}-unknown-{place}", one, f"{_over(one)}: {words.number(one.explained_percent or 0.0, 2)} % foretold")
         page.add("</div>")
     if result.learned_sentence:
         page.add(f"<p>It can be flown without a name: {escape(result.learned_sentence)}.</p>")

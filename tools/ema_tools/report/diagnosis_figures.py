@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from html import escape
 
 import numpy as np
@@ -13,8 +14,8 @@ from ema_tools.report.words import number
 
 _SUSPECTS_MAX = 12
 _MARGIN = {"l": 62, "r": 14, "t": 8, "b": 44}
-_ROLES = {"measured": "before", "model": "after", "healthy": "after", "points": "measured", "excess": "before", "order": "before"}
-_NAMES = {"measured": "measured", "model": "model", "healthy": "healthy repeats", "points": "sample", "excess": "mean", "order": "amplitude"}
+_ROLES = {"measured": "before", "model": "after", "healthy": "after", "points": "measured", "excess": "before", "order": "before", "chance": "undecided"}
+_NAMES = {"measured": "measured", "model": "model", "healthy": "healthy repeats", "points": "sample", "excess": "mean", "order": "amplitude", "chance": "what noise makes"}
 # A scale on which the scores of weak and strong effects are both seen.
 _LEAST_RATIO = 0.01
 
@@ -120,6 +121,7 @@ def _unit(unit: str) -> str:
 
 def picture(shown: Picture) -> Figure:
     """A picture of `where` or `unknown`: bands and lines over an axis, points as points, orders as stems."""
+    shown = _readable(shown)
     traces: list[Figure] = []
     loop = shown.source.endswith("loop")
     for name, line in shown.lines.items():
@@ -132,6 +134,8 @@ def picture(shown: Picture) -> Figure:
             trace |= {"mode": "markers", "marker": {"size": 3, "opacity": 0.45}}
         elif name == "order":
             trace = {**trace, "type": "bar", "width": 0.6 * float(np.min(np.diff(line.x), initial=1.0))}
+        elif name == "chance":
+            trace |= {"mode": "lines", "line": {"width": 1.5, "dash": "dash"}}
         elif loop:
             trace |= {"mode": "lines", "line": {"width": 2.5 if name == "measured" else 1.2}, "opacity": 0.9}
         else:
@@ -142,10 +146,19 @@ def picture(shown: Picture) -> Figure:
         traces.append(trace)
     layout = {
         "xaxis": {"title": {"text": _axis_title(shown.by, shown.axis_unit)}},
-        "yaxis": {"title": {"text": _unit(shown.unit)}, "zeroline": True},
+        "yaxis": {"title": {"text": _unit(shown.unit)}, "zeroline": True, "exponentformat": "power"},
         "margin": _MARGIN,
     }
     return {"data": traces, "layout": layout, "height": 250, "label": f"{shown.source} against {shown.by}: {_reading(shown)}"}
+
+
+def _readable(shown: Picture) -> Picture:
+    """Small lengths in um."""
+    largest = max(float(np.max(np.abs(line.y))) for line in shown.lines.values())
+    if shown.unit != "mm" or largest > 0.1:
+        return shown
+    lines = {name: Line(line.x, 1e3 * line.y, *(None if edge is None else 1e3 * edge for edge in (line.low, line.high))) for name, line in shown.lines.items()}
+    return replace(shown, unit="um", lines=lines)
 
 
 def _band(line: Line, role: str) -> list[Figure]:
@@ -157,6 +170,7 @@ def _band(line: Line, role: str) -> list[Figure]:
 
 def _reading(shown: Picture) -> str:
     """What a picture shows, for who cannot see it."""
-    name, line = list(shown.lines.items())[-1]
+    name = next((key for key in ("measured", "excess", "order") if key in shown.lines), next(iter(shown.lines)))
+    line = shown.lines[name]
     place = int(np.argmax(np.abs(line.y)))
     return f"{_NAMES[name]} largest at {number(float(line.x[place]))} {shown.axis_unit} with {number(float(line.y[place]))} {shown.unit}"

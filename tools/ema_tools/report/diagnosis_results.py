@@ -249,7 +249,7 @@ def _points(part: Reader) -> Line:
 def _pictures(pictures: Reader) -> Iterator[Picture]:
     """Bins by balance and axis, torque against speed, orders, hysteresis."""
     for part in pictures.tables("bins"):
-        yield Picture(part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""), {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"))
+        yield Picture(part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""), {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"), friction=bool(part.data.get("friction", False)))
     if pictures.data.get("torque_speed") is not None:
         part = pictures.table("torque_speed")
         lines = {"points": _points(part.table("points"))}
@@ -264,7 +264,11 @@ def _pictures(pictures: Reader) -> Iterator[Picture]:
         for key, axis in (("turns", "periods per motor turn"), ("leads", "periods per screw lead")):
             lines = part.table(key)
             if lines.data.get("order"):
-                yield Picture(f"{name} order", axis, part.text("unit", ""), "", {"order": Line(lines.series("order"), lines.series("amplitude"))})
+                orders_at = lines.series("order")
+                drawn = {"order": Line(orders_at, lines.series("amplitude"))}
+                if lines.data.get("chance"):
+                    drawn["chance"] = Line(orders_at, lines.series("chance"))
+                yield Picture(f"{name} order", axis, part.text("unit", ""), "", drawn)
     loops = _part(pictures, "hysteresis")
     for name in loops.data:
         part = loops.table(name)
