@@ -1,0 +1,85 @@
+"""`python -m ema_tools.benchmarks.hidden --small` hides a few effects; `--full -o DIR` everything."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import click
+
+from ema_tools.benchmarks.hidden import running, scoring
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
+from ema_tools.benchmarks.hidden.trials import KINDS, Plan
+from ema_tools.console import complain, output
+from ema_tools.errors import InputError
+from ema_tools.parallel import workers as cores
+
+_SMALL = Plan(1, severities=("medium",), effects=("winding_heating", "feedback_delay", "sensor_gain", "bus_hum"), kinds=("library", "outside", "healthy"), healthy=1, outside_seeds=1)
+_FULL = Plan(3)
+
+
+def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(",")) if text else ()
+    for name in names:
+        if name not in known:
+            raise click.UsageError(f"{what} {name}: not known: use some of {', '.join(known)}")
+    return names
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.option("--small", "size", flag_value="small", help="A few trials, under a minute.")
+@click.option("--full", "size", flag_value="full", help="What the document shows.")
+@click.option("--effects", help="Hide these only, comma between.")
+@click.option("--severity", help=f"Of {', '.join(SEVERITIES)}; comma between.")
+@click.option("--kinds", help=f"Of {', '.join(KINDS)}; comma between.")
+@click.option("--seeds", type=click.IntRange(0), help="Machines per effect and severity.")
+@click.option("--first", type=click.IntRange(1), help="Number of the first machine.")
+@click.option("--repeats", type=click.IntRange(2), help="Healthy repeats.")
+@click.option("--healthy", type=click.IntRange(0), help="Healthy records.")
+@click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
+@click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
+@click.option("-o", "--output", "folder", type=click.Path(path_type=Path, file_okay=False), default=Path("hidden"), show_default=True, help="Folder of the rows; a run that was interrupted goes on.")
+@click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there, too.")
+def main(
+    size: str | None,
+    effects: str | None,
+    severity: str | None,
+    kinds: str | None,
+    seeds: int | None,
+    first: int | None,
+    repeats: int | None,
+    healthy: int | None,
+    pairs: int | None,
+    workers: int | None,
+    folder: Path,
+    document: Path | None,
+) -> None:
+    """Hides effects in machines that the code under test has never seen and reports what it names."""
+    begun = time.monotonic()
+    plan = _SMALL if size == "small" else _FULL
+    given = {
+        "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE), "effect"),
+        "severities": _names(severity, tuple(SEVERITIES), "severity"),
+        "kinds": _names(kinds, KINDS, "kind"),
+        "seeds": seeds,
+        "first_machine": first,
+        "repeats": repeats,
+        "healthy": healthy,
+        "pairs": pairs,
+    }
+    plan = Plan(**{**plan.__dict__, **{name: value for name, value in given.items() if value not in (None, ())}})
+    rows = running.run(plan.trials(), folder, cores() if workers is None else workers)
+    console = output()
+    scoring.show(console, rows)
+    console.print(f"{len(rows)} trials, {running.elapsed(begun)}")
+    if document is not None:
+        complain("--document is not written yet")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except InputError as error:
+        complain(str(error))
+        sys.exit(1)

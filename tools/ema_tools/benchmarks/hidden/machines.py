@@ -1,0 +1,149 @@
+"""Machines by number: units of one data sheet, each with its own deviations, standing errors and sensors; and the same machines as the C model itself would be.
+
+The truth plant shares no code with the module. Odd machines have LuGre friction whose contact yields a little before it slides, even ones Coulomb friction.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ema_tools.actuator import reference_actuator
+from ema_tools.native import Reals, library
+from ema_tools.reference.recording import Recording
+from ema_tools.truth import effects
+from ema_tools.truth.plant import Sensors, scattered, simulate_truth
+
+ROWS = 10_000
+STEP_S = 1e-3
+CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
+# A machine from run to run, relative standard deviation.
+SCATTER: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
+# Units against the data sheet, relative standard deviation; torque and back-EMF constant are one property of the magnets.
+UNITS: Mapping[tuple[str, ...], float] = {
+    ("screw.csj_Nm",): 0.04,
+    ("screw.viscous_Nm_s_per_rad",): 0.1,
+    ("screw.inertia_kgm2",): 0.03,
+    ("screw.blk_mm",): 0.05,
+    ("motor.resistance_ohm",): 0.03,
+    ("motor.inductance_H",): 0.05,
+    ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.015,
+    ("drive.supply_V",): 0.005,
+    ("control.kp_per_m",): 0.005,
+}
+COMMANDS: Mapping[str, tuple[str, Mapping[str, float]]] = {
+    "chirp": ("chirp", {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}),
+    "fast chirp": ("chirp", {"amplitude_mm": 1.2, "start_hz": 0.2, "end_hz": 6.0, "duration_s": 10.0}),
+    "slow chirp": ("chirp", {"amplitude_mm": 4.0, "start_hz": 0.05, "end_hz": 1.5, "duration_s": 10.0}),
+    "multisine": ("multisine", {"amplitude_mm": 2.0, "start_hz": 0.3, "count": 8.0, "duration_s": 10.0}),
+    "triangle": ("triangle", {"amplitude_mm": 2.0, "start_hz": 1.0}),
+}
+# The other command on which an added effect must hold.
+HELD_OUT: Mapping[str, str] = {"chirp": "multisine", "fast chirp": "chirp", "slow chirp": "multisine", "multisine": "chirp", "triangle": "chirp"}
+# Integration steps: errors of 0.1 nm and 0.1 mA against ten times shorter ones; shorter where an effect is fast.
+_STEP_S = 5e-5
+_LUGRE_STEP_S = 1e-5
+_FAST_STEP_S = 1e-5
+_FAST = ("cogging_torque", "torque_ripple", "transmission_compliance")
+
+
+def seed_of(*parts: object) -> int:
+    """A seed that hangs on its parts alone, the same in every process."""
+    return zlib.crc32(repr(parts).encode())
+
+
+@dataclass(frozen=True)
+class Machine:
+    """One unit: values by name where they differ from the data sheet, its friction law, sensors. `own` makes its records by the C model instead."""
+
+    number: int
+    values: Mapping[str, float]
+    friction: str
+    presliding_rad: float
+    sensors: Sensors
+    own: bool = False
+
+
+@lru_cache(maxsize=64)
+def machine(number: int, own: bool = False) -> Machine:
+    """The unit of that number. With `own` it is as the data sheet says, without standing errors: only scatter and noise are left."""
+    random = np.random.default_rng([7_919, number])
+    normal = random.standard_normal
+    noise = Sensors(position_noise_mm=0.002, motor_position_noise_mm=0.002, current_noise_A=0.03, voltage_noise_V=0.01)
+    if own:
+        return Machine(number, {}, "coulomb", 0.0, noise, True)
+    sheet = reference_actuator()
+    values: dict[str, float] = {}
+    for names, std in UNITS.items():
+        factor = 1.0 + std * float(np.clip(normal(), -2.0, 2.0))
+        values |= {name: sheet[name] * factor for name in names}
+    values |= {
+        "pitch_ripple.ratio": 0.004 * float(random.uniform(0.3, 1.5)),
+        "pitch_ripple.phase_rad": float(random.uniform(-np.pi, np.pi)),
+        "screw.friction_asymmetry": 0.003 * float(normal()),
+        "encoder.rod_gain_error": 2e-4 * float(normal()),
+        "encoder.rod_offset_mm": 0.002 * float(normal()),
+    }
+    sensors = Sensors(
+        position_noise_mm=noise.position_noise_mm,
+        motor_position_noise_mm=noise.motor_position_noise_mm,
+        current_noise_A=noise.current_noise_A,
+        voltage_noise_V=noise.voltage_noise_V,
+        position_resolution_mm=5e-4,
+        motor_position_resolution_mm=5e-4,
+        current_resolution_A=0.01,
+        voltage_resolution_V=0.01,
+        current_gain_error=0.003 * float(normal()),
+        current_offset_A=0.02 * float(normal()),
+        feedback_noise_mm=2e-4,
+    )
+    return Machine(number, values, "lugre" if number % 2 else "coulomb", float(random.uniform(1e-3, 3e-3)), sensors)
+
+
+@lru_cache(maxsize=16)
+def command_mm(name: str) -> Reals:
+    """Samples of a command of COMMANDS, [ROWS]."""
+    kind, numbers = COMMANDS[name]
+    return library(64).command(kind, dict(numbers), STEP_S, ROWS)
+
+
+def _by_model(values: Mapping[str, float], command: Reals, sensors: Sensors, seed: int) -> Recording:
+    names = {(f"effects.{name}" if hasattr(effects, name.partition(".")[0]) else name): value for name, value in values.items()}
+    run = library(32).simulate(*reference_actuator().changed(names).arrays(), command)
+    random = np.random.default_rng(seed)
+    stds = (sensors.position_noise_mm, sensors.motor_position_noise_mm, sensors.current_noise_A, sensors.voltage_noise_V)
+    seen = [getattr(run, channel) + std * random.standard_normal(command.size) for channel, std in zip(CHANNELS, stds, strict=True)]
+    return Recording(STEP_S * np.arange(command.size), command, *seen, speed_mm_s=run.speed_mm_s)
+
+
+def simulated(unit: Machine, changes: Mapping[str, float], command: str, sensors: Sensors | None = None, seed: int = 0) -> Recording:
+    """A run of the machine with `changes` to its values, seen through `sensors` (none: exactly)."""
+    values = {**unit.values, **changes}
+    if unit.own:
+        return _by_model(values, command_mm(command), sensors or Sensors(), seed)
+    soft = unit.friction == "lugre" or values.get("presliding.stretch_rad", 0.0) > 0.0
+    fast = any(name.startswith(_FAST) for name in changes)
+    step_s = _LUGRE_STEP_S if soft else _FAST_STEP_S if fast else _STEP_S
+    return simulate_truth(values, command_mm(command), friction=unit.friction, presliding_rad=unit.presliding_rad, step_s=step_s, sensors=sensors, seed=seed)
+
+
+def measured(unit: Machine, changes: Mapping[str, float], command: str, seed: int) -> Recording:
+    """The same as recorded on some day: friction, grease and winding scatter, sensors err, both by `seed`. Changes are exact."""
+    day = scattered(unit.values, SCATTER, seed)
+    moved = {name: day[name] for name in SCATTER}
+    # a change of what scatters comes on top of its scatter
+    for name in SCATTER:
+        if name in changes:
+            moved[name] *= changes[name] / unit.values.get(name, reference_actuator()[name])
+    return simulated(unit, {**changes, **moved}, command, unit.sensors, seed + 1)
+
+
+def exact(unit: Machine, changes: Mapping[str, float], command: str) -> Reals:
+    """The true signals without noise and scatter, [CHANNELS, rows]; the sensors' gain and offset, being standing errors, included."""
+    errors = unit.sensors
+    run = simulated(unit, changes, command, Sensors(current_gain_error=errors.current_gain_error, current_offset_A=errors.current_offset_A))
+    return np.array([getattr(run, channel) for channel in CHANNELS])

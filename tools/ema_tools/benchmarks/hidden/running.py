@@ -1,0 +1,90 @@
+"""Runs trials on all cores and keeps every row as soon as it is there; an interrupted run is taken up where it ended."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from pathlib import Path
+from typing import Any
+
+from ema_tools.benchmarks.hidden.trials import Trial, groups, perform
+from ema_tools.console import progress
+
+Row = dict[str, Any]
+_LOOK_S = 2.0
+_PARTS = "parts"
+
+
+def read_rows(folder: Path) -> list[Row]:
+    """Rows of all parts; a line that an interruption cut short is left out."""
+    rows: dict[str, Row] = {}
+    for part in sorted((folder / _PARTS).glob("*.jsonl")):
+        for line in part.read_text(encoding="utf-8").splitlines():
+            try:
+                row = json.loads(line)
+            except json.JSONDecodeError:
+                continue
+            rows[row["key"]] = row
+    return list(rows.values())
+
+
+def _one_core(cores: Sequence[int]) -> None:
+    """A worker keeps to one core, so that its threads do not take the others' time."""
+    if hasattr(os, "sched_setaffinity"):
+        place = multiprocessing.current_process()._identity[-1]  # noqa: SLF001 - workers of a pool have no other number
+        os.sched_setaffinity(0, {cores[place % len(cores)]})
+
+
+def _work(trials: Sequence[Trial], part: Path, work: Callable[[Trial], Row]) -> int:
+    with part.open("a", encoding="utf-8") as file:
+        for trial in trials:
+            file.write(json.dumps(work(trial)) + "\n")
+            file.flush()
+    return len(trials)
+
+
+def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Trial], Row] = perform) -> list[Row]:
+    """Rows of all trials, those of an earlier run in the same folder among them. `workers` 0 works in this process."""
+    parts = folder / _PARTS
+    parts.mkdir(parents=True, exist_ok=True)
+    done = {row["key"] for row in read_rows(folder)}
+    wanted = [trial for trial in trials if trial.key not in done]
+    tasks = [(group, parts / f"machine_{group[0].machine}_{group[0].command.replace(' ', '_')}_{group[0].kind == 'same':d}.jsonl") for group in groups(wanted)]
+    with progress("trials", len(wanted)) as bar:
+        if workers == 0:
+            finished = 0
+            for group, part in tasks:
+                for trial in group:
+                    _work([trial], part, work)
+                    finished += 1
+                    bar.update(finished)
+        elif tasks:
+            _in_processes(tasks, workers, work, lambda: bar.update(len(read_rows(folder)) - len(done)))
+    keys = {trial.key for trial in trials}
+    return [row for row in read_rows(folder) if row["key"] in keys]
+
+
+def _in_processes(tasks: Sequence[tuple[list[Trial], Path]], workers: int, work: Callable[[Trial], Row], look: Callable[[], None]) -> None:
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else list(range(workers))
+    # numerical libraries read these when a worker loads them
+    os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_core, initargs=(cores,)) as pool:
+        open_tasks: set[Future[int]] = {pool.submit(_work, group, part, work) for group, part in tasks}
+        while open_tasks:
+            finished, open_tasks = wait(open_tasks, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
+            look()
+            for task in finished:
+                if task.exception() is not None:
+                    pool.shutdown(wait=False, cancel_futures=True)
+                task.result()
+
+
+def elapsed(begun: float) -> str:
+    """Minutes and seconds since."""
+    seconds = time.monotonic() - begun
+    return f"{int(seconds // 60)} min {seconds % 60:.0f} s"

@@ -1,0 +1,86 @@
+"""The only contact with the code under test. It gets the data sheet's actuator and records without a hint of what is hidden, and hands back what was said."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_tools.actuator import Actuator, reference_actuator
+from ema_tools.benchmarks.hidden.machines import STEP_S
+from ema_tools.diagnosis.evidence import Evidence, settled, view
+from ema_tools.diagnosis.gathering import gather
+from ema_tools.diagnosis.search import diagnose
+from ema_tools.records import Record
+from ema_tools.reference.recording import Recording
+
+
+@dataclass(frozen=True)
+class Said:
+    """One name of the answer, best first: its class (itself first), values and standard errors where it was fitted."""
+
+    name: str
+    alike: tuple[str, ...]
+    values: Mapping[str, float]
+    std: Mapping[str, float]
+    score: float
+    accepted: bool
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the search said. `known`: values of the healthy machine's model, from which the fitted values are changes; costs are sums of squared whitened residuals."""
+
+    verdict: str
+    said: tuple[Said, ...]
+    fitted: Mapping[str, float]
+    known: Actuator
+    cost_before: float
+    cost_after: float
+    cost_floor: float
+    unexplained: float
+    limit: float
+    run_s: float
+
+    @property
+    def accepted(self) -> tuple[str, ...]:
+        """The names to be added, in the order in which they were found."""
+        return tuple(one.name for one in self.said if one.accepted)
+
+    @property
+    def first(self) -> str:
+        """The first name, accepted or not; the verdict where there is none."""
+        return self.said[0].name if self.said else self.verdict
+
+
+def record_of(run: Recording, number: int) -> Record:
+    """A run as the code under test may see it; the file's name says nothing."""
+    return Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file=f"record_{number}.csv")
+
+
+def _evidence(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None) -> Evidence:
+    repeats = [record_of(other, number) for number, other in enumerate(healthy, start=1)]
+    return gather(reference_actuator(), record_of(run, 0), repeats, channels)
+
+
+def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> Answer:
+    """The search on one run against healthy repeats (none: against the data sheet), in `channels` or all signals."""
+    begun = time.perf_counter()
+    evidence = _evidence(run, healthy, channels)
+    found = diagnose(evidence)
+    run_s = time.perf_counter() - begun
+    said = tuple(Said(one.name, tuple(one.alike), dict(one.values), dict(one.std), one.score, one.accepted) for one in found.named)
+    fitted = dict(found.fit.values) if found.fit is not None else {}
+    costs = (found.cost_before, found.cost_after, found.cost_floor)
+    return Answer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s)
+
+
+def error_left(fitted: Mapping[str, float], run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> tuple[float, float]:
+    """Weighted rms error of a run over the floor of its healthy repeats: without what was fitted elsewhere, and with it; nothing is fitted to this run but what scatters."""
+    evidence = _evidence(run, healthy, channels)
+    before = settled(evidence, {})
+    floor = float(np.mean([view(evidence, {}, None, repeat).cost for repeat in evidence.repeats]))
+    after = settled(evidence, fitted) if fitted else before
+    return float(np.sqrt(before.cost / floor)), float(np.sqrt(after.cost / floor))

@@ -1,0 +1,175 @@
+"""The trials: what is hidden in which machine under which command, and one trial from its records to a row of figures."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ema_tools.benchmarks.hidden import sealed
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES, Change, change
+from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, Machine, machine, measured, seed_of
+from ema_tools.reference.recording import Recording
+
+KINDS = ("library", "fault", "outside", "healthy", "pair", "position", "alone", "same", "placebo")
+OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
+# A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
+_PIECE_ROWS = 250
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One trial. `kind`: of KINDS; `effects`: what is hidden; `machine`: number of the unit; `repeats`: healthy records given, 0 for none."""
+
+    kind: str
+    effects: tuple[str, ...]
+    severity: str
+    command: str
+    machine: int
+    repeats: int = 5
+    held_out: bool = False
+
+    @property
+    def key(self) -> str:
+        """A name by which an interrupted run is taken up again."""
+        return "|".join((self.kind, "+".join(self.effects), self.severity, self.command, str(self.machine), str(self.repeats)))
+
+    @property
+    def channels(self) -> tuple[str, ...] | None:
+        """The signals given; None for all."""
+        return ("position_mm",) if self.kind == "position" else None
+
+
+def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], command: str, names: Sequence[str], repeats: int) -> list[Trial]:
+    possible = [pair for pair in itertools.combinations(names, 2) if not any(set(pair) <= kind for kind in INSEPARABLE)]
+    drawn = np.random.default_rng(4_711).permutation(len(possible))[:count] if possible else []
+    places = enumerate(possible[k] for k in drawn)
+    return [Trial("pair", pair, severities[place % len(severities)], command, numbers[place % len(numbers)], repeats) for place, pair in places]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How many trials of what: `seeds` machines for each effect and severity, the last of three under another command; the others by their counts."""
+
+    seeds: int
+    severities: tuple[str, ...] = tuple(SEVERITIES)
+    effects: tuple[str, ...] = ()
+    kinds: tuple[str, ...] = KINDS
+    healthy: int = 200
+    pairs: int = 40
+    outside_seeds: int = 2
+    repeats: int = 5
+    first_machine: int = 1
+
+    def trials(self) -> list[Trial]:
+        """All of them."""
+        wanted = self.effects or (*LIBRARY, *FAULTS, *OUTSIDE)
+        library, faults, outside = ([name for name in table if name in wanted] for table in (LIBRARY, FAULTS, OUTSIDE))
+        numbers = range(self.first_machine, self.first_machine + self.seeds)
+        strong = [name for name in self.severities if SEVERITIES[name] >= 1.0]
+        found: list[Trial] = []
+        for place, number in enumerate(numbers):
+            for order, name in enumerate(library):
+                command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[(order + place) % len(OTHER_COMMANDS)]
+                found += [Trial("library", (name,), severity, command, number, self.repeats, severity in strong) for severity in self.severities]
+                found += [Trial("position", (name,), severity, "chirp", number, self.repeats) for severity in strong]
+                found += [Trial("alone", (name,), severity, "chirp", number, 0) for severity in strong]
+            found += [Trial("fault", (name,), severity, "chirp", number, self.repeats) for name in faults for severity in self.severities]
+        first = numbers[0] if len(numbers) else self.first_machine
+        found += [Trial("same", (name,), severity, "chirp", first, self.repeats) for name in library for severity in self.severities]
+        found += [Trial("placebo", (name,), severity, "chirp", first, self.repeats) for name in library for severity in strong[:1]]
+        for number in range(self.first_machine, self.first_machine + self.outside_seeds):
+            found += [Trial("outside", (name,), severity, "chirp", number, self.repeats) for name in outside for severity in strong]
+        if strong and numbers:
+            found += _pairs(self.pairs, numbers, strong, "chirp", library, self.repeats)
+        for count in range(self.healthy):
+            command = "chirp" if count % 4 else OTHER_COMMANDS[count // 4 % len(OTHER_COMMANDS)]
+            found.append(Trial("healthy", (), "", command, self.first_machine + count, self.repeats))
+        return [trial for trial in found if trial.kind in self.kinds]
+
+
+def groups(trials: Sequence[Trial]) -> list[list[Trial]]:
+    """Trials of one machine and command together, so that what is known of the machine is computed once; longest first."""
+    found: dict[tuple[int, str, bool], list[Trial]] = {}
+    for trial in trials:
+        found.setdefault((trial.machine, trial.command, trial.kind == "same"), []).append(trial)
+    return sorted(found.values(), key=len, reverse=True)
+
+
+def hidden_changes(unit: Machine, trial: Trial, command: str) -> list[Change]:
+    """What is hidden, effect by effect."""
+    return [change(unit, effect, SEVERITIES[trial.severity], command) for effect in trial.effects]
+
+
+def runs(trial: Trial, command: str, hidden: Sequence[Change]) -> tuple[Recording, list[Recording]]:
+    """The record with what is hidden, and the healthy repeats, all of different days."""
+    unit = machine(trial.machine, trial.kind == "same")
+    values = {name: value for one in hidden for name, value in one.values.items()}
+    healthy = [measured(unit, {}, command, seed_of(trial.key, command, "healthy", count)) for count in range(trial.repeats)]
+    return measured(unit, values, command, seed_of(trial.key, command, "record")), healthy
+
+
+def _dealt(run: Recording, healthy: Sequence[Recording], seed: int) -> Recording:
+    """The placebo: differences of the same size in every signal, which no effect makes."""
+    random = np.random.default_rng(seed)
+    pieces = run.command_mm.size // _PIECE_ROWS
+    order = random.permutation(pieces)
+    signs = random.choice([-1.0, 1.0], size=pieces)
+    changed = {}
+    for channel in CHANNELS:
+        mean = np.mean([getattr(other, channel) for other in healthy], axis=0)
+        dealt = (getattr(run, channel) - mean)[: pieces * _PIECE_ROWS].reshape(pieces, _PIECE_ROWS)[order] * signs[:, None]
+        changed[channel] = mean + np.pad(dealt.ravel(), (0, mean.size - dealt.size))
+    return Recording(**{**{name: getattr(run, name) for name in run.__dataclass_fields__}, **changed})
+
+
+def _sizes(answer: sealed.Answer, hidden: Sequence[Change], effects: Sequence[str]) -> list[dict[str, Any]]:
+    """Per hidden effect that was accepted by its own name: true size, estimate, its standard error, whether the 95 % interval holds."""
+    found = []
+    for name, one in zip(effects, hidden, strict=True):
+        said = next((said for said in answer.said if said.name == name and said.accepted), None)
+        if said is None or one.size not in said.values:
+            continue
+        estimate, std = said.values[one.size], said.std.get(one.size, 0.0)
+        found.append({"effect": name, "true": one.true, "estimate": estimate, "std": std, "held": abs(estimate - one.true) <= 1.96 * std})
+    return found
+
+
+def perform(trial: Trial) -> dict[str, Any]:
+    """One trial as a row of plain values."""
+    unit = machine(trial.machine, trial.kind == "same")
+    hidden = hidden_changes(unit, trial, trial.command)
+    run, healthy = runs(trial, trial.command, hidden)
+    if trial.kind == "placebo":
+        run = _dealt(run, healthy, seed_of(trial.key))
+    answer = sealed.answered(run, healthy, trial.channels)
+    row: dict[str, Any] = {"key": trial.key, **asdict(trial), "verdict": answer.verdict, "first": answer.first, "accepted": list(answer.accepted)}
+    row["class"] = list(answer.said[0].alike) if answer.said else []
+    row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
+    row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s")}
+    row["sizes"] = _sizes(answer, hidden, trial.effects)
+    if trial.held_out and answer.verdict == "missing":
+        row["held_out"] = _held_out(trial, unit, answer)
+    return row
+
+
+def _held_out(trial: Trial, unit: Machine, answer: sealed.Answer) -> dict[str, Any]:
+    """The same effect under another command, with what was found added to the model."""
+    command = HELD_OUT[trial.command]
+    other, repeats = runs(trial, command, _same_hidden(unit, trial, command))
+    before, after = sealed.error_left(answer.fitted, other, repeats, trial.channels)
+    return {"command": command, "before": before, "after": after}
+
+
+def _same_hidden(unit: Machine, trial: Trial, command: str) -> Sequence[Change]:
+    # a limit is the same limit under another command
+    return hidden_changes(unit, trial, trial.command if "current_limit" in trial.effects else command)
+
+
+def restored(row: Mapping[str, Any]) -> Trial:
+    """The trial of a row read back."""
+    values = {name: row[name] for name in Trial.__dataclass_fields__}
+    return Trial(**{**values, "effects": tuple(row["effects"])})
