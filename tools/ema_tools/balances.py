@@ -10,6 +10,7 @@ axis this reproduces the published force error: A. Janot, M. Gautier, M. Brunot,
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -39,6 +40,18 @@ _RATE_OVER_CUTOFF = 10
 _CUTOFF_MAX_HZ = 100.0
 
 
+@functools.cache
+def _butterworth(share: float) -> Reals:
+    """Second-order sections for a cutoff as share of half the sample rate."""
+    return np.asarray(signal.butter(_ORDER, share, output="sos"))
+
+
+@functools.cache
+def _chebyshev(every: int) -> Reals:
+    """Second-order sections in front of a decimation."""
+    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))
+
+
 @dataclass(frozen=True)
 class Smoother:
     """The zero-phase filter of all channels and the decimation behind it."""
@@ -63,13 +76,12 @@ class Smoother:
 
     def smooth(self, values: Reals) -> Reals:
         """Filtered forward and backward, [rows]."""
-        sections = signal.butter(_ORDER, 2.0 * self.cutoff_hz * self.period_s, output="sos")
-        return np.asarray(signal.sosfiltfilt(sections, values))
+        return np.asarray(signal.sosfiltfilt(_butterworth(2.0 * self.cutoff_hz * self.period_s), values))
 
     @property
     def low_pass(self) -> Reals:
         """Second-order sections of the filter in front of the decimation."""
-        return np.asarray(signal.cheby1(8, 0.05, 0.8 / self.every, output="sos"))
+        return _chebyshev(self.every)
 
     def inner(self, values: NDArray[Any]) -> NDArray[Any]:
         """Without the edges, [rows - 2 edge_rows]."""
@@ -130,7 +142,8 @@ def adjusted(actuator: Actuator) -> dict[str, float]:
 
 def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
     """The reference module and the values of every active effect of a site."""
-    names = [effect.name for effect in load_definitions().effects if effect.site == site and effect.name in actuator.active_effects]
+    active = set(actuator.active_effects)
+    names = [effect.name for effect in load_definitions().effects if effect.site == site and effect.name in active]
     if not names:
         return
     from ema_tools.reference.actuator import build
