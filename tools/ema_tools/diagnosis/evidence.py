@@ -41,8 +41,8 @@ def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
 class Evidence:
     """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
-    `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: the cost that such
-    a record has. `offsets` [channels]: spread of the signals' own zero, 0 for none.
+    `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
+    cost that sensor noise alone has. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation of 1 each, such as the zero of a sensor.
     """
 
     actuator: Actuator
@@ -51,9 +51,10 @@ class Evidence:
     target: Reals
     spread: tuple[Spread, ...]
     whiten: Whitener
-    offsets: Reals
+    additive: Reals
     start_mm: float
     repeats: tuple[Reals, ...] = ()
+    floor: float = 0.0
 
     @property
     def relative(self) -> bool:
@@ -77,7 +78,7 @@ class Evidence:
 class View:
     """The evidence as seen from one set of effects, linear in what scatters: vectors are whitened and have the scatter's directions taken off.
 
-    `values`: of the effects; `deviations` [spread + offsets]: of what scatters, in spreads; `base` [channels, rows]: the model there; `residual` [n].
+    `values`: of the effects; `deviations` [spread + additive]: of what scatters, in spreads; `base` [channels, rows]: the model there; `residual` [n].
     """
 
     evidence: Evidence
@@ -112,7 +113,7 @@ class View:
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
 
     def best_deviations(self, vector: Reals | None = None) -> Reals:
-        """Deviations at their best, [spread + offsets], with an effect's unprojected `vector` taken off first; no farther than what is credible.
+        """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than what is credible.
 
         Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
         """
@@ -123,11 +124,10 @@ class View:
 
 def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, target: Reals | None = None) -> View:
     """The evidence seen from `values` of effects; `deviations` of what scatters are zero unless told. `target` in place of the evidence's own."""
-    count, offsets = len(evidence.spread), np.flatnonzero(evidence.offsets)
-    at = np.zeros(count + offsets.size) if deviations is None else deviations
+    count = len(evidence.spread)
+    at = np.zeros(count + len(evidence.additive)) if deviations is None else deviations
     own = at[:count]
-    shift = np.zeros((len(evidence.channels), 1))
-    shift[offsets, 0] = evidence.offsets[offsets] * at[count:]
+    shift = np.tensordot(at[count:], evidence.additive, 1)
 
     def moved(place: int) -> Reals:
         one = evidence.spread[place]
@@ -138,10 +138,7 @@ def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | No
 
     base = evidence.simulate(values, own)
     columns = [evidence.whiten(signal) for signal in each(moved, list(range(count)))]
-    for channel in offsets:
-        constant = np.zeros_like(base)
-        constant[channel] = evidence.offsets[channel]
-        columns.append(evidence.whiten(constant))
+    columns += [evidence.whiten(signal) for signal in evidence.additive]
     residual = evidence.whiten((evidence.target if target is None else target) - base - shift)
     directions = np.vstack([np.column_stack(columns) if columns else np.empty((residual.size, 0)), -np.eye(at.size)])
     basis, _ = np.linalg.qr(directions)

@@ -16,16 +16,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize, minimize_scalar
 
 from ema_tools import leastsquares
 from ema_tools.actuator import Actuator, row_of
-from ema_tools.balances import MECHANICAL_PARAMETERS, Smoother, adjusted, quiet_smoother
+from ema_tools.balances import MECHANICAL_PARAMETERS, Smoother, adjusted, mechanical, quiet_smoother
 from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis.candidates import LEARNED
 from ema_tools.diagnosis.laps import Laps, laps_of
-from ema_tools.diagnosis.patterns import LEVEL, NOT_HERE, Pattern, Setting, patterns_of
+from ema_tools.diagnosis.patterns import LEVEL, NOT_HERE, Pattern, Setting, Shape, continuous_of, pattern_of, patterns_of
 from ema_tools.native import Reals
 from ema_tools.records import Record
 
@@ -35,10 +34,10 @@ Rows = NDArray[np.bool_]
 EFFECTS_MAX = 8
 # What an effect must show: its size in standard errors; the fall of the held-out squared error in standard errors; the share of the squared error above the floor that it takes off.
 SIZE_IN_STD = 3.0
-FALL_IN_STD = 2.0
+FALL_IN_STD = 2.5
 LEAST_SHARE = 0.03
-# By how much it may raise the error at places or speeds to which nothing was fitted.
-WORSE_ELSEWHERE = 1.03
+# By how much it may raise the error at places and speeds to which nothing was fitted.
+WORSE_ELSEWHERE = 1.01
 # A column is the base values' own when they leave less than this of it.
 _OWN = 1e-3
 # A shape that explains less than this share of the best one's is no shape of the effect.
@@ -50,6 +49,7 @@ _CLASS_COSINE = 0.8
 # Samples next to a rest are not of the sliding balance.
 _REST_SHARE = 0.01
 _BOUND = 1e-6
+_MOST_FLOOR = 0.9
 _SINGULAR = 1e-12
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
@@ -243,15 +243,24 @@ class Bench:
         """The fit with errors and standard errors."""
         return replace(fit, errors=self._errors(fit), std=self._std(fit))
 
+    def held_out(self, fit: Fitted) -> Reals:
+        """The residual of every part when the others are fitted, [samples]."""
+        matrix, target = fit.matrix, fit.samples.target
+        found = np.zeros_like(target)
+        for part in range(self.laps.folds):
+            here = self.fold == part
+            rest = self.sliding & ~here
+            found[here] = target[here] - matrix[here] @ solved(matrix[rest], target[rest])
+        return found
+
     def foretold(self, fit: Fitted, fitted: Rows, told: Rows) -> float:
         """Relative error of some samples when the coefficients come from others, %."""
         matrix, target = fit.matrix, fit.samples.target
         return self.relative(target - matrix @ solved(matrix[fitted], target[fitted]), fit.samples.drive, told)
 
     def _errors(self, fit: Fitted) -> Errors:
-        drive = fit.samples.drive
-        parts = [self.sliding & (self.fold == part) for part in range(self.laps.folds)]
-        each = tuple(self.foretold(fit, self.sliding & ~part, part) for part in parts)
+        drive, held_out = fit.samples.drive, self.held_out(fit)
+        each = tuple(self.relative(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.laps.folds))
         return Errors(self.relative(fit.residual, drive, self.training), self.relative(fit.residual, drive, self.held), each)
 
     def _std(self, fit: Fitted) -> dict[str, float]:
@@ -361,7 +370,6 @@ class _Search:
         self.bench = Bench(actuator, record)
         self.report = report
         self.effects = [effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.name.startswith(LEARNED)]
-        self.floor = floor_of(self.bench)
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
 
@@ -378,17 +386,33 @@ class _Search:
 
     def with_patterns(self, patterns: Sequence[Pattern], samples: Samples) -> Fitted:
         """A fit of known shapes, their columns from the present setting."""
-        found: list[Pattern] = []
-        columns = []
-        for pattern in patterns:
-            known = self.patterns[pattern.effect]
-            if pattern.bends or isinstance(known, str):
-                found.append(pattern)
-                continue
-            place = next(place for place, one in enumerate(known) if one.shape == pattern.shape)
-            found.append(known[place])
-            columns.append(self.columns[pattern.effect][place])
-        return self.bench.fit(samples, found, np.column_stack(columns) if columns else np.zeros((self.bench.fold.size, 0)))
+        made = (pattern_of(samples.setting, pattern.effect, pattern.shape) for pattern in patterns)
+        found = [pattern if isinstance(again, str) else again for pattern, again in zip(patterns, made, strict=True)]
+        columns = [self.bench.decimated(pattern.columns) for pattern in found]
+        return self.bench.fit(samples, found, np.column_stack([np.zeros((self.bench.fold.size, 0)), *columns]))
+
+    def refined(self, fit: Fitted) -> Fitted:
+        """A fit with the continuous shape parameters of its last effect between the shapes tried."""
+        *others, last = fit.patterns
+        names = continuous_of(last.effect)
+        if not names:
+            return fit
+        rows, rest = self.bench.training, fit.columns[:, : fit.columns.shape[1] - last.columns.shape[1]]
+        scale = np.array([abs(last.shape[name]) or 1.0 for name in names])
+        ranges = [(row_of(name).lower, row_of(name).upper) for name in names]
+
+        def shape_at(point: Reals) -> Shape:
+            return {**last.shape, **{name: float(np.clip(value, *limits)) for name, value, limits in zip(names, point * scale, ranges, strict=True)}}
+
+        def at(point: Reals) -> Fitted:
+            pattern = pattern_of(fit.samples.setting, last.effect, shape_at(point))
+            assert not isinstance(pattern, str)
+            return self.bench.fit(fit.samples, (*others, pattern), np.column_stack([rest, self.bench.decimated(pattern.columns)]))
+
+        start = np.array([last.shape[name] for name in names]) / scale
+        found = minimize(lambda point: at(point).square(rows), start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-4 * fit.square(rows), "maxfev": 60})
+        best = at(found.x)
+        return best if best.square(rows) < fit.square(rows) and not outside(best, last.effect) else fit
 
     def tried(self, accepted: Fitted, effect: str) -> _Tried | Refusal:
         """The best permitted shape of an effect beside the accepted ones."""
@@ -466,16 +490,18 @@ class _Search:
             return f"its size {fit.values[size]:.3g} is not distinguishable from zero: standard error {std:.2g}"
         if _at_bound(size, fit.values[size]):
             return f"at a bound: {size} = {fit.values[size]:.3g}"
-        change = accepted.residual[bench.held] ** 2 - fit.residual[bench.held] ** 2
+        # every part held out once
+        change = (bench.held_out(accepted) ** 2 - bench.held_out(fit) ** 2)[bench.sliding]
         fall = float(np.mean(change))
         spread = math.sqrt(float(leastsquares.long_run((change - fall)[:, None])[0, 0])) / change.size
         if fall < FALL_IN_STD * spread:
             return f"it does not lower the error of the held-out laps significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
         if any(after >= before for before, after in zip(accepted.errors.each, fit.errors.each, strict=True)):
             return "it raises the error of a lap when that one is held out"
-        for by, (before, after) in self.elsewhere(accepted, fit).items():
-            if after > WORSE_ELSEWHERE * before:
-                return f"it does not carry over to other {by}s: {before:.3g} % to {after:.3g} % where it was not fitted"
+        here = self.elsewhere(accepted, fit)
+        before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(len(here)) for side in (0, 1))
+        if after > WORSE_ELSEWHERE * before:
+            return f"it does not carry over to places and speeds to which nothing was fitted: {before:.3g} % to {after:.3g} %"
         share = self.share(accepted, tried.gain)
         if share < LEAST_SHARE:
             return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * LEAST_SHARE:g} %"
@@ -484,9 +510,10 @@ class _Search:
     def share(self, accepted: Fitted, gain: float) -> float:
         """Part of the squared error above the floor that a gain is."""
         rows = self.bench.training
-        floor = 0.0 if math.isnan(self.floor) else (0.01 * self.floor) ** 2 * float(np.sum(accepted.samples.drive[rows] ** 2))
-        excess = float(np.sum(accepted.residual[rows] ** 2)) - floor
-        return gain / excess if excess > 0.0 else 0.0
+        total = float(np.sum(accepted.residual[rows] ** 2))
+        floor = (0.01 * floor_of(self.bench, accepted)) ** 2 * float(np.sum(accepted.samples.drive[rows] ** 2))
+        # the floor is itself known from a few laps only
+        return gain / (total - min(floor, _MOST_FLOOR * total)) if math.isfinite(floor) else gain / total
 
     def round(self, accepted: Fitted, share: float) -> tuple[list[_Tried], list[Refusal]]:
         """Every effect that is left: those that may be added, best first, and the others with the reason."""
@@ -553,21 +580,20 @@ def outside(fit: Fitted, effect: str = "") -> str:
 
 def _at_bound(name: str, value: float) -> bool:
     row = row_of(name)
-    margin = _BOUND * (row.upper - row.lower)
-    return value > row.upper - margin or value < row.lower + margin
+    return value >= row.upper - _BOUND * abs(row.upper) or value <= row.lower + _BOUND * abs(row.lower)
 
 
-def floor_of(bench: Bench) -> float:
-    """How far the torque of one complete lap is from the others', as relative error in %, what no model of a lap can beat; NaN when no lap is repeated."""
-    smoother = bench.smoother
-    drive = bench.start.setting.model.drive_Nm
-    low = np.asarray(signal.sosfiltfilt(smoother.low_pass, drive)) if smoother.every > 1 else drive
-    laps = bench.laps.complete(low)
-    if laps.shape[0] < 2:
+def floor_of(bench: Bench, fit: Fitted) -> float:
+    """How far one complete lap is from the others in what a fit leaves of the torque, as relative error in %: no model of a lap can beat it. NaN when no lap is repeated."""
+    every, period = bench.smoother.every, bench.laps.period_rows
+    samples = period / every
+    count = int(fit.residual.size / samples) if period else 0
+    if count < 2:
         return math.nan
-    laps = laps[:, smoother.edge_rows : -smoother.edge_rows]
-    spread = laps - laps.mean(axis=0)
-    return 100.0 * math.sqrt(laps.shape[0] / (laps.shape[0] - 1.0)) * float(np.linalg.norm(spread)) / float(np.linalg.norm(laps))
+    # laps need not be a whole number of samples long
+    places = np.arange(int(samples))
+    laps, drive = (np.array([np.interp(places + lap * samples, np.arange(values.size), values) for lap in range(count)]) for values in (fit.residual, fit.samples.drive))
+    return 100.0 * math.sqrt(count / (count - 1.0)) * float(np.linalg.norm(laps - laps.mean(axis=0))) / float(np.linalg.norm(drive))
 
 
 def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
@@ -607,8 +633,7 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
             break
         best = added[0]
         before, accepted = accepted, best.fit
-        if best.fit.patterns[-1].bends:
-            accepted = bench.judged(search.settled(best.fit))
+        accepted = bench.judged(search.settled(best.fit) if best.fit.patterns[-1].bends else search.refined(best.fit))
         steps.append(ForceStep(best.effect, accepted.values, accepted.std, _class_of(best, added), accepted.errors, search.elsewhere(before, accepted)))
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {best.effect}, which came later") for name in dropped]
@@ -621,13 +646,12 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         "residual_before_Nm": first.residual,
         "residual_after_Nm": accepted.residual,
     }
-    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), (*needless, *refused), search.floor, bench.laps, record.period_s, curves)
+    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), (*needless, *refused), floor_of(bench, accepted), bench.laps, record.period_s, curves)
 
 
 def _given(actuator: Actuator, bench: Bench) -> Errors:
-    """Errors of the actuator as it was given."""
-    values = adjusted(actuator)
-    base = np.array([values[name] for name in MECHANICAL_PARAMETERS]) * (1.0, 1.0, values["screw.dynamic_ratio"], 1.0)
-    residual = bench.start.target - bench.start.base @ base
-    parts = tuple(bench.relative(residual, bench.start.drive, bench.sliding & (bench.fold == part)) for part in range(bench.laps.folds))
-    return Errors(bench.relative(residual, bench.start.drive, bench.training), bench.relative(residual, bench.start.drive, bench.held), parts)
+    """Errors of the actuator as it was given, from the balance as `ema compare` draws it."""
+    balance = mechanical(actuator, bench.record, bench.smoother)
+    parts = [bench.fold == part for part in range(bench.laps.folds)]
+    *training, held = (bench.relative(balance.residual, balance.measured, part) for part in parts)
+    return Errors(bench.relative(balance.residual, balance.measured, ~parts[-1]), held, (*training, held))

@@ -14,11 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from ema_tools.actuator import Actuator
+from ema_tools.balances import noise_of
 from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.evidence import DERIVATIVE_STEP, Evidence, measured_channels, settled, simulate_channels
 from ema_tools.diagnosis.search import Report, standing_effects
 from ema_tools.diagnosis.spread import Spread
-from ema_tools.diagnosis.whitening import Reals, Whitener, least_noise, smoothed, spectrum, white_level
+from ema_tools.diagnosis.whitening import Reals, Whitener, least_noise, smoothed, spectrum
 from ema_tools.errors import InputError
 from ema_tools.native import CHANNELS
 from ema_tools.parallel import each
@@ -45,15 +46,29 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
         raise InputError(f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none")
 
 
-def _offsets(channels: Sequence[str], signals: Reals) -> Reals:
-    sizes = np.sqrt(np.mean(signals**2, axis=1))
-    return np.array([spreads.OFFSET_SHARE * size if name in spreads.OFFSET_CHANNELS else 0.0 for name, size in zip(channels, sizes, strict=True)])
+def _zeros_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
+    """Constants [k, channels, rows], one for each signal [channels, rows] whose sensor may have a zero of its own."""
+    found = []
+    for place, name in enumerate(channels):
+        if name in spreads.OFFSET_CHANNELS:
+            constant = np.zeros_like(signals)
+            constant[place] = spreads.OFFSET_SHARE * float(np.sqrt(np.mean(signals[place] ** 2)))
+            found.append(constant)
+    return np.array(found).reshape(-1, *signals.shape)
+
+
+def _slight_effects(actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float) -> Reals:
+    """What the effects that every machine has a little of make of the signals, [k, channels, rows]."""
+    here = simulate_channels(actuator, record, channels, start_mm)
+    wanted = [changes for changes in spreads.SLIGHT if not {name.split(".")[1] for name in changes} & set(actuator.active_effects)]
+    found = each(lambda changes: simulate_channels(actuator.changed(changes), record, channels, start_mm) - here, wanted)
+    return np.array(found).reshape(-1, *here.shape)
 
 
 def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Report | None = None) -> Actuator:
     """The actuator fitted to the mean [channels, rows] of healthy repeats, whose noise power by line is `power`, with the standing effects that it shows."""
     start = start_of(actuator, record)
-    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), _offsets(channels, mean), start)
+    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), _zeros_of_sensors(channels, mean), start)
     standing = standing_effects(found, report)
     deviations = standing.deviations() if standing is not None else settled(found, {}).deviations
     changes: dict[str, float] = dict(standing.values) if standing is not None else {}
@@ -91,7 +106,7 @@ def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Recor
     shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
     repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
     target = here + measured_channels(record, channels) - mean
-    return Evidence(known, record, channels, target, spread, whiten, np.zeros(len(channels)), start, repeats)
+    return Evidence(known, record, channels, target, spread, whiten, np.empty((0, *target.shape)), start, repeats)
 
 
 def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None, report: Report | None = None) -> Evidence:
@@ -105,6 +120,9 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
         return _against_repeats(actuator, record, healthy, names, report)
     measured = measured_channels(record, names)
     start = start_of(actuator, record)
-    level = np.maximum(white_level(measured), least_noise(measured))
-    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1)).copy()
-    return Evidence(actuator, record, names, measured, spreads.from_data_sheet(actuator), Whitener.of(power, record.rows), _offsets(names, measured), start)
+    noise = np.array([noise_of(signal) for signal in measured])
+    level = np.maximum(noise, least_noise(measured))
+    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
+    additive = np.concatenate([_zeros_of_sensors(names, measured), _slight_effects(actuator, record, names, start)])
+    floor = float(np.sum((noise / level) ** 2)) * record.rows
+    return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), additive, start, floor=floor)

@@ -7,7 +7,7 @@ written out, since hundreds of them are tried.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -36,6 +36,9 @@ _DELAYS_S = (5e-5, 1e-4, 2e-4, 3.5e-4, 5e-4, 7e-4, 1e-3, 1.5e-3, 2e-3, 3e-3)
 _PROBE = 1e-3
 
 
+Shape = Mapping[str, float]
+
+
 @dataclass(frozen=True)
 class Pattern:
     """An effect in one shape. `columns` [rows, 1 or 2]: torque against extension per unit of the fitted coefficient, two for an amplitude and a phase.
@@ -45,7 +48,7 @@ class Pattern:
     """
 
     effect: str
-    shape: Mapping[str, float]
+    shape: Shape
     columns: Reals
     size_per: str = ""
     phase: str = ""
@@ -89,7 +92,7 @@ class Setting:
     @staticmethod
     def of(actuator: Actuator, record: Record, smoother: Smoother) -> Setting:
         """Raises MissingSignal."""
-        return Setting(actuator, record, mechanical_model(actuator, record, smoother), motion_of(actuator, record, smoother))
+        return Setting(actuator, record, mechanical_model(actuator, record, smoother, held=True), motion_of(actuator, record, smoother, held=True))
 
 
 def _pair(angle: Reals) -> Reals:
@@ -103,72 +106,80 @@ def _periods_in_band(setting: Setting) -> list[int]:
     return [periods for periods in _PERIODS if periods <= highest]
 
 
-def _cogging(setting: Setting) -> Iterator[Pattern]:
-    for periods in _periods_in_band(setting):
-        columns = -_pair(periods * setting.motion.angle_rad)
-        yield Pattern("cogging_torque", {"cogging_torque.periods": float(periods)}, columns, phase="cogging_torque.phase_rad")
+def _cogging(setting: Setting, shape: Shape) -> Pattern:
+    columns = -_pair(shape["cogging_torque.periods"] * setting.motion.angle_rad)
+    return Pattern("cogging_torque", shape, columns, phase="cogging_torque.phase_rad")
 
 
-def _torque_ripple(setting: Setting) -> Iterator[Pattern]:
+def _torque_ripple(setting: Setting, shape: Shape) -> Pattern:
     torque = adjusted(setting.actuator)["motor.torque_constant_Nm_per_A"] * setting.motion.current_A
-    for periods in _periods_in_band(setting):
-        columns = -torque[:, None] * _pair(periods * setting.motion.angle_rad)
-        yield Pattern("torque_ripple", {"torque_ripple.periods": float(periods)}, columns, phase="torque_ripple.phase_rad", cosine=True)
+    columns = -torque[:, None] * _pair(shape["torque_ripple.periods"] * setting.motion.angle_rad)
+    return Pattern("torque_ripple", shape, columns, phase="torque_ripple.phase_rad", cosine=True)
 
 
-def _pitch_ripple(setting: Setting) -> Iterator[Pattern]:
+def _pitch_ripple(setting: Setting, shape: Shape) -> Pattern:
     turns = 2.0 * np.pi * setting.motion.motor_mm / setting.actuator["screw.lead_mm"]
-    yield Pattern("pitch_ripple", {}, setting.model.contact[:, None] * _pair(turns), LEVEL, phase="pitch_ripple.phase_rad")
+    return Pattern("pitch_ripple", shape, setting.model.contact[:, None] * _pair(turns), LEVEL, phase="pitch_ripple.phase_rad")
 
 
-def _stribeck(setting: Setting) -> Iterator[Pattern]:
+def _stribeck(setting: Setting, shape: Shape) -> Pattern:
+    faded = np.exp(-((np.abs(setting.motion.speed_rad_s) / shape["stribeck_friction.speed_rad_s"]) ** shape["stribeck_friction.shape"]))
+    return Pattern("stribeck_friction", shape, (setting.model.contact * faded)[:, None], LEVEL)
+
+
+def _jam(setting: Setting, shape: Shape) -> Pattern:
+    spot = np.exp(-(((setting.motion.motor_mm - shape["jam_spot.place_mm"]) / shape["jam_spot.width_mm"]) ** 2))
+    return Pattern("jam_spot", shape, (setting.model.contact * spot)[:, None])
+
+
+def _bending(effect: str) -> Callable[[Setting, Shape], Pattern]:
+    return lambda setting, shape: Pattern(effect, shape, np.zeros((setting.record.rows, 0)))
+
+
+def _stribeck_shapes(setting: Setting) -> list[Shape]:
     fastest = float(np.max(np.abs(setting.motion.speed_rad_s), initial=0.0))
     row = load_definitions().by_name["stribeck_friction.speed_rad_s"]
-    for share, power in itertools.product(_STRIBECK_SPEED_SHARES, _STRIBECK_SHAPES):
-        speed = float(np.clip(share * fastest, row.lower, row.upper))
-        faded = np.exp(-((np.abs(setting.motion.speed_rad_s) / speed) ** power))
-        shape = {"stribeck_friction.speed_rad_s": speed, "stribeck_friction.shape": power}
-        yield Pattern("stribeck_friction", shape, (setting.model.contact * faded)[:, None], LEVEL)
+    speeds = sorted({float(np.clip(share * fastest, row.lower, row.upper)) for share in _STRIBECK_SPEED_SHARES})
+    return [{"stribeck_friction.speed_rad_s": speed, "stribeck_friction.shape": power} for speed, power in itertools.product(speeds, _STRIBECK_SHAPES)]
 
 
-def _jam(setting: Setting) -> Iterator[Pattern]:
+def _jam_shapes(setting: Setting) -> list[Shape]:
     first, last = float(setting.motion.motor_mm.min()), float(setting.motion.motor_mm.max())
-    for place, share in itertools.product(np.linspace(first, last, _JAM_PLACES), _JAM_WIDTH_SHARES):
-        width = max(share * (last - first), load_definitions().by_name["jam_spot.width_mm"].lower)
-        spot = np.exp(-(((setting.motion.motor_mm - place) / width) ** 2))
-        yield Pattern("jam_spot", {"jam_spot.place_mm": float(place), "jam_spot.width_mm": width}, (setting.model.contact * spot)[:, None])
+    least = load_definitions().by_name["jam_spot.width_mm"].lower
+    places = np.linspace(first, last, _JAM_PLACES).tolist()
+    return [{"jam_spot.place_mm": place, "jam_spot.width_mm": max(share * (last - first), least)} for place, share in itertools.product(places, _JAM_WIDTH_SHARES)]
 
 
-def _bending(effect: str, sizes: Sequence[float], setting: Setting) -> Iterator[Pattern]:
-    for size in sizes:
-        yield Pattern(effect, {load_definitions().effect(effect).size.name: size}, np.zeros((setting.record.rows, 0)))
-
-
-def _presliding(setting: Setting) -> Iterator[Pattern]:
-    return _bending("presliding", _STRETCHES_RAD, setting)
-
-
-def _actuation_delay(setting: Setting) -> Iterator[Pattern]:
+def _delay_shapes(setting: Setting) -> list[Shape]:
     late = setting.actuator.changed({"actuation_delay.delay_s": _DELAYS_S[0]})
-    if np.array_equal(mechanical_model(late, setting.record, setting.model.smoother).drive_Nm, setting.model.drive_Nm):
-        return iter(())
-    return _bending("actuation_delay", _DELAYS_S, setting)
+    if np.array_equal(mechanical_model(late, setting.record, setting.model.smoother, held=True).drive_Nm, setting.model.drive_Nm):
+        return []
+    return [{"actuation_delay.delay_s": delay} for delay in _DELAYS_S]
 
 
-_WRITTEN: Mapping[str, Callable[[Setting], Iterator[Pattern]]] = {
-    "cogging_torque": _cogging,
-    "torque_ripple": _torque_ripple,
-    "pitch_ripple": _pitch_ripple,
-    "stribeck_friction": _stribeck,
-    "jam_spot": _jam,
-    "presliding": _presliding,
-    "actuation_delay": _actuation_delay,
+@dataclass(frozen=True)
+class _Written:
+    """How an effect's patterns are made: the shapes to try, and the pattern of one; `continuous` of its shape parameters lie between the shapes tried."""
+
+    shapes: Callable[[Setting], Sequence[Shape]]
+    make: Callable[[Setting, Shape], Pattern]
+    continuous: tuple[str, ...] = ()
+
+
+_WRITTEN: Mapping[str, _Written] = {
+    "cogging_torque": _Written(lambda setting: [{"cogging_torque.periods": float(periods)} for periods in _periods_in_band(setting)], _cogging),
+    "torque_ripple": _Written(lambda setting: [{"torque_ripple.periods": float(periods)} for periods in _periods_in_band(setting)], _torque_ripple),
+    "pitch_ripple": _Written(lambda setting: [{}], _pitch_ripple),
+    "stribeck_friction": _Written(_stribeck_shapes, _stribeck, ("stribeck_friction.speed_rad_s", "stribeck_friction.shape")),
+    "jam_spot": _Written(_jam_shapes, _jam, ("jam_spot.place_mm", "jam_spot.width_mm")),
+    "presliding": _Written(lambda setting: [{"presliding.stretch_rad": stretch} for stretch in _STRETCHES_RAD], _bending("presliding")),
+    "actuation_delay": _Written(_delay_shapes, _bending("actuation_delay")),
 }
 
 
 def required_Nm(actuator: Actuator, record: Record, smoother: Smoother) -> Reals:
     """What the balance says the motor must bring up, less what it does, on every row that slides; a constant torque apart. Raises MissingSignal."""
-    model = mechanical_model(actuator, record, smoother)
+    model = mechanical_model(actuator, record, smoother, held=True)
     values = adjusted(actuator)
     base = (values["screw.inertia_kgm2"], values[VISCOUS], values["screw.dynamic_ratio"] * values[LEVEL], values["screw.load_torque_Nm"])
     return np.asarray(model.load_Nm + model.added_Nm + model.columns @ np.array(base) - model.drive_Nm)
@@ -200,8 +211,18 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
 
 def patterns_of(setting: Setting, effect: str) -> Sequence[Pattern] | str:
     """Every shape of an effect that is tried; or in one sentence why none can be."""
-    row = load_definitions().effect(effect)
     if effect in _WRITTEN:
-        return tuple(_WRITTEN[effect](setting)) or NOT_HERE
-    found = _asked(setting, row)
+        written = _WRITTEN[effect]
+        return tuple(written.make(setting, shape) for shape in written.shapes(setting)) or NOT_HERE
+    found = _asked(setting, load_definitions().effect(effect))
     return found if isinstance(found, str) else (found,)
+
+
+def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
+    """An effect in one shape; or in one sentence why there is no such pattern."""
+    return _WRITTEN[effect].make(setting, shape) if effect in _WRITTEN else _asked(setting, load_definitions().effect(effect))
+
+
+def continuous_of(effect: str) -> tuple[str, ...]:
+    """The shape parameters of an effect that lie between the shapes tried."""
+    return _WRITTEN[effect].continuous if effect in _WRITTEN else ()

@@ -186,7 +186,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     """The whole search on one record's evidence; `report` is told the share done and what is at work."""
     here = settled(evidence, {})
     repeats = _repeat_residuals(here)
-    costs = np.array([float(repeat @ repeat) for repeat in repeats]) if repeats else np.array([float(evidence.numbers)])
+    costs = np.array([float(repeat @ repeat) for repeat in repeats]) if repeats else np.array([evidence.floor])
     floor, before = float(costs.mean()), here.cost
     excess = max(before - floor, 1e-9)
     doubt = _MODEL_ERROR**2 * max(raw_cost(evidence) - floor, 0.0)

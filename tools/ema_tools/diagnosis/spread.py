@@ -25,6 +25,14 @@ FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
 # A healthy machine is fitted as freely as its records allow: factor on the spreads above, and what a data sheet gives as zero.
 HEALTHY_FREEDOM = 5.0
 STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.05, "encoder.rod_gain_error": 0.005, "encoder.rod_offset_mm": 0.05}
+# The same of a unit that is known by its data sheet alone.
+UNIT_STANDING: Mapping[str, float] = {"encoder.rod_gain_error": 0.0005, "encoder.rod_offset_mm": 0.005}
+# Effects that every machine has a little of, at one standard deviation: the ripple of a screw in both phases, contacts that stretch before they slide.
+SLIGHT: Sequence[Mapping[str, float]] = (
+    {"effects.pitch_ripple.ratio": 0.007, "effects.pitch_ripple.phase_rad": 0.0},
+    {"effects.pitch_ripple.ratio": 0.007, "effects.pitch_ripple.phase_rad": 1.5707963},
+    {"effects.presliding.stretch_rad": 0.003},
+)
 # Offsets of the recorded signals, relative to the signal's size.
 OFFSET_SHARE = 0.05
 OFFSET_CHANNELS = ("motor_position_mm", "current_A")
@@ -61,6 +69,11 @@ def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...
 def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, ...]:
     """What differs from the data sheet, of those values that the actuator has at all."""
     return tuple(Spread(names, freedom * std, True) for names, std in FROM_DATA_SHEET.items() if actuator[names[0]] > 0.0)
+
+
+def of_unit(actuator: Actuator) -> tuple[Spread, ...]:
+    """What is free in a unit that is known by its data sheet alone."""
+    return (*from_data_sheet(actuator), *(Spread((name,), std, False) for name, std in UNIT_STANDING.items()))
 
 
 def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spread, ...]:

@@ -62,10 +62,3 @@ def smoothed(power: Reals) -> Reals:
     low, high = np.maximum(index - half, 0), np.minimum(index + half + 1, lines)
     return np.asarray((total[:, high] - total[:, low]) / (high - low))
 
-
-def white_level(signals: Reals) -> Reals:
-    """Rms of the white part of signals [channels, rows], from the median line of the upper half of the spectrum, [channels]."""
-    power = np.abs(spectrum(signals - signals.mean(axis=1, keepdims=True))) ** 2
-    upper = power[:, power.shape[1] // 2 :]
-    # the power of one line of white noise is exponentially distributed: its median is ln 2 of its mean
-    return np.asarray(np.sqrt(np.median(upper, axis=1) / np.log(2.0)))
