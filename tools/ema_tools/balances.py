@@ -182,11 +182,11 @@ def _split(rows: float) -> tuple[int, float]:
     return whole, max(rows - whole, 0.0)
 
 
-def drive_current(actuator: Actuator, record: Record) -> Reals:
+def drive_current(actuator: Actuator, record: Record, held: bool = False) -> Reals:
     """The motor current, [rows]: as recorded, or from the command of a current drive that is never short of voltage.
 
     A drive without lag and delay has the command of the row, as published models take it, which leads by half a row what is held from row to row. That half counts as soon as
-    a delay is known: the drive then has the mean of what it holds over half a row to both sides. Raises MissingSignal.
+    a delay is known, or with `held`: the drive then has the mean of what it holds over half a row to both sides. Raises MissingSignal.
     """
     values = adjusted(actuator)
     current_drive = values["drive.mode"] == 1.0
@@ -194,7 +194,7 @@ def drive_current(actuator: Actuator, record: Record) -> Reals:
     delay = values["drive.output_delay_s"] / record.period_s
     late, rest = _split(delay)
     whole, share = _split(delay + 0.5)
-    stands = delay == 0.0 or not current_drive or lag_s > 0.0
+    stands = (delay == 0.0 and not held) or not current_drive or lag_s > 0.0
     if record.current_A is not None:
         # the row shows what the drive holds at its instant: with a part of a row of delay, still the command before
         shown = late + (1 if rest > 0.0 else 0)
@@ -244,12 +244,12 @@ def _transmission(actuator: Actuator) -> str:
     return ""
 
 
-def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
+def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool = False) -> Motion:
     """Smoothed motor signals. Raises MissingSignal."""
     motor_mm = motor_position(actuator, record)
     angle = smoother.smooth(motor_mm) / actuator.lead_mm_per_rad
     speed = np.gradient(angle, record.period_s)
-    return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
+    return Motion(smoother.smooth(drive_current(actuator, record, held)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
 
 
 def _friction_change_Nm(actuator: Actuator, motion: Motion, level: float) -> Reals:
@@ -330,11 +330,11 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
     return resting
 
 
-def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Mechanical:
-    """Drive torque, what the effects add, and the columns of the base parameters. Raises MissingSignal."""
+def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None, held: bool = False) -> Mechanical:
+    """Drive torque, what the effects add, and the columns of the base parameters; `held` as in `drive_current`. Raises MissingSignal."""
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
-    motion = motion_of(actuator, record, use)
+    motion = motion_of(actuator, record, use, held)
     ripple = _at_points(actuator, motion, "MOTOR", lambda module, effect, point: module.motor_change(effect, point))
     drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:

@@ -32,10 +32,13 @@ Report = Callable[[float, str], None]
 Rows = NDArray[np.bool_]
 
 EFFECTS_MAX = 8
+MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 # What an effect must show: its size in standard errors; the fall of the held-out squared error in standard errors; the share of the squared error above the floor that it takes off.
 SIZE_IN_STD = 3.0
 FALL_IN_STD = 2.5
 LEAST_SHARE = 0.03
+# ... and the share of the squared error of the refitted base values: products of large effects look like small effects of their own.
+LEAST_OF_FIRST = 0.005
 # By how much it may raise the error at places and speeds to which nothing was fitted.
 WORSE_ELSEWHERE = 1.01
 # A column is the base values' own when they leave less than this of it.
@@ -134,7 +137,7 @@ class ForceSteps:
         """For JSON."""
         return {
             "error": {"given": self.given.result(), "refitted": self.refitted.result(), "floor_percent": self.floor_percent if math.isfinite(self.floor_percent) else None},
-            "steps": [step.result() for step in self.steps],
+            "steps": [{**step.result(), "kept": step.effect in self.actuator.active_effects} for step in self.steps],
             "refused": [refusal.result() for refusal in self.refused],
             "values": {name: self.actuator[name] for name in (*MECHANICAL_PARAMETERS, *(row.name for row in load_definitions().effect_values if row.effect in self.actuator.active_effects))},
             "laps": {"count": self.laps.count, "period_s": self.laps.period_rows * self.period_s or None, "parts": self.laps.folds, "held_out_part": self.laps.folds},
@@ -370,6 +373,8 @@ class _Search:
         self.bench = Bench(actuator, record)
         self.report = report
         self.effects = [effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.name.startswith(LEARNED)]
+        start = self.bench.fit(self.bench.start, (), np.zeros((self.bench.fold.size, 0)))
+        self.first = float(np.sum(start.residual[self.bench.training] ** 2))
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
 
@@ -505,6 +510,9 @@ class _Search:
         share = self.share(accepted, tried.gain)
         if share < LEAST_SHARE:
             return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * LEAST_SHARE:g} %"
+        matter = tried.gain / self.first
+        if matter < LEAST_OF_FIRST:
+            return f"it takes off {100.0 * matter:.2f} % of what the first model left, less than {100.0 * LEAST_OF_FIRST:g} %"
         return ""
 
     def share(self, accepted: Fitted, gain: float) -> float:
@@ -545,6 +553,13 @@ class _Search:
             if self.share(without, gain) < LEAST_SHARE:
                 accepted = self.settled(without)
                 dropped.append(pattern.effect)
+        if self.bench.load_named and accepted.patterns:
+            size = f"{CONSTANT}.torque_Nm"
+            judged = self.bench.judged(accepted)
+            if abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf):
+                self.bench.load_named = False
+                accepted = self.with_patterns(accepted.patterns, accepted.samples)
+                dropped.append(CONSTANT)
         return (self.bench.judged(accepted) if dropped else accepted), tuple(dropped)
 
     def elsewhere(self, before: Fitted, after: Fitted) -> dict[str, tuple[float, float]]:
@@ -627,9 +642,12 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
     else:
         accepted = constant.fit
         steps.append(ForceStep(CONSTANT, accepted.values, accepted.std, search.same_as_load(), accepted.errors, search.elsewhere(first, accepted)))
-    while len(steps) < EFFECTS_MAX:
+    while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
         if not added:
+            break
+        if len(steps) == EFFECTS_MAX:
+            refused += [Refusal(one.effect, MANY, _of(one.effect, one.fit.values), _of(one.effect, one.fit.std), one.fit.errors) for one in added]
             break
         best = added[0]
         before, accepted = accepted, best.fit
