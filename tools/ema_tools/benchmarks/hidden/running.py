@@ -11,6 +11,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any
 
+from ema_tools.benchmarks.hidden.sealed import remembering
 from ema_tools.benchmarks.hidden.trials import Trial, groups, perform
 from ema_tools.console import progress
 
@@ -40,7 +41,7 @@ def _one_core(cores: Sequence[int]) -> None:
 
 
 def _work(trials: Sequence[Trial], part: Path, work: Callable[[Trial], Row]) -> int:
-    with part.open("a", encoding="utf-8") as file:
+    with part.open("a", encoding="utf-8") as file, remembering():
         for trial in trials:
             file.write(json.dumps(work(trial)) + "\n")
             file.flush()

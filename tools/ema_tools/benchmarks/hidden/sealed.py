@@ -2,19 +2,43 @@
 
 from __future__ import annotations
 
+import hashlib
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ema_tools.actuator import Actuator, reference_actuator
 from ema_tools.benchmarks.hidden.machines import STEP_S
+from ema_tools.diagnosis import gathering
 from ema_tools.diagnosis.evidence import Evidence, settled, view
-from ema_tools.diagnosis.gathering import gather
 from ema_tools.diagnosis.search import diagnose
+from ema_tools.native import Reals
 from ema_tools.records import Record
 from ema_tools.reference.recording import Recording
+
+_fitted: dict[str, Actuator] = {}
+
+
+@contextmanager
+def remembering() -> Iterator[None]:
+    """Inside, the fit to a machine's healthy repeats is made once and not once a trial: the same repeats have the same fit, and most trials are of one machine."""
+    fit = gathering.healthy_model
+
+    def remembered(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], *more: Any) -> Actuator:
+        key = hashlib.sha256(mean.tobytes() + power.tobytes() + record.command_mm.tobytes() + repr(channels).encode()).hexdigest()
+        if key not in _fitted:
+            _fitted[key] = fit(actuator, record, mean, power, channels, *more)
+        return _fitted[key]
+
+    gathering.healthy_model = remembered
+    try:
+        yield
+    finally:
+        gathering.healthy_model = fit
 
 
 @dataclass(frozen=True)
@@ -62,7 +86,7 @@ def record_of(run: Recording, number: int) -> Record:
 
 def _evidence(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None) -> Evidence:
     repeats = [record_of(other, number) for number, other in enumerate(healthy, start=1)]
-    return gather(reference_actuator(), record_of(run, 0), repeats, channels)
+    return gathering.gather(reference_actuator(), record_of(run, 0), repeats, channels)
 
 
 def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> Answer:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ema_tools.benchmarks.hidden import sealed
+from ema_tools.benchmarks.hidden import observer, sealed
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES, Change, change
 from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, Machine, machine, measured, seed_of
 from ema_tools.reference.recording import Recording
@@ -18,11 +19,13 @@ KINDS = ("library", "fault", "outside", "healthy", "pair", "position", "alone", 
 OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
+# Healthy records of one machine and command.
+_DAYS = 10
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial. `kind`: of KINDS; `effects`: what is hidden; `machine`: number of the unit; `repeats`: healthy records given, 0 for none."""
+    """One trial. `kind`: of KINDS; `effects`: what is hidden; `machine`: number of the unit; `repeats`: healthy records given, 0 for none; `day` tells runs apart that are alike else."""
 
     kind: str
     effects: tuple[str, ...]
@@ -30,12 +33,13 @@ class Trial:
     command: str
     machine: int
     repeats: int = 5
+    day: int = 0
     held_out: bool = False
 
     @property
     def key(self) -> str:
         """A name by which an interrupted run is taken up again."""
-        return "|".join((self.kind, "+".join(self.effects), self.severity, self.command, str(self.machine), str(self.repeats)))
+        return "|".join((self.kind, "+".join(self.effects), self.severity, self.command, str(self.machine), str(self.repeats), str(self.day)))
 
     @property
     def channels(self) -> tuple[str, ...] | None:
@@ -74,7 +78,7 @@ class Plan:
         for place, number in enumerate(numbers):
             for order, name in enumerate(library):
                 command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[(order + place) % len(OTHER_COMMANDS)]
-                found += [Trial("library", (name,), severity, command, number, self.repeats, severity in strong) for severity in self.severities]
+                found += [Trial("library", (name,), severity, command, number, self.repeats, held_out=severity in strong) for severity in self.severities]
                 found += [Trial("position", (name,), severity, "chirp", number, self.repeats) for severity in strong]
                 found += [Trial("alone", (name,), severity, "chirp", number, 0) for severity in strong]
             found += [Trial("fault", (name,), severity, "chirp", number, self.repeats) for name in faults for severity in self.severities]
@@ -86,8 +90,9 @@ class Plan:
         if strong and numbers:
             found += _pairs(self.pairs, numbers, strong, "chirp", library, self.repeats)
         for count in range(self.healthy):
-            command = "chirp" if count % 4 else OTHER_COMMANDS[count // 4 % len(OTHER_COMMANDS)]
-            found.append(Trial("healthy", (), "", command, self.first_machine + count, self.repeats))
+            place, day = divmod(count, _DAYS)
+            command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
+            found.append(Trial("healthy", (), "", command, self.first_machine + place, self.repeats, day))
         return [trial for trial in found if trial.kind in self.kinds]
 
 
@@ -108,8 +113,13 @@ def runs(trial: Trial, command: str, hidden: Sequence[Change]) -> tuple[Recordin
     """The record with what is hidden, and the healthy repeats, all of different days."""
     unit = machine(trial.machine, trial.kind == "same")
     values = {name: value for one in hidden for name, value in one.values.items()}
-    healthy = [measured(unit, {}, command, seed_of(trial.key, command, "healthy", count)) for count in range(trial.repeats)]
-    return measured(unit, values, command, seed_of(trial.key, command, "record")), healthy
+    return measured(unit, values, command, seed_of(trial.key, command)), list(_repeats(unit.number, unit.own, command, trial.repeats))
+
+
+@lru_cache(maxsize=4)
+def _repeats(number: int, own: bool, command: str, count: int) -> tuple[Recording, ...]:
+    """The healthy runs of a machine, the same for all its trials."""
+    return tuple(measured(machine(number, own), {}, command, seed_of("healthy", number, own, command, k)) for k in range(count))
 
 
 def _dealt(run: Recording, healthy: Sequence[Recording], seed: int) -> Recording:
@@ -150,6 +160,8 @@ def perform(trial: Trial) -> dict[str, Any]:
     row["class"] = list(answer.said[0].alike) if answer.said else []
     row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
     row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s")}
+    if trial.effects and trial.repeats and trial.kind != "placebo":
+        row["observer"] = observer.judged(trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels)
     row["sizes"] = _sizes(answer, hidden, trial.effects)
     if trial.held_out and answer.verdict == "missing":
         row["held_out"] = _held_out(trial, unit, answer)
