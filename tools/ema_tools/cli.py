@@ -15,6 +15,10 @@ from typing import Any, TypeVar
 
 import click
 
+# The cores work on simulations; threads inside a small matrix product would only wait for each other. Read when NumPy is imported.
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
 from ema_tools import __version__
 from ema_tools.console import complain, output, progress
 from ema_tools.definitions import DefinitionError
@@ -191,6 +195,106 @@ def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | N
         result = {"command": "identify", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
         save(json_path, result, force)
     show.identification(output(), found)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("record")
+@click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine under the same command; give two or more. Those of the hold-out's command serve the hold-out.")
+@click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
+@click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
+@click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
+@json_option
+def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str | None, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
+    """Say which physical effect ACTUATOR's model lacks on RECORD, or that none is missing, or that the library does not hold it.
+
+    With --healthy the question is what has changed on this machine, without it what the model lacks.
+    """
+    from ema_tools import show
+    from ema_tools.actuator import read_actuator
+    from ema_tools.diagnosis.answer import answer as work
+    from ema_tools.records import read_record, simulated
+    from ema_tools.results import curves, provenance
+
+    writable(json_path, page, fitted, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
+    model = read_actuator(actuator)
+    measured = read_record(record, model)
+    references = [read_record(path, model) for path in healthy]
+    other = read_record(holdout, model) if holdout else None
+    with progress("diagnosing", 100) as bar:
+        found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+    if json_path or page:
+        drawn = curves(measured, {"before": simulated(found.known, measured), **({"after": simulated(found.fitted, measured)} if found.diagnosis.fit else {})})
+        origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none")
+        result = {"command": "diagnose", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        save(json_path, result, force)
+        _page(page, result, force)
+    if fitted and found.verdict == "missing":
+        found.actuator.write(fitted, force)
+    show.diagnosis(output(), found)
+    for path in filter(None, (page, fitted if found.verdict == "missing" else None)):
+        output().print(f"{path} written", highlight=False)
+
+
+def _page(path: str | None, result: dict[str, Any], force: bool) -> None:
+    """Write the page of one result when it was asked for."""
+    if path:
+        from ema_tools.files import write_text
+        from ema_tools.report.page import render
+        from ema_tools.report.results import parse_result
+
+        write_text(path, render([parse_result(result, path, Path(path).stem)], command_line()), force)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("effect")
+@click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The actuator with the effect.")
+@click.option("--fit", "record", metavar="REC", help="The record that the effect is fitted to.")
+@click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine under the same command; give two or more. May be repeated.")
+@click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
+@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without --fit: the effect's values, for example rise_degC=30.")
+@click.option("--report", "page", metavar="FILE.html", help="Write the page with the fall of the error there.")
+@json_option
+def add(
+    actuator: str, effect: str, out: str, record: str | None, healthy: tuple[str, ...], holdout: str | None, settings: tuple[str, ...], page: str | None, json_path: str | None, force: bool
+) -> None:
+    """Put EFFECT into ACTUATOR's model, fit it to a record, and show how the error falls."""
+    from ema_tools import show
+    from ema_tools.actuator import read_actuator
+    from ema_tools.diagnosis.adding import add as work
+    from ema_tools.effects import find_effect
+    from ema_tools.records import read_record, simulated
+    from ema_tools.results import curves, provenance
+    from ema_tools.simulate import with_settings
+
+    writable(out, json_path, page, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
+    model = read_actuator(actuator)
+    find_effect(effect)
+    if record is None:
+        if not settings or page or holdout or healthy:
+            raise InputError(f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option")
+        with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings)).write(out, force)
+        save(json_path, {"command": "add", "effect": effect, "actuator": out, "error": None, "parameters": dict(one.split("=", 1) for one in settings)}, force)
+        output().print(f"{out} written", highlight=False)
+        return
+    if settings:
+        raise InputError(f"add {effect}: --set {settings[0]}: with --fit the values come from the record: leave one of the two out")
+    measured = read_record(record, model)
+    references = [read_record(path, model) for path in healthy]
+    other = read_record(holdout, model) if holdout else None
+    with progress("adding", 100) as bar:
+        found = work(model, effect, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+    said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
+    found.actuator.changed({}, {"source": said}).write(out, force)
+    if json_path or page:
+        drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.actuator, measured)})
+        origin = provenance(command_line(), actuator=model.name, record=measured.file)
+        result = {"command": "add", "name": measured.file, "actuator": out, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        save(json_path, result, force)
+        _page(page, result, force)
+    show.added(output(), found)
+    output().print(f"{out} written", highlight=False)
 
 
 @cli.command()

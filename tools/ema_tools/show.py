@@ -9,6 +9,9 @@ from ema_tools.actuator import row_of, shown
 from ema_tools.calibrate import Calibration
 from ema_tools.compare import TITLES, UNITS, Comparison
 from ema_tools.console import number, table
+from ema_tools.diagnosis.adding import Added
+from ema_tools.diagnosis.answer import Answer, size_text
+from ema_tools.diagnosis.confirming import Step
 from ema_tools.identify import TITLES as FAULTS
 from ema_tools.identify import Identified
 from ema_tools.linear import ForceModel
@@ -97,6 +100,55 @@ def identification(console: Console, found: Identified) -> None:
             values = [estimate.estimate, *(other.identified[place].estimate for other in found.seeds)]
             spread = 100.0 * (max(values) - min(values)) / abs(found.healthy[estimate.name])
             say(console, f"{FAULTS.get(estimate.name, estimate.name)} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
+
+
+def diagnosis(console: Console, found: Answer) -> None:
+    """What `ema diagnose` found, in the order in which a user asks."""
+    say(console, found.sentence())
+    console.print()
+    say(console, found.gate.sentence)
+    say(console, found.where.sentence)
+    if found.hidden():
+        say(console, found.hidden())
+    rows = table("What would lower the error", "effect", "looks like", "size", "takes off", "limit", "", text_columns=3)
+    for one in found.diagnosis.named[:_PLACES]:
+        size = next(iter(one.values), None)
+        shown_size = size_text(size, one.values[size], one.std.get(size)) if size is not None else ""
+        rows.add_row(one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(found.diagnosis.limit, 3), "accepted" if one.accepted else "")
+    console.print()
+    console.print(rows)
+    console.print()
+    steps(console, found.steps, found.errors.floor)
+    for left in found.left[:1]:
+        say(console, left.sentence)
+    if found.learned is not None:
+        say(console, f"It can be flown without a name: {found.learned.sentence}.")
+    say(console, found.next_step())
+
+
+def steps(console: Console, way: tuple[Step, ...], floor: float) -> None:
+    """The fall of the error."""
+    held = any(step.holdout is not None for step in way)
+    rows = table("Weighted error", "model", "on the record", *(("held out",) if held else ()))
+    for place, step in enumerate(way):
+        title = "as given" if place == 0 else f"+ {step.added}"
+        rows.add_row(title, number(step.error, 4), *((number(step.holdout, 4),) if held else ()))
+    rows.add_row("floor", number(floor, 4), *(("",) if held else ()))
+    console.print(rows)
+
+
+def added(console: Console, found: Added) -> None:
+    """What `ema add` did."""
+    say(console, found.sentence())
+    console.print()
+    rows = table("Fitted", "value", "unit", "after", "std error", "", text_columns=2)
+    for name, value in found.fit.values.items():
+        rows.add_row(shown(row_of(name)), row_of(name).unit, number(value, 5), number(found.fit.std.get(name), 2), "at its bound" if name in found.fit.at_bound else "")
+    console.print(rows)
+    console.print()
+    steps(console, found.steps, found.errors.floor)
+    for first, second, value in found.correlations:
+        say(console, f"{first} and {second} cannot be told apart on this record (correlation {value:.3f}).")
 
 
 def force_models(console: Console, title: str, models: dict[str, ForceModel]) -> None:

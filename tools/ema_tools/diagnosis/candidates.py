@@ -22,8 +22,6 @@ from ema_tools.parallel import each
 
 # Changes of the two fault parameters compete with the effects, so that a fault is not named as an effect.
 FAULTS: Mapping[str, str] = {"csj": "screw.csj_Nm", "blk": "screw.blk_mm"}
-# Rows of the library that are no physical effects: they hold whatever was learned.
-LEARNED = "learned_"
 
 # Values of shape parameters that are tried, by field, where no torque pattern suggests them.
 _SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
@@ -123,18 +121,18 @@ def _turned(effect: Effect, actuator: Actuator, change: Shaped) -> tuple[Mapping
     return {**change.shape, f"effects.{phase}": float(np.angle(both))}, (float(np.clip(abs(both), effect.size.lower, effect.size.upper)),)
 
 
-def candidates(view: View, without: Collection[str] = ()) -> list[Candidate]:
-    """Every effect in every shape that is tried, a change of those that the actuator holds already among them; and the fault parameters."""
+def candidates(view: View, without: Collection[str] = (), only: str | None = None) -> list[Candidate]:
+    """Every effect in every shape that is tried, a change of those that the actuator holds already among them; and the fault parameters. `only`: of one effect."""
     evidence = view.evidence
     found = []
     scattering = {name for one in evidence.spread for name in one.names} if not evidence.relative else set()
     for fault, value in FAULTS.items():
         nominal = evidence.actuator[value]
-        if fault not in without and nominal > 0.0 and value not in scattering:
+        if fault not in without and only in (None, fault) and nominal > 0.0 and value not in scattering:
             found.append(Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal))
     screen = Screen(view)
     for effect in load_definitions().effects:
-        if effect.name not in without and not effect.name.startswith(LEARNED):
+        if effect.name not in without and only in (None, effect.name) and not effect.is_learned:
             found += _of_effect(effect, view, screen)
     return found
 
@@ -177,8 +175,8 @@ def _matched(candidate: Candidate, first: float, view: View) -> Signature | None
     return best
 
 
-def signatures(view: View, without: Collection[str] = ()) -> list[Signature]:
-    """The best-matched signature of every candidate beside what the view holds already, strongest first; both cores at work."""
-    tasks = [(candidate, first) for candidate in candidates(view, without) for first in candidate.first]
+def signatures(view: View, without: Collection[str] = (), only: str | None = None) -> list[Signature]:
+    """The best-matched signature of every candidate beside what the view holds already, or of `only` one effect, strongest first; both cores at work."""
+    tasks = [(candidate, first) for candidate in candidates(view, without, only) for first in candidate.first]
     found = each(lambda task: _matched(task[0], task[1], view), tasks)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)

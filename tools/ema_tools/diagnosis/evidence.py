@@ -42,7 +42,7 @@ class Evidence:
     """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
     `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
-    cost that sensor noise alone has. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation of 1 each, such as the zero of a sensor.
+    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation of 1 each, such as the zero of a sensor.
     """
 
     actuator: Actuator
@@ -51,6 +51,7 @@ class Evidence:
     target: Reals
     spread: tuple[Spread, ...]
     whiten: Whitener
+    noise: Reals = field(repr=False)
     additive: Reals
     start_mm: float
     repeats: tuple[Reals, ...] = ()
@@ -60,6 +61,12 @@ class Evidence:
     def relative(self) -> bool:
         """Whether healthy repeats stand behind it."""
         return bool(self.repeats)
+
+    def expected_cost(self) -> float:
+        """The cost of a record with nothing new: the mean of the healthy repeats', else what sensor noise alone has."""
+        if not self.repeats:
+            return self.floor
+        return float(np.mean([residual @ residual for residual in repeat_residuals(self)]))
 
     @property
     def numbers(self) -> int:
@@ -144,6 +151,11 @@ def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | No
     basis, _ = np.linalg.qr(directions)
     plain = np.concatenate([residual, at])
     return View(evidence, values, at, base, plain - basis @ (basis.T @ plain), basis, plain, directions)
+
+
+def repeat_residuals(evidence: Evidence) -> list[Reals]:
+    """What each healthy repeat says against the others, seen from the healthy machine."""
+    return [seen.residual for seen in each(lambda target: view(evidence, {}, None, target), evidence.repeats)]
 
 
 def raw_cost(evidence: Evidence) -> float:

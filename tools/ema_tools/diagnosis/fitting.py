@@ -22,7 +22,7 @@ _AT_BOUND = 1e-6
 
 @dataclass(frozen=True)
 class Fit:
-    """Effects fitted together: their values, the covariance of these [values, values], the cost left, the values that lie on a bound, and the evidence seen from there.
+    """Effects fitted together: their values, the covariance of those that are fitted [fitted, fitted] (they come first), the cost left, the values that lie on a bound, and the evidence seen from there.
 
     `cost` is that of the residual; `judged` adds what the choice of shapes explains of noise.
     """
@@ -40,9 +40,14 @@ class Fit:
         return self.cost + penalty(self.effects)
 
     @property
+    def fitted(self) -> tuple[str, ...]:
+        """Names of the values that are free, in the order of the covariance."""
+        return tuple(self.values)[: len(self.covariance)]
+
+    @property
     def std(self) -> dict[str, float]:
         """Standard errors by name."""
-        return {name: float(np.sqrt(max(self.covariance[k, k], 0.0))) for k, name in enumerate(self.values)}
+        return {name: float(np.sqrt(max(self.covariance[k, k], 0.0))) for k, name in enumerate(self.fitted)}
 
     def deviations(self) -> Reals:
         """What scatters, at its best beside the fitted values, in spreads."""
@@ -70,9 +75,13 @@ def _scale_of(name: str, first: float) -> float:
     return max(abs(first), 1e-9)
 
 
-def refit(view: View, start: Mapping[str, float]) -> Fit:
-    """Fits the values named in `start`, those that the view holds among them, beginning there; what scatters stays linear as the view has it."""
-    names = list(start)
+def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | None = None) -> Fit:
+    """Fits the values named in `start`, those that the view holds among them, beginning there; what scatters stays linear as the view has it.
+
+    `shape` values stay as they are, as do periods per turn, which are whole numbers.
+    """
+    kept = {name: value for name, value in start.items() if name.endswith(".periods")} | dict(shape or {})
+    names = [name for name in start if name not in kept]
     rows = [row_of(name) for name in names]
     first = np.array([start[name] for name in names])
     scale = np.array([_scale_of(name, value) for name, value in zip(names, first, strict=True)])
@@ -80,7 +89,7 @@ def refit(view: View, start: Mapping[str, float]) -> Fit:
     upper = np.array([row.upper for row in rows]) / scale
 
     def vector(point: Reals) -> Reals:
-        changes = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)}
+        changes = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)} | kept
         try:
             return view.signature(changes)
         except InputError:
@@ -102,6 +111,7 @@ def refit(view: View, start: Mapping[str, float]) -> Fit:
     covariance = np.linalg.pinv(found.jac.T @ found.jac) * np.outer(scale, scale)
     values = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, found.x * scale, rows, strict=True)}
     at_bound = tuple(name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
+    values |= kept
     return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, covariance, at_bound, view, 2.0 * float(found.cost))
 
 

@@ -68,7 +68,7 @@ def _slight_effects(actuator: Actuator, record: Record, channels: tuple[str, ...
 def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Report | None = None) -> Actuator:
     """The actuator fitted to the mean [channels, rows] of healthy repeats, whose noise power by line is `power`, with the standing effects that it shows."""
     start = start_of(actuator, record)
-    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), _zeros_of_sensors(channels, mean), start)
+    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), power, _zeros_of_sensors(channels, mean), start)
     standing = standing_effects(found, report)
     deviations = standing.deviations() if standing is not None else settled(found, {}).deviations
     changes: dict[str, float] = dict(standing.values) if standing is not None else {}
@@ -77,15 +77,19 @@ def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals,
     return actuator.changed(changes)
 
 
-def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...], report: Report | None) -> Evidence:
+def _mean_and_level(healthy: Sequence[Record], channels: tuple[str, ...]) -> tuple[Reals, Reals, Reals]:
+    """Runs [count, channels, rows], their mean [channels, rows], and how much they differ from it, rms, [channels]."""
     runs = np.array([measured_channels(other, channels) for other in healthy])
-    mean, count = runs.mean(axis=0), len(healthy)
+    mean = runs.mean(axis=0)
+    return runs, mean, np.maximum(np.sqrt(np.mean((runs - mean) ** 2, axis=(0, 2))), least_noise(mean))
+
+
+def against_known(known: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...]) -> Evidence:
+    """Evidence of a record against healthy repeats of its command, of a machine that the model knows."""
+    runs, mean, level = _mean_and_level(healthy, channels)
+    count = len(healthy)
     deviations = runs - mean
     least = least_noise(mean)
-    level = np.maximum(np.sqrt(np.mean(deviations**2, axis=(0, 2))), least)
-    flat = np.broadcast_to((level**2)[:, None], spectrum(mean).shape).real / count
-    known = healthy_model(actuator, record, mean, flat, channels, report)
-
     start = start_of(known, record)
     usual = spreads.from_run_to_run()
     here = simulate_channels(known, record, channels, start)
@@ -98,15 +102,35 @@ def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Recor
     shares = np.linalg.lstsq((directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None)[0]
     widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
-    power = np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)
+    power = smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
     widen = 1.0 + 1.0 / count
-    whiten = Whitener.of(widen * (smoothed(power) + least[:, None] ** 2), record.rows)
     spread = tuple(replace(one, std=one.std * float(width) * float(np.sqrt(widen))) for one, width in zip(usual, widths, strict=True))
     # a repeat against the mean of the others scatters a little more than the record against the mean of them all
     shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
     repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
     target = here + measured_channels(record, channels) - mean
-    return Evidence(known, record, channels, target, spread, whiten, np.empty((0, *target.shape)), start, repeats)
+    return Evidence(known, record, channels, target, spread, Whitener.of(widen * power, record.rows), power, np.empty((0, *target.shape)), start, repeats)
+
+
+def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> Evidence:
+    """Evidence of a record of another command about the machine `known`, with the noise that was seen in `evidence`."""
+    names = evidence.channels
+    measured = np.array([record.recorded(name) for name in names])
+    lines = record.rows // 2 + 1
+    place = np.linspace(0.0, 1.0, lines)
+    power = np.array([np.interp(place, np.linspace(0.0, 1.0, one.size), one) for one in evidence.noise])
+    power = np.maximum(power, least_noise(measured)[:, None] ** 2)
+    level = np.array([noise_of(signal) for signal in measured])
+    floor = float(np.sum(np.minimum(1.0, (level**2)[:, None] / power))) * record.rows / lines
+    additive = _zeros_of_sensors(names, measured)
+    return Evidence(known, record, names, measured, spreads.from_run_to_run(), Whitener.of(power, record.rows), power, additive, start_of(known, record), floor=floor)
+
+
+def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...], report: Report | None) -> Evidence:
+    _, mean, level = _mean_and_level(healthy, channels)
+    flat = np.broadcast_to((level**2)[:, None], (len(channels), record.rows // 2 + 1)) / len(healthy)
+    known = healthy_model(actuator, record, mean, flat, channels, report)
+    return against_known(known, record, healthy, channels)
 
 
 def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None, report: Report | None = None) -> Evidence:
@@ -125,4 +149,4 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
     power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
     additive = np.concatenate([_zeros_of_sensors(names, measured), _slight_effects(actuator, record, names, start)])
     floor = float(np.sum((noise / level) ** 2)) * record.rows
-    return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), additive, start, floor=floor)
+    return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), power, additive, start, floor=floor)

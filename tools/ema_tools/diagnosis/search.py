@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_tools.diagnosis.candidates import Signature, signatures
-from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, settled, view
+from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, repeat_residuals, settled
 from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, polished, refit, without_effect
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.parallel import each
@@ -22,7 +22,7 @@ _FINALIST_REACH = 30.0
 # A set of effects grows no further than this.
 _EFFECTS_MAX = 3
 # Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
-_LEAST_LIMIT = 30.0
+LEAST_LIMIT = 30.0
 _REPEAT_MARGIN = 1.5
 # A healthy machine's standing effects are worth having in the model only when they are large against what repeats leave, and against each other.
 _STANDING_LIMIT = 100.0
@@ -109,11 +109,6 @@ def _strongest(found: Sequence[Signature]) -> dict[str, Signature]:
     return best
 
 
-def _repeat_residuals(start: View) -> list[Reals]:
-    """What each healthy repeat says against the others, seen from the healthy machine."""
-    return [seen.residual for seen in each(lambda target: view(start.evidence, start.values, None, target), start.evidence.repeats)]
-
-
 def _limit_of(repeats: Sequence[Reals], found: Sequence[Signature]) -> float:
     """What the same signatures make of healthy repeats, with a margin."""
     most = 0.0
@@ -121,7 +116,7 @@ def _limit_of(repeats: Sequence[Reals], found: Sequence[Signature]) -> float:
         length = float(signature.vector @ signature.vector)
         if length > 0.0:
             most = max([most, *(float(signature.vector @ repeat) ** 2 / length for repeat in repeats)])
-    return max(_LEAST_LIMIT, _REPEAT_MARGIN * most)
+    return max(LEAST_LIMIT, _REPEAT_MARGIN * most)
 
 
 def _pruned(fit: Fit, limit: float) -> Fit:
@@ -185,12 +180,12 @@ def standing_effects(evidence: Evidence, report: Report | None = None) -> Fit | 
 def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     """The whole search on one record's evidence; `report` is told the share done and what is at work."""
     here = settled(evidence, {})
-    repeats = _repeat_residuals(here)
+    repeats = repeat_residuals(evidence)
     costs = np.array([float(repeat @ repeat) for repeat in repeats]) if repeats else np.array([evidence.floor])
     floor, before = float(costs.mean()), here.cost
     excess = max(before - floor, 1e-9)
     doubt = _MODEL_ERROR**2 * max(raw_cost(evidence) - floor, 0.0)
-    limit = _LEAST_LIMIT
+    limit = LEAST_LIMIT
 
     def needed(found: Sequence[Signature], place: int, cost: float) -> float:
         nonlocal limit

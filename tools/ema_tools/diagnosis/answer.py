@@ -1,0 +1,201 @@
+"""What `ema diagnose` answers, in the order in which a user asks: can this record answer, where does the model fail, what is missing, does the error fall, what is left, what next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ema_tools.actuator import Actuator, row_of
+from ema_tools.diagnosis import unknown as unknowns
+from ema_tools.diagnosis.candidates import FAULTS
+from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, walk
+from ema_tools.diagnosis.evidence import Evidence
+from ema_tools.diagnosis.gate import Gate, judge
+from ema_tools.diagnosis.gathering import gather, same_command
+from ema_tools.diagnosis.search import Diagnosis, Named, Report, diagnose
+from ema_tools.diagnosis.where import Where, where
+from ema_tools.errors import InputError
+from ema_tools.records import Record
+
+_LISTED = 12
+_INTERVAL = 1.96
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library does not hold."""
+
+    record: Record
+    gate: Gate
+    where: Where
+    evidence: Evidence
+    diagnosis: Diagnosis
+    errors: Errors
+    steps: tuple[Step, ...]
+    known: Actuator
+    actuator: Actuator
+    left: tuple[unknowns.Unknown, ...]
+    learned: unknowns.Learned | None
+
+    @property
+    def verdict(self) -> str:
+        """adequate, missing or unknown. A change of CSJ or BLK alone is a fault of the machine, not of the model."""
+        if self.diagnosis.verdict == "missing" and not self.effects:
+            return "adequate"
+        return self.diagnosis.verdict
+
+    @property
+    def effects(self) -> tuple[Named, ...]:
+        """The accepted effects."""
+        return tuple(one for one in self.diagnosis.named if one.accepted and one.name not in FAULTS)
+
+    @property
+    def faults(self) -> tuple[Named, ...]:
+        """Accepted changes of CSJ and BLK."""
+        return tuple(one for one in self.diagnosis.named if one.accepted and one.name in FAULTS)
+
+    def sentence(self) -> str:
+        """The answer in a sentence or two."""
+        if not self.gate.answerable:
+            return self.gate.sentence
+        first = f"{self.record.file}: "
+        fall = f"weighted error {self.errors.before:.3g} before, {self.errors.after:.3g} after, floor {self.errors.floor:.3g}"
+        faults = "; ".join(_fault_words(one, self.known) for one in self.faults)
+        if self.verdict == "adequate":
+            versus = "this machine's repeatability" if self.evidence.relative else "what sensors and a data sheet leave open"
+            text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
+            return f"{first}{text} ({fall})."
+        if self.verdict == "unknown":
+            left = 100.0 * self.diagnosis.unexplained
+            text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
+            return f"{first}{text}. {self.left[0].sentence if self.left else ''}".strip()
+        named = " and ".join(_words(one) for one in self.effects)
+        others = [other for one in self.effects for other in one.alike[1:]]
+        alike = f", which looks like {', '.join(others)}" if others else ""
+        faults = f"; beside it {faults}" if faults else ""
+        return f"{first}missing is {named}{alike}{faults} ({fall})."
+
+    @property
+    def fitted(self) -> Actuator:
+        """The machine with everything that was fitted to the record, recommended or not."""
+        return self.known.changed(self.diagnosis.fit.values if self.diagnosis.fit is not None else {})
+
+    def next_step(self) -> str:
+        """What to do next."""
+        confused = next((one for one in self.diagnosis.named if one.accepted and len(one.alike) > 1), None)
+        if self.verdict == "unknown":
+            table = f"ema add ACTUATOR {self.learned.effect} --fit REC flies it as a learned table; " if self.learned is not None else ""
+            return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
+        if confused is not None:
+            return f"Next: ema next ACTUATOR --between {' '.join(name for name in confused.alike if name not in FAULTS)} says which command tells them apart."
+        if self.effects:
+            return f"Next: ema add ACTUATOR {self.effects[0].name} --fit REC puts it into the model; then diagnose again."
+        return "Next: ema identify gives CSJ and BLK; nothing is to be added."
+
+    def hidden(self) -> str:
+        """What this kind of evidence cannot show."""
+        if self.evidence.relative:
+            return ""
+        names = ", ".join(sorted({one.title for one in self.evidence.spread}))
+        return f"Without healthy repeats nothing can be named that a unit's usual distance from its data sheet explains as well ({names}), nor what is smaller than the effects above."
+
+    def result(self) -> dict[str, Any]:
+        """For JSON: the keys that programs read, and what the page draws."""
+        named = [one for one in self.diagnosis.named if one.name not in FAULTS]
+        return {
+            "verdict": self.verdict,
+            "sentence": self.sentence(),
+            "mode": "against healthy repeats" if self.evidence.relative else "without healthy repeats",
+            "cannot_see": self.hidden() or None,
+            "effects": [_effect_result(one, self.diagnosis) for one in named[:_LISTED]],
+            "faults": {one.name: _effect_result(one, self.diagnosis) for one in self.faults},
+            "standing": {name: {value.field: self.known[value.name] for value in _effect(name).parameters} for name in self.known.active_effects} if self.evidence.relative else {},
+            "error": self.errors.result(),
+            "next_experiment": self.next_step(),
+            "unexplained": self.diagnosis.unexplained,
+            "steps": [{"effects": list(step.effects), "added": step.added or "as given", "error_training": step.error, "error_holdout": step.holdout} for step in self.steps],
+            "gate": self.gate.result(),
+            "where": self.where.result(),
+            "unknown": unknowns.result(self.left, self.learned) if self.left else None,
+        }
+
+
+def _effect(name: str) -> Any:
+    from ema_tools.definitions import load_definitions
+
+    return load_definitions().effect(name)
+
+
+def _effect_result(one: Named, diagnosis: Diagnosis) -> dict[str, Any]:
+    at_bound = diagnosis.fit.at_bound if diagnosis.fit is not None else ()
+    return {
+        "name": one.name,
+        "class": [name for name in one.alike if name not in FAULTS],
+        "looks_like_fault": [name for name in one.alike if name in FAULTS and name != one.name],
+        "parameters": {name.split(".")[-1]: value for name, value in one.values.items()},
+        "std": {name.split(".")[-1]: value for name, value in one.std.items()},
+        "interval95": {name.split(".")[-1]: [one.values[name] - _INTERVAL * value, one.values[name] + _INTERVAL * value] for name, value in one.std.items()},
+        "at_bound": [name.split(".")[-1] for name in one.values if name in at_bound],
+        "score": one.score,
+        "limit": diagnosis.limit,
+        "accepted": one.accepted,
+    }
+
+
+def size_text(name: str, value: float, std: float | None) -> str:
+    """A value with its standard error and unit, as in `0.31 +- 0.02 Nm`."""
+    unit = row_of(name).unit
+    doubt = f" +- {std:.2g}" if std is not None else ""
+    return f"{value:.4g}{doubt}{' ' + unit if unit else ''}"
+
+
+def _words(one: Named) -> str:
+    size = next(iter(one.values))
+    return f"{one.name} ({row_of(size).field} {size_text(size, one.values[size], one.std.get(size))})"
+
+
+def _fault_words(one: Named, known: Actuator) -> str:
+    name = FAULTS[one.name]
+    value, healthy = one.values[name], known[name]
+    return f"{one.name.upper()} changed by {100.0 * (value / healthy - 1.0):+.1f} % to {size_text(name, value, one.std.get(name))}"
+
+
+def healthy_of(record: Record, healthy: Sequence[Record]) -> list[Record]:
+    """Those of the healthy records that run the record's command."""
+    return [other for other in healthy if same_command(record, other)]
+
+
+def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None) -> Answer:
+    """Diagnoses a record. `healthy` records of the record's command are its repeats, those of the hold-out's command are the hold-out's.
+
+    Raises InputError for a record that cannot answer, and for healthy records that belong to neither.
+    """
+    tell = report or (lambda _share, _text: None)
+    same = healthy_of(record, healthy)
+    for other in healthy:
+        if not same_command(record, other) and (holdout is None or not same_command(holdout, other)):
+            raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out: give healthy records of the same command")
+    gate = judge(actuator, record, same)
+    if not gate.answerable:
+        remark = next(one for one in gate.remarks if one.severity == "blocks")
+        raise InputError(f"{record.file}: {remark.text}: {remark.next}")
+    tell(0.02, "the healthy machine")
+    evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
+    found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+    tell(0.86, "where the model fails")
+    best = found.fit
+    known = fitted_machine(evidence, best)
+    places = where(known if evidence.relative else fitted_machine(evidence, None), record, same, evidence.whiten, evidence.channels)
+    accepted: Mapping[str, float] = best.values if best is not None and found.verdict == "missing" else {}
+    improved = known.changed(accepted)
+    left: tuple[unknowns.Unknown, ...] = ()
+    table = None
+    if found.verdict == "unknown":
+        tell(0.92, "what is unknown")
+        left = unknowns.left_over(known.changed(best.values if best is not None else {}), record, places)
+        table = unknowns.learned(left[0]) if left else None
+    tell(0.95, "the record held out")
+    errors, steps = walk(found, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
+    tell(1.0, "done")
+    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table)
