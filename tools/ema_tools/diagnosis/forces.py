@@ -22,7 +22,6 @@ from ema_tools import leastsquares
 from ema_tools.actuator import Actuator, row_of
 from ema_tools.balances import MECHANICAL_PARAMETERS, Smoother, adjusted, mechanical, quiet_smoother
 from ema_tools.definitions import load_definitions
-from ema_tools.diagnosis.candidates import LEARNED
 from ema_tools.diagnosis.laps import Laps, laps_of
 from ema_tools.diagnosis.patterns import LEVEL, NOT_HERE, Pattern, Setting, Shape, continuous_of, pattern_of, patterns_of
 from ema_tools.native import Reals
@@ -372,15 +371,20 @@ class _Search:
     def __init__(self, actuator: Actuator, record: Record, report: Report) -> None:
         self.bench = Bench(actuator, record)
         self.report = report
-        self.effects = [effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.name.startswith(LEARNED)]
-        start = self.bench.fit(self.bench.start, (), np.zeros((self.bench.fold.size, 0)))
-        self.first = float(np.sum(start.residual[self.bench.training] ** 2))
+        self.effects = [effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.is_learned]
+        self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
+        self.setting: Setting | None = None
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
 
     def prepare(self, setting: Setting) -> None:
         """All patterns in a setting."""
+        same_current = self.setting is not None and np.array_equal(self.setting.motion.current_A, setting.motion.current_A)
+        self.setting = setting
         for effect in self.effects:
+            # torques and loads do not look at the contact, so that without another current they are what they were
+            if same_current and load_definitions().effect(effect).site in ("TORQUE", "LOAD"):
+                continue
             self.patterns[effect] = found = patterns_of(setting, effect)
             self.columns[effect] = [] if isinstance(found, str) else [self.bench.decimated(pattern.columns) for pattern in found]
 
@@ -391,8 +395,12 @@ class _Search:
 
     def with_patterns(self, patterns: Sequence[Pattern], samples: Samples) -> Fitted:
         """A fit of known shapes, their columns from the present setting."""
-        made = (pattern_of(samples.setting, pattern.effect, pattern.shape) for pattern in patterns)
-        found = [pattern if isinstance(again, str) else again for pattern, again in zip(patterns, made, strict=True)]
+        found = []
+        for pattern in patterns:
+            known = self.patterns[pattern.effect]
+            same = [one for one in known if one.shape == pattern.shape] if not isinstance(known, str) else []
+            again = same[0] if same and samples.setting is self.setting else pattern_of(samples.setting, pattern.effect, pattern.shape)
+            found.append(pattern if isinstance(again, str) else again)
         columns = [self.bench.decimated(pattern.columns) for pattern in found]
         return self.bench.fit(samples, found, np.column_stack([np.zeros((self.bench.fold.size, 0)), *columns]))
 
@@ -548,7 +556,9 @@ class _Search:
         dropped = []
         for pattern in accepted.patterns[:-1]:
             rest = tuple(one for one in accepted.patterns if one.effect != pattern.effect)
-            without = self.with_patterns(rest, self.bench.with_bends(rest))
+            owners = [one.effect for one in accepted.patterns for _ in range(one.columns.shape[1])]
+            columns = accepted.columns[:, [owner != pattern.effect for owner in owners]]
+            without = self.bench.fit(self.bench.with_bends(rest) if pattern.bends else accepted.samples, rest, columns)
             gain = float(np.sum(without.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
             if self.share(without, gain) < LEAST_SHARE:
                 accepted = self.settled(without)
@@ -664,7 +674,7 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         "residual_before_Nm": first.residual,
         "residual_after_Nm": accepted.residual,
     }
-    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), (*needless, *refused), floor_of(bench, accepted), bench.laps, record.period_s, curves)
+    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless})), floor_of(bench, accepted), bench.laps, record.period_s, curves)
 
 
 def _given(actuator: Actuator, bench: Bench) -> Errors:
