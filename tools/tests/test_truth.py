@@ -12,7 +12,7 @@ from ema_tools.reference import Recording, simulate
 from ema_tools.reference.commands import chirp, times_s, triangle
 from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.reference.effects import example_of
-from ema_tools.truth import Sensors, effects, recordings, scattered, simulate_truth
+from ema_tools.truth import Sensors, effects, outside, recordings, scattered, simulate_truth
 from ema_tools.vectors.cases import CASES, Case
 from ema_tools.vectors.records import samples_of
 
@@ -101,6 +101,50 @@ def test_what_it_cannot_hide_it_refuses(monkeypatch: pytest.MonkeyPatch) -> None
     with pytest.raises(ValueError, match="spring_load: the truth plant cannot hide it yet"):
         simulate_truth(example_of("spring_load"), np.zeros(3))
     simulate_truth({}, np.zeros(3))
+
+
+@pytest.mark.parametrize("name", list(outside.DEFAULTS))
+def test_effects_outside_the_library_show_in_proportion_and_vanish_at_zero(name: str) -> None:
+    size = f"{name}.{next(iter(outside.DEFAULTS[name]))}"
+    small = {"broken_ball": 0.01, "encoder_eccentricity": 0.01, "lead_error": 0.002, "bus_hum": 0.02, "friction_fade": 0.1, "speed_hump": 0.005, "command_dead_band": 0.004, "magnetic_lag": 0.05}
+    sweep = chirp(times_s(2_000), 2.0, 0.5, 4.0, 2.0)
+    step = small.get(name, 0.5)
+    without = simulate_truth({}, sweep, step_s=5e-5)
+    once, twice = (simulate_truth({size: factor * step}, sweep, step_s=5e-5) for factor in (1.0, 2.0))
+    assert np.array_equal(simulate_truth({size: 0.0}, sweep, step_s=5e-5).current_A, without.current_A)
+    channel = "position_mm" if name == "lead_error" else "current_A"
+    assert rms(once, without, channel) > 1e-4
+    assert rms(twice, without, channel) == pytest.approx(2.0 * rms(once, without, channel), rel=0.25)
+
+
+def test_effects_outside_the_library_do_what_they_say() -> None:
+    sweep = chirp(times_s(2_000), 2.0, 0.5, 4.0, 2.0)
+    without = simulate_truth({}, sweep)
+    wobbling = simulate_truth({"lead_error.amplitude_mm": 0.005, "lead_error.phase_rad": 0.3}, sweep)
+    expected = 0.005 * np.sin(2.0 * np.pi * without.position_mm / 5.0 + 0.3)
+    assert wobbling.position_mm - without.position_mm == pytest.approx(expected, abs=1e-12)
+    assert np.array_equal(wobbling.current_A, without.current_A)
+    # one period per turn is too fast for the loop: the reading shows the error, the rod hardly follows it
+    eccentric = simulate_truth({"encoder_eccentricity.error_rad": 0.02}, sweep)
+    amplitude = 0.02 * 5.0 / (8.0 * np.pi)
+    assert rms(eccentric, without, "motor_position_mm") == pytest.approx(amplitude / np.sqrt(2.0), rel=0.1)
+    assert rms(eccentric, without, "position_mm") < 0.5 * amplitude
+    faded = simulate_truth({"friction_fade.share": 0.2, "friction_fade.time_s": 0.01}, sweep)
+    assert rms(faded, simulate_truth({"screw.csj_Nm": 0.8 * 0.138}, sweep), "current_A") < 0.1 * rms(faded, without, "current_A")
+    leaking = simulate_truth({"integrator_leak.rate_per_s": 50.0}, sweep)
+    assert rms(leaking, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V") < 0.3 * rms(without, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V")
+    still = simulate_truth({"command_dead_band.width_mm": 5.0}, sweep)
+    assert np.all(still.motor_position_mm == 0.0)
+    with pytest.raises(KeyError, match=r"bus_hum\.ripple"):
+        simulate_truth({"bus_hum.ripple": 0.1}, sweep)
+
+
+def test_the_voltage_has_noise_of_its_own() -> None:
+    sweep = chirp(times_s(2_000), 2.0, 0.5, 2.0, 2.0)
+    noisy = simulate_truth({}, sweep, sensors=Sensors(voltage_noise_V=0.01, voltage_resolution_V=0.02))
+    clean = simulate_truth({}, sweep)
+    assert np.std(noisy.voltage_V - clean.voltage_V) == pytest.approx(np.hypot(0.01, 0.02 / np.sqrt(12.0)), rel=0.1)
+    assert np.array_equal(noisy.current_A, clean.current_A)
 
 
 def test_sensors() -> None:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from ema_tools.benchmarks.hidden import running, scoring
+from ema_tools.benchmarks.hidden import documents, running, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.trials import KINDS, Plan
 from ema_tools.console import complain, output
 from ema_tools.errors import InputError
+from ema_tools.files import write_json
 from ema_tools.parallel import workers as cores
 
-_SMALL = Plan(1, severities=("medium",), effects=("winding_heating", "feedback_delay", "sensor_gain", "bus_hum"), kinds=("library", "outside", "healthy"), healthy=1, outside_seeds=1)
+_SMALL = Plan(1, severities=("medium",), effects=("winding_heating", "sensor_gain", "bus_hum"), kinds=("library", "outside", "healthy"), healthy=1, outside_seeds=1, first_machine=2)
 _FULL = Plan(3)
 
 
@@ -40,7 +42,7 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
 @click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
 @click.option("-o", "--output", "folder", type=click.Path(path_type=Path, file_okay=False), default=Path("hidden"), show_default=True, help="Folder of the rows; a run that was interrupted goes on.")
-@click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there, too.")
+@click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there as Markdown, overwritten, and the pictures beside it.")
 def main(
     size: str | None,
     effects: str | None,
@@ -68,13 +70,18 @@ def main(
         "healthy": healthy,
         "pairs": pairs,
     }
-    plan = Plan(**{**plan.__dict__, **{name: value for name, value in given.items() if value not in (None, ())}})
-    rows = running.run(plan.trials(), folder, cores() if workers is None else workers)
+    plan = replace(plan, **{name: value for name, value in given.items() if value not in (None, ())})
+    trials = plan.trials()
+    timed = [trial for trial in trials if trial.kind == "time"]
+    rows = running.run([trial for trial in trials if trial.kind != "time"], folder, cores() if workers is None else workers)
+    rows += running.run(timed, folder, 0, remember=False)
+    write_json(folder / "trials.json", {"trials": rows}, force=True)
     console = output()
     scoring.show(console, rows)
     console.print(f"{len(rows)} trials, {running.elapsed(begun)}")
     if document is not None:
-        complain("--document is not written yet")
+        for path in documents.write(rows, document):
+            console.print(str(path))
 
 
 if __name__ == "__main__":

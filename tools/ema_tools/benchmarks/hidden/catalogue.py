@@ -100,7 +100,7 @@ def same_class(one: str, other: str) -> bool:
 
 @dataclass(frozen=True)
 class Change:
-    """A hidden effect on one machine: the values to simulate with, and the name and true size of what a search should report."""
+    """A hidden effect on one machine: the values to simulate with, and by how much the value `size` of the model truly changes."""
 
     values: Mapping[str, float]
     size: str
@@ -115,8 +115,8 @@ def change(unit: Machine, effect: str, factor: float, command: str) -> Change:
     """An effect of any table on a machine at `factor` of its medium size; its shape hangs on machine and effect alone."""
     if effect in FAULTS:
         name, medium = FAULTS[effect]
-        value = unit.values.get(name, reference_actuator()[name]) * (1.0 + factor * medium)
-        return Change({name: value}, name, value)
+        healthy = unit.values.get(name, reference_actuator()[name])
+        return Change({name: healthy * (1.0 + factor * medium)}, name, healthy * factor * medium)
     random = np.random.default_rng(seed_of("shape", unit.number, effect))
     row = LIBRARY[effect] if effect in LIBRARY else OUTSIDE[effect]
     shape = {f"{effect}.{name}": value for name, value in row.shape(random).items()}
@@ -129,5 +129,6 @@ def change(unit: Machine, effect: str, factor: float, command: str) -> Change:
         # what stands there already and what comes on top add up as vectors
         phase = f"{effect}.phase_rad"
         total = standing * np.exp(1j * unit.values[phase]) + value * np.exp(1j * shape[phase])
-        return Change({**shape, size: float(abs(total)), phase: float(np.angle(total))}, f"effects.{size}", float(abs(total)))
-    return Change({**shape, size: value}, f"effects.{size}", value)
+        return Change({**shape, size: float(abs(total)), phase: float(np.angle(total))}, f"effects.{size}", value)
+    yields = unit.presliding_rad if effect == "presliding" and unit.friction == "lugre" else 0.0
+    return Change({**shape, size: value}, f"effects.{size}", value - yields)

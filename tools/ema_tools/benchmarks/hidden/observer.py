@@ -154,7 +154,7 @@ def judged(number: int, own: bool, command: str, effects: Sequence[str], severit
         return found
     alone = judge.likelihoods(true[0], severity)
     apart = {name: float(np.sqrt(max(lengths[0] ** 2 - value, 0.0))) for name, value in alone.items() if not same_class(name, effects[0])}
-    found["apart"] = {name: value for name, value in sorted(apart.items(), key=lambda item: item[1])[:8]}
+    found["apart"] = {name: round(value, 2) for name, value in sorted(apart.items(), key=lambda item: item[1])}
     if effects[0] in OUTSIDE:
         nearest = min(apart, key=lambda name: apart[name])
         return {**found, "nearest": nearest, "beyond": (apart[nearest] / max(lengths[0], 1e-12)) ** 2}

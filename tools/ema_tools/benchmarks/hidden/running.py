@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -40,16 +41,19 @@ def _one_core(cores: Sequence[int]) -> None:
         os.sched_setaffinity(0, {cores[place % len(cores)]})
 
 
-def _work(trials: Sequence[Trial], part: Path, work: Callable[[Trial], Row]) -> int:
-    with part.open("a", encoding="utf-8") as file, remembering():
+def _work(trials: Sequence[Trial], part: Path, work: Callable[[Trial], Row], remember: bool = True) -> int:
+    cut_short = part.exists() and not part.read_bytes().endswith(b"\n")
+    with part.open("a", encoding="utf-8") as file, remembering() if remember else nullcontext():
+        if cut_short:
+            file.write("\n")
         for trial in trials:
             file.write(json.dumps(work(trial)) + "\n")
             file.flush()
     return len(trials)
 
 
-def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Trial], Row] = perform) -> list[Row]:
-    """Rows of all trials, those of an earlier run in the same folder among them. `workers` 0 works in this process."""
+def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Trial], Row] = perform, remember: bool = True) -> list[Row]:
+    """Rows of all trials, those of an earlier run in the same folder among them. `workers` 0 works in this process; `remember`: see `sealed.remembering`."""
     parts = folder / _PARTS
     parts.mkdir(parents=True, exist_ok=True)
     done = {row["key"] for row in read_rows(folder)}
@@ -60,7 +64,7 @@ def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Tri
             finished = 0
             for group, part in tasks:
                 for trial in group:
-                    _work([trial], part, work)
+                    _work([trial], part, work, remember)
                     finished += 1
                     bar.update(finished)
         elif tasks:

@@ -1,9 +1,10 @@
-"""What rows of trials add up to."""
+"""What rows of trials add up to, and how far that is from the goals."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,64 +16,194 @@ from ema_tools.console import table
 Row = dict[str, Any]
 # Two effects are told apart when this many standard deviations lie between them.
 SEPARABLE = 3.0
+_TRAINING_LIMIT, _HELD_OUT_LIMIT = 1.05, 1.15
+STRONG = ("medium", "large")
+
+
+@dataclass(frozen=True)
+class Share:
+    """So many of so many."""
+
+    count: int
+    total: int
+
+    @property
+    def percent(self) -> float:
+        """NaN of none."""
+        return 100.0 * self.count / self.total if self.total else float("nan")
+
+    def __str__(self) -> str:
+        return f"{self.percent:.1f} % ({self.count} of {self.total})" if self.total else "-"
+
+
+def share_of(rows: Sequence[Row], test: Callable[[Row], bool]) -> Share:
+    """How many rows pass."""
+    return Share(sum(bool(test(row)) for row in rows), len(rows))
+
+
+def of_kind(rows: Sequence[Row], kind: str, *severities: str) -> list[Row]:
+    """The rows of one kind, and of some severities."""
+    return [row for row in rows if row["kind"] == kind and (not severities or row["severity"] in severities)]
+
+
+def matches(row: Row, hidden: str, said: str) -> bool:
+    """Whether a name says what is hidden: it is it, or of its declared class, or of the class that the answer states while nobody could tell the two apart."""
+    if same_class(hidden, said):
+        return True
+    apart = row.get("observer", {}).get("apart", {}).get(said)
+    return hidden in row["class"] and len(row["effects"]) == 1 and apart is not None and apart < SEPARABLE
 
 
 def first_right(row: Row) -> bool:
-    """Whether the first name is the hidden one, or one of its class: a declared one, or one that the answer states and that nobody could tell apart."""
-    hidden, first = row["effects"][0], row["first"]
-    if same_class(hidden, first):
-        return True
-    apart = row.get("observer", {}).get("apart", {}).get(first)
-    return hidden in row["class"] and apart is not None and apart < SEPARABLE
+    """Whether the first name is the hidden one or of its class."""
+    return matches(row, row["effects"][0], row["first"])
 
 
-def accepted_right(row: Row) -> bool:
-    """Whether it was also put forward for adding, and nothing else with it."""
-    return row["verdict"] == "missing" and first_right(row) and len(row["accepted"]) == 1
+def exact_set(row: Row) -> bool:
+    """Whether all that is hidden is put forward for adding, and nothing else."""
+    return len(row["accepted"]) == len(row["effects"]) and all_named(row)
 
 
-def of_kind(rows: Sequence[Row], kind: str, severity: str | None = None) -> list[Row]:
-    """The rows of one kind, and of one severity."""
-    return [row for row in rows if row["kind"] == kind and (severity is None or row["severity"] == severity)]
+def all_named(row: Row) -> bool:
+    """Whether all that is hidden is put forward, beside whatever else."""
+    return row["verdict"] == "missing" and all(any(matches(row, hidden, said) for said in row["accepted"]) for hidden in row["effects"])
 
 
-def share(flags: Sequence[bool]) -> str:
-    """Count and percent."""
-    return f"{sum(flags)} of {len(flags)} ({100.0 * sum(flags) / len(flags):.0f} %)" if flags else "-"
+def accused(row: Row) -> bool:
+    """Whether any name is put forward for adding."""
+    return row["verdict"] == "missing" and bool(row["accepted"])
+
+
+def wrongly_accused(row: Row) -> bool:
+    """Whether a name is put forward that is not hidden."""
+    return row["verdict"] == "missing" and any(not any(matches(row, hidden, said) for hidden in row["effects"]) for said in row["accepted"])
+
+
+def observed(rows: Sequence[Row]) -> Share:
+    """The ideal observer's rate."""
+    return share_of([row for row in rows if "right" in row.get("observer", {})], lambda row: row["observer"]["right"])
+
+
+def training_ratio(row: Row) -> float:
+    """Weighted rms error over the floor with what was found added."""
+    return float(np.sqrt(row["cost_after"] / row["cost_floor"]))
+
+
+def sizes(rows: Sequence[Row]) -> list[Row]:
+    """All sizes of effects that were put forward by their own names."""
+    return [size for row in rows for size in row["sizes"]]
+
+
+def size_error_percent(size: Row) -> float:
+    """Error of a size in percent of the true one."""
+    return 100.0 * abs(size["estimate"] - size["true"]) / abs(size["true"])
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One goal: what, what was reached, the limit, and whether it is met; `beside` the ideal observer's figure."""
+
+    text: str
+    reached: str
+    limit: str
+    met: bool
+    beside: str = ""
+
+
+def _at_least(text: str, reached: Share, percent: float, beside: str = "") -> Goal:
+    return Goal(text, str(reached), f">= {percent:g} %", reached.percent >= percent, beside)
+
+
+def goals(rows: Sequence[Row]) -> list[Goal]:
+    """Every goal that these rows can judge."""
+    found = []
+    for severities, percent in ((STRONG, 99.0), (("small",), 97.0), (("edge",), 85.0)):
+        some = of_kind(rows, "library", *severities)
+        if some:
+            seen = observed(some)
+            found.append(_at_least(f"right name or class first, {' and '.join(severities)}", share_of(some, first_right), percent, str(seen)))
+            gap = seen.percent - share_of(some, first_right).percent
+            found.append(Goal(f"gap to the ideal observer, {' and '.join(severities)}", f"{gap:.1f}", "<= 3 percentage points", gap <= 3.0))
+    some = of_kind(rows, "position", "medium")
+    if some:
+        found.append(_at_least("the same with command and rod position alone, medium", share_of(some, first_right), 90.0, str(observed(some))))
+    for severity, percent in (("large", 90.0), ("medium", 75.0)):
+        some = of_kind(rows, "alone", severity)
+        if some:
+            found.append(_at_least(f"right name first without healthy repeats, {severity}", share_of(some, first_right), percent))
+    some = of_kind(rows, "healthy")
+    if some:
+        wrong = share_of(some, accused)
+        found.append(Goal("healthy records accused", str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
+    some = of_kind(rows, "outside", *STRONG)
+    if some:
+        found.append(_at_least("unknown for effects outside the library", share_of(some, lambda row: row["verdict"] == "unknown"), 90.0))
+        wrong = share_of(some, accused)
+        found.append(Goal("a name put forward for them", str(wrong), "none", wrong.count == 0))
+    some = of_kind(rows, "pair", *STRONG)
+    if some:
+        found.append(_at_least("both of a pair named", share_of(some, all_named), 90.0))
+        found.append(_at_least("the exact pair", share_of(some, exact_set), 80.0))
+    some = [row for row in of_kind(rows, "library", *STRONG) if exact_set(row)]
+    if some:
+        found.append(_at_least(f"error after adding at most {_TRAINING_LIMIT:g} x the floor", share_of(some, lambda row: training_ratio(row) <= _TRAINING_LIMIT), 100.0))
+        held = [row for row in some if row.get("held_out")]
+        if held:
+            found.append(_at_least(f"on a held-out command at most {_HELD_OUT_LIMIT:g} x", share_of(held, lambda row: row["held_out"]["after"] <= _HELD_OUT_LIMIT), 100.0))
+    stated = sizes(of_kind(rows, "library"))
+    if stated:
+        held_share = Share(sum(size["held"] for size in stated), len(stated))
+        found.append(Goal("stated 95 % intervals that hold the true size", str(held_share), "90 .. 99 %", 90.0 <= held_share.percent <= 99.0))
+    timed = of_kind(rows, "time")
+    if timed:
+        slowest = max(row["run_s"] for row in timed)
+        found.append(Goal("a diagnosis with five repeats on all cores", f"{slowest:.1f} s", "<= 10 s", slowest <= 10.0))
+    return found
+
+
+def missed(row: Row) -> bool:
+    """Whether a row is worth a look."""
+    if row["kind"] in ("healthy", "placebo"):
+        return accused(row)
+    if row["kind"] == "outside":
+        return bool(row["verdict"] != "unknown")
+    if row["kind"] == "pair":
+        return not exact_set(row)
+    return row["kind"] != "time" and not first_right(row)
+
+
+def confusions(rows: Sequence[Row]) -> dict[str, Counter[str]]:
+    """Per hidden effect how often each name came first; what was not put forward counts as nothing, or unknown, by the verdict."""
+    found: dict[str, Counter[str]] = {}
+    for row in rows:
+        said = row["first"] if row["verdict"] == "missing" else "unknown" if row["verdict"] == "unknown" else "nothing"
+        found.setdefault(row["effects"][0] if row["effects"] else "healthy", Counter())[said] += 1
+    return found
 
 
 def show(console: Console, rows: Sequence[Row]) -> None:
     """The main figures, and every miss."""
-    main = table("named first", "kind", "severity", "right", "put forward alone", "observer", "time, s", text_columns=2)
-    for kind in ("library", "position", "alone", "fault", "same", "placebo"):
-        for severity in SEVERITIES:
-            some = of_kind(rows, kind, severity)
-            if some:
-                watched = [row["observer"]["right"] for row in some if "observer" in row]
-                main.add_row(kind, severity, share([first_right(row) for row in some]), share([accepted_right(row) for row in some]), share(watched), f"{np.median([row['run_s'] for row in some]):.1f}")
-    console.print(main)
-    verdicts = table("verdicts", "kind", "severity", "verdicts", text_columns=3)
-    for kind in ("healthy", "outside", "pair", "placebo"):
+    main = table("hidden effects", "kind", "severity", "right first", "put forward, alone", "wrongly put forward", "observer", "time, s", text_columns=2)
+    for kind in ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", "healthy", "time"):
         for severity in ("", *SEVERITIES):
             some = of_kind(rows, kind, severity)
             if some:
-                verdicts.add_row(kind, severity, ", ".join(f"{name} {count}" for name, count in Counter(row["verdict"] for row in some).most_common()))
-    console.print(verdicts)
-    misses = [row for row in rows if _missed(row)]
-    listed = table("misses", "kind", "hidden", "severity", "command", "machine", "verdict", "first", "accepted", "ranked", text_columns=9)
-    for row in misses:
+                named = "-" if kind in ("outside", "healthy") else str(share_of(some, first_right))
+                alone = "-" if kind in ("outside", "healthy") else str(share_of(some, exact_set))
+                wrong = share_of(some, accused if kind in ("placebo", "outside", "healthy") else wrongly_accused)
+                main.add_row(kind, severity, named, alone, str(wrong), str(observed(some)), f"{np.median([row['run_s'] for row in some]):.1f}")
+    console.print(main)
+    for row in filter(missed, rows):
         ranked = " ".join(f"{name}:{score:.0f}" for name, score in row["ranked"][:4])
-        listed.add_row(row["kind"], "+".join(row["effects"]), row["severity"], row["command"], str(row["machine"]), row["verdict"], row["first"], "+".join(row["accepted"]), ranked)
-    console.print(listed)
-
-
-def _missed(row: Row) -> bool:
-    if row["kind"] == "healthy":
-        return bool(row["verdict"] != "adequate")
-    if row["kind"] == "outside":
-        return bool(row["verdict"] != "unknown")
-    if row["kind"] == "pair":
-        return len(row["accepted"]) != 2 or any(not any(same_class(name, said) for said in row["accepted"]) for name in row["effects"])
-    if row["kind"] == "placebo":
-        return first_right(row) and row["verdict"] == "missing"
-    return not first_right(row)
+        apart = " ".join(f"{value:.0f}" for value in row.get("observer", {}).get("size", []))
+        hidden, said = "+".join(row["effects"]) or "healthy", "+".join(row["accepted"]) or "nothing"
+        console.print(f"missed: {row['key']}: {hidden} (d' {apart or '-'}): {row['verdict']}, first {row['first']}, put forward {said}; scores {ranked}; left {row['unexplained']:.2f}")
+    for row in of_kind(rows, "library"):
+        for size in row["sizes"]:
+            if not size["held"]:
+                off = (size["estimate"] - size["true"]) / max(size["std"], 1e-30)
+                console.print(f"size: {row['key']}: true {size['true']:.5g}, estimate {size['estimate']:.5g} +- {size['std']:.2g}, {off:+.1f} standard errors off")
+    judged = table("goals", "goal", "reached", "limit", "ideal observer", "met", text_columns=5)
+    for goal in goals(rows):
+        judged.add_row(goal.text, goal.reached, goal.limit, goal.beside, "yes" if goal.met else "NO")
+    console.print(judged)

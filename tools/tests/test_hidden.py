@@ -1,0 +1,248 @@
+"""The hidden-effect benchmark: machines differ and are reproduced, nothing tells the search what is hidden, scores count what they say, interrupted runs go on, and a small run names rightly."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from ema_tools.benchmarks.hidden import documents, machines, observer, pictures, running, scoring, sealed, trials
+from ema_tools.benchmarks.hidden.__main__ import main
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES, change
+from ema_tools.benchmarks.hidden.trials import KINDS, Plan, Trial
+from ema_tools.definitions import load_definitions
+from ema_tools.diagnosis import gathering
+from ema_tools.reference.compiled import HAS_NUMBA
+from ema_tools.truth import outside
+
+needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
+
+
+def test_every_effect_of_the_library_is_hidden_by_its_size_and_values() -> None:
+    rows = {effect.name: effect for effect in load_definitions().effects if not effect.is_learned}
+    assert set(LIBRARY) == set(rows)
+    random = np.random.default_rng(1)
+    for name, hidden in LIBRARY.items():
+        assert hidden.size == rows[name].size.field
+        assert set(hidden.shape(random)) <= {value.field for value in rows[name].parameters}
+    assert len(OUTSIDE) >= 4 and not set(OUTSIDE) & set(rows)
+    for name, hidden in OUTSIDE.items():
+        assert next(iter(outside.DEFAULTS[name])) == hidden.size
+        assert outside.DEFAULTS[name][hidden.size] == 0.0
+
+
+def test_machines_differ_and_are_reproduced() -> None:
+    first, second = machines.machine(1), machines.machine(2)
+    machines.machine.cache_clear()
+    assert machines.machine(1) == first
+    assert first.friction != second.friction
+    assert all(first.values[name] != second.values[name] for name in first.values)
+    spread = np.array([machines.machine(number).values["motor.resistance_ohm"] for number in range(1, 101)])
+    assert spread.std() / 0.99 == pytest.approx(0.03, rel=0.25)
+    assert machines.machine(3, own=True).values == {}
+
+
+def test_seeds_are_the_same_in_every_process_and_differ_by_part() -> None:
+    assert machines.seed_of("a", 1) == 2_745_452_491
+    assert len({machines.seed_of("healthy", 1, False, "chirp", day) for day in range(100)}) == 100
+
+
+@needs_numba
+def test_repeats_scatter_as_said_and_a_hidden_effect_shows() -> None:
+    unit = machines.machine(2)
+    still = machines.measured(unit, {}, "triangle", 5)
+    again = machines.measured(unit, {}, "triangle", 5)
+    other = machines.measured(unit, {}, "triangle", 6)
+    assert np.array_equal(still.current_A, again.current_A)
+    assert 0.03 < np.std(other.current_A - still.current_A) / np.sqrt(2.0) < 0.045
+    for name in ("gain_drift", "bus_hum", "csj"):
+        hidden = change(unit, name, 3.0, "triangle")
+        seen = machines.exact(unit, hidden.values, "triangle") - machines.exact(unit, {}, "triangle")
+        assert np.std(seen[2]) > 1e-3, name
+
+
+@needs_numba
+def test_scatter_of_the_day_comes_with_a_shift_of_the_same_value() -> None:
+    unit = machines.machine(2)
+    shift = change(unit, "csj", 20.0, "triangle")
+    assert shift.true == pytest.approx(unit.values["screw.csj_Nm"])
+    runs = [machines.measured(replace(unit, sensors=machines.Sensors()), shift.values, "triangle", seed).current_A for seed in (5, 6)]
+    assert np.std(runs[0] - runs[1]) > 1e-3
+
+
+def test_a_hidden_ripple_adds_to_the_standing_one() -> None:
+    unit = machines.machine(2)
+    hidden = change(unit, "pitch_ripple", 1.0, "chirp")
+    total = hidden.values["pitch_ripple.ratio"] * np.exp(1j * hidden.values["pitch_ripple.phase_rad"])
+    standing = unit.values["pitch_ripple.ratio"] * np.exp(1j * unit.values["pitch_ripple.phase_rad"])
+    assert abs(total - standing) == pytest.approx(0.03)
+    assert hidden.true == 0.03
+
+
+def test_nothing_that_the_search_gets_says_what_is_hidden() -> None:
+    run = machines.Recording(np.zeros(3), *(np.arange(3.0) + k for k in range(5)), speed_mm_s=np.zeros(3))
+    record = sealed.record_of(run, 0)
+    texts = [getattr(record, one.name) for one in fields(record) if isinstance(getattr(record, one.name), str)]
+    assert texts == ["record_0.csv"]
+    assert record.speed_mm_s is None and record.first_time_s == 0.0
+    assert np.array_equal(record.current_A, run.current_A)
+
+
+def test_the_fit_to_the_repeats_is_made_once_inside_and_the_code_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    monkeypatch.setattr(gathering, "healthy_model", lambda actuator, record, mean, power, channels, *more: made.append(1) or actuator)
+    before = gathering.healthy_model
+    record = sealed.record_of(machines.Recording(np.zeros(3), *(np.arange(3.0) for _ in range(5)), speed_mm_s=np.zeros(3)), 0)
+    with sealed.remembering():
+        for mean in (np.ones(3), np.ones(3), np.zeros(3)):
+            gathering.healthy_model(None, record, mean, np.ones(3), ("position_mm",))
+    assert len(made) == 2
+    assert gathering.healthy_model is before
+
+
+def test_the_plan_holds_every_effect_severity_and_kind() -> None:
+    planned = Plan(3).trials()
+    assert {trial.kind for trial in planned} == set(KINDS)
+    assert len({trial.key for trial in planned}) == len(planned)
+    library = {(trial.effects[0], trial.severity) for trial in planned if trial.kind == "library"}
+    assert library == {(name, severity) for name in LIBRARY for severity in SEVERITIES}
+    assert len({trial.command for trial in planned}) >= 4
+    assert sum(trial.kind == "healthy" for trial in planned) == 200
+    assert all(len(set(trial.effects)) == 2 for trial in planned if trial.kind == "pair")
+    grouped = trials.groups(planned)
+    assert sorted(trial.key for group in grouped for trial in group) == sorted(trial.key for trial in planned)
+    assert all(len({(trial.machine, trial.command, trial.kind == "same") for trial in group}) == 1 for group in grouped)
+
+
+def test_a_placebo_keeps_size_and_loses_shape() -> None:
+    random = np.random.default_rng(2)
+    signal = np.sin(np.linspace(0.0, 60.0, 1_000))
+
+    def run(offset: np.ndarray) -> machines.Recording:
+        return machines.Recording(np.zeros(1_000), signal, *(signal + offset for _ in range(4)), speed_mm_s=signal)
+
+    healthy = [run(0.01 * random.standard_normal(1_000)) for _ in range(5)]
+    mean = np.mean([one.current_A for one in healthy], axis=0)
+    dealt = trials._dealt(run(signal), healthy, 3)
+    assert sorted(np.abs(dealt.current_A - mean)) == pytest.approx(sorted(np.abs(2.0 * signal - mean)))
+    assert abs(np.corrcoef(dealt.current_A - mean, signal)[0, 1]) < 0.95
+
+
+@pytest.fixture
+def row() -> dict[str, Any]:
+    """A row of a trial that went well."""
+    hidden = Trial("library", ("cogging_torque",), "medium", "chirp", 1)
+    said = {"verdict": "missing", "first": "cogging_torque", "accepted": ["cogging_torque"], "class": ["cogging_torque"], "ranked": [["cogging_torque", 50.0]]}
+    costs = {"cost_before": 400.0, "cost_after": 100.0, "cost_floor": 100.0, "unexplained": 0.0, "limit": 30.0, "run_s": 2.0}
+    seen = {"pick": "cogging_torque", "right": True, "size": [17.0], "apart": {"pitch_ripple": 2.0, "jam_spot": 9.0}}
+    size = {"effect": "cogging_torque", "true": 0.01, "estimate": 0.011, "std": 0.001, "held": True}
+    return {"key": hidden.key, **hidden.__dict__, "effects": ["cogging_torque"], **said, **costs, "observer": seen, "sizes": [size], "held_out": {"command": "triangle", "before": 2.0, "after": 1.0}}
+
+
+def test_scores_count_names_and_classes(row: dict[str, Any]) -> None:
+    assert scoring.first_right(row) and scoring.exact_set(row) and not scoring.wrongly_accused(row)
+    other = {**row, "first": "pitch_ripple", "accepted": ["pitch_ripple"], "class": ["pitch_ripple"]}
+    assert not scoring.first_right(other) and scoring.wrongly_accused(other)
+    # a class counts when the answer states it and nobody could tell the two apart, not before
+    assert scoring.first_right({**other, "class": ["pitch_ripple", "cogging_torque"]})
+    assert not scoring.first_right({**other, "first": "jam_spot", "class": ["jam_spot", "cogging_torque"]})
+    load = {**row, "effects": ["constant_load"], "first": "coulomb_asymmetry", "accepted": ["coulomb_asymmetry"]}
+    assert scoring.first_right(load) and scoring.exact_set(load)
+    assert not scoring.exact_set({**row, "verdict": "unknown"}) and scoring.first_right({**row, "verdict": "unknown"})
+    more = {**row, "accepted": ["cogging_torque", "jam_spot"]}
+    assert scoring.all_named(more) and not scoring.exact_set(more) and scoring.wrongly_accused(more)
+
+
+def test_goals_are_met_or_not(row: dict[str, Any]) -> None:
+    healthy = {**row, "kind": "healthy", "effects": [], "severity": "", "verdict": "adequate", "accepted": []}
+    strange = {**row, "kind": "outside", "effects": ["bus_hum"], "verdict": "unknown", "accepted": []}
+    pair = {**row, "kind": "pair", "effects": ["cogging_torque", "jam_spot"], "accepted": ["cogging_torque", "jam_spot"]}
+    good = [row, *[healthy] * 200, strange, pair, *({**row, "kind": kind} for kind in ("position", "alone", "time"))]
+    met = {goal.text: goal.met for goal in scoring.goals(good)}
+    assert all(value for text, value in met.items() if "95 %" not in text)
+    spoiled = [{**one, "verdict": "missing", "accepted": ["supply_sag"], "first": "supply_sag", "class": [], "run_s": 11.0, "cost_after": 120.0} for one in good]
+    failed = {goal.text for goal in scoring.goals(spoiled) if not goal.met}
+    assert {text for text in met if "error after" not in text and "held-out" not in text and "95 %" not in text} <= failed
+    worse = [{**row, "cost_after": 120.0, "held_out": {"command": "triangle", "before": 2.0, "after": 1.2}}]
+    assert len([goal for goal in scoring.goals(worse) if not goal.met and ("error after" in goal.text or "held-out" in goal.text)]) == 2
+
+
+def test_the_document_and_its_pictures(row: dict[str, Any], tmp_path: Path) -> None:
+    wrong = {**row, "key": "other", "severity": "small", "first": "jam_spot", "accepted": ["jam_spot"], "sizes": []}
+    written = documents.write([row, wrong], tmp_path / "NAMING.md")
+    text = written[0].read_text(encoding="utf-8")
+    assert "| cogging_torque | jam_spot 1 | 1 | 0 | 0 |" in text
+    assert "| medium | 2.00 | 1.000 | 1.000 | 2.000 | 1.000 | 1.000 |" in text
+    assert all(f"({path.name})" in text for path in written[1:])
+    assert written[2].read_text(encoding="utf-8").count("fill-opacity") == 2
+    assert "<polyline" in written[1].read_text(encoding="utf-8")
+
+
+def test_curves_draw_percent_upwards() -> None:
+    drawn = pictures.curves("a < b", ("low", "high"), {"line": (0.0, 100.0), "short": (None, 50.0)})
+    assert "a &lt; b" in drawn
+    assert 'points="50.0,250.0 470.0,30.0"' in drawn and 'points="470.0,140.0"' in drawn
+
+
+def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
+    planned = Plan(1, severities=("medium",), effects=("cogging_torque", "jam_spot"), kinds=("library",)).trials()
+    asked: list[str] = []
+
+    def work(trial: Trial) -> dict[str, Any]:
+        asked.append(trial.key)
+        if len(asked) == 2:
+            raise KeyboardInterrupt
+        return {"key": trial.key}
+
+    with pytest.raises(KeyboardInterrupt):
+        running.run(planned, tmp_path, 0, work)
+    part = next((tmp_path / "parts").glob("*.jsonl"))
+    with part.open("a", encoding="utf-8") as file:
+        file.write('{"key": "cut sho')
+    rows = running.run(planned, tmp_path, 0, work)
+    assert [row["key"] for row in rows] == [trial.key for trial in planned]
+    assert asked == [planned[0].key, planned[1].key, planned[1].key]
+
+
+@pytest.mark.parametrize(("option", "value"), [("--effects", "rust"), ("--severity", "huge"), ("--kinds", "none")])
+def test_what_is_not_known_is_refused(option: str, value: str, tmp_path: Path) -> None:
+    refused = CliRunner().invoke(main, ["--small", option, value, "-o", str(tmp_path)])
+    assert refused.exit_code == 2
+    assert f"{value}: not known" in refused.output
+
+
+@needs_numba
+@pytest.mark.slow
+def test_the_observer_names_what_is_large_and_not_what_is_nothing() -> None:
+    found = []
+    for severity in ("large", "edge"):
+        trial = Trial("library", ("transmission_compliance",), severity, "triangle", 2)
+        run, healthy = trials.runs(trial, "triangle", trials.hidden_changes(machines.machine(2), trial, "triangle"))
+        found.append(observer.judged(2, False, "triangle", trial.effects, severity, run, healthy, None))
+    assert found[0]["right"] and found[0]["pick"] == "transmission_compliance"
+    assert found[0]["size"][0] > 10.0 * found[1]["size"][0]
+    bank = observer.bank(2, False, "triangle")
+    # noise is white in the observer's space: a healthy run against the mean of five others has unit variance
+    space = observer._Space.of(bank, None, 5)
+    runs = [observer.signals(machines.measured(bank.unit, {}, "triangle", seed)) for seed in range(40, 46)]
+    residual = space(bank.whitened(runs[0] - np.mean(runs[1:], axis=0)))
+    assert residual @ residual / residual.size == pytest.approx(1.0, abs=0.03)
+
+
+@needs_numba
+@pytest.mark.slow
+def test_a_small_run_names_rightly(tmp_path: Path) -> None:
+    folder = tmp_path / "rows"
+    document = tmp_path / "NAMING.md"
+    done = CliRunner().invoke(main, ["--small", "-o", str(folder), "--document", str(document)])
+    assert done.exit_code == 0, done.output
+    rows = json.loads((folder / "trials.json").read_text(encoding="utf-8"))["trials"]
+    assert {row["kind"] for row in rows} == {"library", "outside", "healthy"}
+    assert [scoring.first_right(row) for row in rows if row["kind"] == "library"] == [True, True]
+    assert not any(scoring.accused(row) for row in rows if row["kind"] != "library")
+    assert "## Goals" in document.read_text(encoding="utf-8")
