@@ -72,7 +72,7 @@ LIBRARY: Mapping[str, Hidden] = {
     "viscous_rise": Hidden("rise", 0.5),
     "concave_viscous": Hidden("drag_Nm_per_sqrt_rad_s", 0.001),
     "quadratic_viscous": Hidden("drag_Nm_s2_per_rad2", 1e-7),
-    "jam_spot": Hidden("amplitude_Nm", 0.02, shape=lambda r: {"place_mm": float(r.uniform(-1.6, 1.6)), "width_mm": _log(r, 0.1, 1.0)}),
+    "jam_spot": Hidden("amplitude_Nm", 0.02, shape=lambda r: {"place_mm": float(r.uniform(-1.0, 1.0)), "width_mm": _log(r, 0.1, 1.0)}),
     "inertia_change": Hidden("change", 0.05),
     "gain_drift": Hidden("drift", 0.02, True),
 }
