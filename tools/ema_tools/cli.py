@@ -297,6 +297,48 @@ def add(
     output().print(f"{out} written", highlight=False)
 
 
+@cli.command(name="next")
+@click.argument("actuator")
+@click.option("--between", "first", required=True, metavar="EFFECT EFFECT...", help="The effects that are confused: two or more; csj and blk are taken too.")
+@click.argument("others", nargs=-1, metavar="")
+@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="At which size: effects.constant_load.torque_Nm=0.01. The lower end of the usual when absent. May be repeated.")
+@click.option("--channels", metavar="COLUMN,...", help="The signals that are recorded; all four when absent.")
+@click.option("--noise", metavar="COLUMN=STD,...", help="Noise of the sensors at 1 kHz; position_mm=0.002,motor_position_mm=0.002,current_A=0.03 when absent.")
+@click.option("--limit", "limit", metavar="NAME=VALUE,...", help="What is safe, in place of shares of what the machine can do: stroke_mm=5,speed_mm_s=40,current_A=8.")
+@click.option("--also", multiple=True, metavar="CMD", help="A command of your own beside the menu's: chirp:amplitude_mm=1,end_hz=6. May be repeated.")
+@json_option
+def next_command(
+    actuator: str,
+    first: str,
+    others: tuple[str, ...],
+    settings: tuple[str, ...],
+    channels: str | None,
+    noise: str | None,
+    limit: str | None,
+    also: tuple[str, ...],
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Say which safe command separates effects best that look alike, or that none does and what would.
+
+    ema next ACTUATOR --between EFFECT EFFECT...
+    """
+    from ema_tools.actuator import read_actuator
+    from ema_tools.diagnosis import following
+    from ema_tools.results import provenance
+    from ema_tools.simulate import noise_of
+
+    writable(json_path, force=force, inputs=(actuator,))
+    model = read_actuator(actuator)
+    effects = following.check_effects((first, *others))
+    values = following.sizes_of(settings)
+    chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else following.CHANNELS
+    with progress("simulating", 100) as bar:
+        found = following.next_experiment(model, effects, chosen, values, noise_of(noise), following.limits_given(limit), also, lambda share, text: bar.update(100.0 * share, text))
+    save(json_path, {"command": "next", **found.result(), "provenance": provenance(command_line(), actuator=model.name)}, force)
+    following.print_next(output(), found)
+
+
 @cli.command()
 @click.argument("actuator")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
