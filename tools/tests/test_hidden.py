@@ -137,8 +137,8 @@ def test_a_placebo_keeps_size_and_loses_shape() -> None:
 def row() -> dict[str, Any]:
     """A row of a trial that went well."""
     hidden = Trial("library", ("cogging_torque",), "medium", "chirp", 1)
-    said = {"verdict": "missing", "first": "cogging_torque", "accepted": ["cogging_torque"], "class": ["cogging_torque"], "ranked": [["cogging_torque", 50.0]]}
-    costs = {"cost_before": 400.0, "cost_after": 100.0, "cost_floor": 100.0, "unexplained": 0.0, "limit": 30.0, "run_s": 2.0}
+    said = {"verdict": "missing", "first": "cogging_torque", "accepted": ["cogging_torque"], "class": ["cogging_torque"], "ranked": [["cogging_torque", 50.0]], "standing": ["sensor_gain"]}
+    costs = {"cost_before": 400.0, "cost_after": 100.0, "cost_floor": 100.0, "unexplained": 0.0, "limit": 30.0, "run_s": 2.0, "cpu_s": 3.0}
     seen = {"pick": "cogging_torque", "right": True, "size": [17.0], "apart": {"pitch_ripple": 2.0, "jam_spot": 9.0}}
     size = {"effect": "cogging_torque", "true": 0.01, "estimate": 0.011, "std": 0.001, "held": True}
     return {"key": hidden.key, **hidden.__dict__, "effects": ["cogging_torque"], **said, **costs, "observer": seen, "sizes": [size], "held_out": {"command": "triangle", "before": 2.0, "after": 1.0}}
@@ -156,6 +156,14 @@ def test_scores_count_names_and_classes(row: dict[str, Any]) -> None:
     assert not scoring.exact_set({**row, "verdict": "unknown"}) and scoring.first_right({**row, "verdict": "unknown"})
     more = {**row, "accepted": ["cogging_torque", "jam_spot"]}
     assert scoring.all_named(more) and not scoring.exact_set(more) and scoring.wrongly_accused(more)
+
+
+def test_a_standing_error_named_first_is_set_aside(row: dict[str, Any]) -> None:
+    ranked = [["sensor_gain", 70.0], ["cogging_torque", 50.0], ["jam_spot", 40.0]]
+    named = {**row, "first": "sensor_gain", "ranked": ranked}
+    assert not scoring.first_right(named) and scoring.right_beside_standing(named)
+    assert not scoring.right_beside_standing({**named, "ranked": [ranked[0], ranked[2], ranked[1]]})
+    assert scoring.right_beside_standing({**named, "effects": ["sensor_gain"]})
 
 
 def test_goals_are_met_or_not(row: dict[str, Any]) -> None:

@@ -64,7 +64,7 @@ deviations lie between the two for the ideal observer.
 
 def _goals(rows: Sequence[Row]) -> str:
     cells = [[goal.text, goal.limit, "yes" if goal.met else "**no**", goal.reached, goal.beside or ""] for goal in scoring.goals(rows)]
-    return "## Goals\n\n" + _table(("goal", "limit", "met", "reached", "ideal observer"), cells, 2)
+    return "## Goals\n\n" + _table(("goal", "limit", "met", "reached", "beside it, mostly the ideal observer"), cells, 2)
 
 
 def _curve(rows: Sequence[Row]) -> str:
@@ -150,7 +150,7 @@ def _unasked(rows: Sequence[Row]) -> str:
             wrong = ", ".join(sorted({"+".join(row["accepted"]) for row in some if scoring.accused(row)})) or "-"
             cells.append([name, nearest, wrong, beyond, str(share_of(some, lambda row: row["verdict"] == "unknown"))])
     if cells:
-        text += "Outside effects, medium and large. No single effect of the library comes near any of them: the column `left` is the share of what they do that the nearest one leaves.\n\n"
+        text += "Outside effects, medium and large; `left` is the share of what they do to the signals, beyond the noise, that the nearest effect of the library leaves at its best size.\n\n"
         text += _table(("hidden", "nearest in the library", "put forward", "left", "unknown"), cells, 2)
     return text if healthy or cells else ""
 
@@ -192,9 +192,9 @@ def _left(rows: Sequence[Row]) -> str:
 
 def _time(rows: Sequence[Row]) -> str:
     timed = of_kind(rows, "time")
-    shared = [row["run_s"] for row in rows if row["kind"] != "time"]
+    shared = [row["cpu_s"] for row in rows if row["kind"] != "time"]
     text = "## Time\n\n"
     if timed:
         seconds = ", ".join(f"{row['run_s']:.1f}" for row in timed)
         text += f"A diagnosis of a 10 s record with {timed[0]['repeats']} repeats on all cores, from records to answer: {seconds} s. "
-    return text + f"In the trials, on one core and with the fit to the healthy repeats made once a machine: median {np.median(shared):.1f} s, longest {max(shared):.0f} s.\n" if shared else ""
+    return text + f"In the trials, with the fit to the healthy repeats made once a machine: {np.median(shared):.1f} s of one core (median), {max(shared):.0f} s at most.\n" if shared else ""

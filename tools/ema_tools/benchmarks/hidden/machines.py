@@ -67,6 +67,14 @@ class Machine:
     sensors: Sensors
     own: bool = False
 
+    @property
+    def standing(self) -> tuple[str, ...]:
+        """Effects that even the healthy machine has a little of: who knows no healthy repeats may name them, and is not wrong."""
+        if self.own:
+            return ()
+        always = ("pitch_ripple", "coulomb_asymmetry", "constant_load", "sensor_gain", "sensor_offset", "gain_drift")
+        return (*always, "presliding") if self.friction == "lugre" else always
+
 
 @lru_cache(maxsize=64)
 def machine(number: int, own: bool = False) -> Machine:

@@ -55,7 +55,10 @@ class Said:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the search said. `known`: values of the healthy machine's model, from which the fitted values are changes; costs are sums of squared whitened residuals."""
+    """What the search said. `known`: values of the healthy machine's model, from which the fitted values are changes; costs are sums of squared whitened residuals.
+
+    `run_s`, `cpu_s`: time on the clock and of all cores together.
+    """
 
     verdict: str
     said: tuple[Said, ...]
@@ -67,6 +70,7 @@ class Answer:
     unexplained: float
     limit: float
     run_s: float
+    cpu_s: float
 
     @property
     def accepted(self) -> tuple[str, ...]:
@@ -91,14 +95,14 @@ def _evidence(run: Recording, healthy: Sequence[Recording], channels: Sequence[s
 
 def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> Answer:
     """The search on one run against healthy repeats (none: against the data sheet), in `channels` or all signals."""
-    begun = time.perf_counter()
+    begun, work = time.perf_counter(), time.process_time()
     evidence = _evidence(run, healthy, channels)
     found = diagnose(evidence)
-    run_s = time.perf_counter() - begun
+    run_s, cpu_s = time.perf_counter() - begun, time.process_time() - work
     said = tuple(Said(one.name, tuple(one.alike), dict(one.values), dict(one.std), one.score, one.accepted) for one in found.named)
     fitted = dict(found.fit.values) if found.fit is not None else {}
     costs = (found.cost_before, found.cost_after, found.cost_floor)
-    return Answer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s)
+    return Answer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s, cpu_s)
 
 
 def error_left(fitted: Mapping[str, float], run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> tuple[float, float]:

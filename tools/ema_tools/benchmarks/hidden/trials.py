@@ -20,7 +20,7 @@ OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
 # Healthy records of one machine and command.
-_DAYS = 10
+_DAYS = 20
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,9 @@ class Plan:
             for order, name in enumerate(library):
                 command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[(order + place) % len(OTHER_COMMANDS)]
                 found += [Trial("library", (name,), severity, command, number, self.repeats, held_out=severity in strong) for severity in self.severities]
-                found += [Trial("position", (name,), severity, "chirp", number, self.repeats) for severity in strong if severity == "medium"]
-                found += [Trial("alone", (name,), severity, "chirp", number, 0) for severity in strong]
+                if place < 2:
+                    found += [Trial("position", (name,), severity, "chirp", number, self.repeats) for severity in strong if severity == "medium"]
+                    found += [Trial("alone", (name,), severity, "chirp", number, 0) for severity in strong]
             found += [Trial("fault", (name,), severity, "chirp", number, self.repeats) for name in faults for severity in self.severities]
         first = numbers[0] if len(numbers) else self.first_machine
         found += [Trial("same", (name,), severity, "chirp", first, self.repeats) for name in library for severity in self.severities]
@@ -176,8 +177,9 @@ def perform(trial: Trial) -> dict[str, Any]:
     answer = sealed.answered(run, healthy, trial.channels)
     row: dict[str, Any] = {"key": trial.key, **asdict(trial), "verdict": answer.verdict, "first": answer.first, "accepted": list(answer.accepted)}
     row["class"] = list(answer.said[0].alike) if answer.said else []
+    row["standing"] = list(unit.standing)
     row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
-    row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s")}
+    row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s", "cpu_s")}
     if trial.effects and trial.repeats and trial.kind not in ("placebo", "time"):
         row["observer"] = observer.judged(trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels)
     row["sizes"] = _sizes(answer, hidden, trial.effects)
