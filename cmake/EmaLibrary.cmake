@@ -15,7 +15,7 @@ foreach(level base effects blocks plant signal search ident session)
 endforeach()
 
 foreach(target ema ema64)
-    add_library(${target} STATIC ${EMA_SOURCES})
+    add_library(${target} STATIC ${EMA_SOURCES} ${EMA_OWN_SOURCES})
     add_library(EMA::${target} ALIAS ${target})
     ema_compile(${target})
     target_include_directories(${target}
@@ -23,6 +23,10 @@ foreach(target ema ema64)
         PRIVATE ${EMA_SOURCE_DIRS})
     # The desktop libraries contain these objects, and show only their own functions.
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden)
+    if(EMA_OWN_FOLDER)
+        target_compile_definitions(${target} PUBLIC "$<BUILD_INTERFACE:EMA_OWN_EFFECTS=\"${EMA_OWN_FOLDER}/own_effects.def\">"
+                                   "$<INSTALL_INTERFACE:EMA_OWN_EFFECTS=\"ema/own_effects.def\">")
+    endif()
     if(UNIX)
         # Without optimisation the square root is a call.
         target_link_libraries(${target} PUBLIC m)
@@ -35,6 +39,9 @@ endif()
 
 install(TARGETS ema ema64 EXPORT EMATargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(DIRECTORY include/ema DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" PATTERN "*.def")
+if(EMA_OWN_FOLDER)
+    install(FILES "${EMA_OWN_FOLDER}/own_effects.def" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/ema")
+endif()
 install(EXPORT EMATargets NAMESPACE EMA:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/EMA" FILE EMAConfig.cmake)
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/EMAConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/EMAConfigVersion.cmake" DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/EMA")

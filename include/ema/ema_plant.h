@@ -164,18 +164,25 @@ typedef struct {
     ema_real delay_part;
 } ema_encoder_t;
 
-/* Which effects act while the model runs: one bit per row of ema_effects.def, one set per site. */
+/* A set of effects: one bit per row of ema_effects.def. */
+#ifdef EMA_OWN_EFFECTS
+typedef uint64_t ema_effect_set_t;
+#else
+typedef uint32_t ema_effect_set_t;
+#endif
+
+/* Which effects act while the model runs, one set per site. */
 typedef struct {
-    uint32_t torque;
-    uint32_t friction;
-    uint32_t load;
-    uint32_t voltage;
-    uint32_t motor;
-    uint32_t presliding;
-    uint32_t transmission;
-    uint32_t reading;
-    uint32_t tables; /* all learned tables, wherever they act */
-    bool any;        /* one that acts on the motion */
+    ema_effect_set_t torque;
+    ema_effect_set_t friction;
+    ema_effect_set_t load;
+    ema_effect_set_t voltage;
+    ema_effect_set_t motor;
+    ema_effect_set_t presliding;
+    ema_effect_set_t transmission;
+    ema_effect_set_t reading;
+    ema_effect_set_t tables; /* all learned tables, wherever they act */
+    bool any;                /* one that acts on the motion */
 } ema_active_t;
 
 /* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables stay where they lie. */

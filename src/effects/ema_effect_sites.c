@@ -11,9 +11,9 @@ enum {
     EMA_INDEX_COUNT
 };
 
-_Static_assert(EMA_INDEX_COUNT <= 32, "a set of effects is one word");
+_Static_assert(EMA_INDEX_COUNT <= 8 * (int)sizeof(ema_effect_set_t), "a set of effects has a bit for each");
 
-#define EMA_BIT(name) (UINT32_C(1) << (uint32_t)EMA_INDEX_##name)
+#define EMA_BIT(name) ((ema_effect_set_t)1 << (uint32_t)EMA_INDEX_##name)
 
 /* The places of effects with state, one after the other. */
 typedef struct {

@@ -1,6 +1,6 @@
-"""The two lists that make an actuator, read from the C headers `ema_params.def` and `ema_effects.def`.
+"""The two lists that make an actuator, read from the C headers `ema_params.def` and `ema_effects.def`, and the user's own `own_effects.def` where the libraries were built with one.
 
-Both lists are the single source of names, nominal values, ranges and texts; Python keeps no copy of them.
+These lists are the single source of names, nominal values, ranges and texts; Python keeps no copy of them.
 """
 
 from __future__ import annotations
@@ -111,6 +111,7 @@ class Effect:
     look_alikes: tuple[str, ...]
     parameters: tuple[EffectParameter, ...]
     is_learned: bool = False  # no physical effect but a table that holds what was learned from records
+    is_own: bool = False  # from the user's own list
 
     @property
     def nodes(self) -> tuple[EffectParameter, ...]:
@@ -197,6 +198,23 @@ def _definition_folder(named: str | None) -> Path:
         if (place / "ema_params.def").is_file() and (place / "ema_effects.def").is_file():
             return place
     raise DefinitionError(f"ema_params.def, ema_effects.def: not in {places[0]}: point EMA_DEFINITIONS at include/ema")
+
+
+def library_folder() -> Path:
+    """Folder of the shared libraries: EMA_LIBRARY_DIR, else `build/lib` of the repository around this file."""
+    named = os.environ.get("EMA_LIBRARY_DIR")
+    return Path(named) if named else Path(__file__).resolve().parents[2] / "build" / "lib"
+
+
+def own_folder() -> Path | None:
+    """Folder of the user's own effects that the libraries were built with: `own_effects.def` and references; None without any."""
+    return _own_folder(library_folder())
+
+
+@functools.lru_cache
+def _own_folder(libraries: Path) -> Path | None:
+    folder = libraries / "own_effects"
+    return folder if (folder / "own_effects.def").is_file() else None
 
 
 _TOKEN = re.compile(
@@ -341,7 +359,7 @@ def _parameters(path: Path) -> Iterator[Parameter]:
             raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_PARAM or EMA_OPTION: correct the name")
 
 
-def _effects(path: Path) -> Iterator[Effect]:
+def _effects(path: Path, own: bool = False) -> Iterator[Effect]:
     for call in _Reader(path.read_text(encoding="utf-8"), path).calls():
         if call.name != "EMA_EFFECT":
             raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_EFFECT: correct the name")
@@ -353,15 +371,17 @@ def _effects(path: Path) -> Iterator[Effect]:
             values.append(EffectParameter(str(name), str(field), float(nominal), float(lower), float(upper), str(text)))  # type: ignore[arg-type]
         others = tuple(other.strip() for other in str(look_alikes).split(",") if other.strip())
         place = str(site).removesuffix(_LEARNED)
-        yield Effect(str(name), place, int(memory), int(substeps), str(equation), str(source), others, tuple(values), place != site)  # type: ignore[call-overload]
+        yield Effect(str(name), place, int(memory), int(substeps), str(equation), str(source), others, tuple(values), place != site, own)  # type: ignore[call-overload]
 
 
 @functools.cache
-def read_definitions(folder: Path) -> Definitions:
-    """Both lists from `folder`. Raises DefinitionError with file and row."""
+def read_definitions(folder: Path, own: Path | None = None) -> Definitions:
+    """Both lists from `folder`, and the user's from the folder `own`. Raises DefinitionError with file and row."""
     parameters = tuple(_parameters(folder / "ema_params.def"))
     effects = tuple(_effects(folder / "ema_effects.def"))
-    names = [row.name for row in parameters] + [value.name for effect in effects for value in effect.parameters]
+    if own is not None:
+        effects += tuple(_effects(own / "own_effects.def", True))
+    names = [row.name for row in parameters] + [value.name for effect in effects for value in effect.parameters] + [effect.name for effect in effects]
     for name in names:
         if names.count(name) > 1:
             raise DefinitionError(f"{name}: stands twice in the lists: rename one")
@@ -369,8 +389,8 @@ def read_definitions(folder: Path) -> Definitions:
 
 
 def load_definitions() -> Definitions:
-    """Both lists from where `definition_folder` finds them."""
-    return read_definitions(definition_folder())
+    """Both lists from where `definition_folder` finds them, with the user's own effects of the libraries in use."""
+    return read_definitions(definition_folder(), own_folder())
 
 
 def defaults() -> dict[str, float]:

@@ -13,10 +13,11 @@ from rich.text import Text
 from ema_tools import console as terminal
 from ema_tools.actuator import Actuator, reference_actuator
 from ema_tools.cases import CASES, Case
+from ema_tools.definitions import library_folder
 from ema_tools.errors import InputError
 from ema_tools.files import write_json
 from ema_tools.identify import identify
-from ema_tools.native import Progress, library_folder
+from ema_tools.native import Progress
 from ema_tools.records import read_record, simulated
 from ema_tools.report import write_report
 from ema_tools.report.page import finding, sentence

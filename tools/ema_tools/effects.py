@@ -38,6 +38,7 @@ def describe(effect: Effect) -> dict[str, Any]:
         "name": effect.name,
         "acts_on": SITES.get(effect.site, effect.site.lower()),
         "learned": effect.is_learned,
+        "own": effect.is_own,
         "equation": effect.equation,
         "source": effect.source,
         "look_alikes": list(effect.look_alikes),

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ema_tools.definitions import load_definitions
+from ema_tools.definitions import library_folder, load_definitions
 from ema_tools.errors import InputError
 
 Reals = NDArray[np.float64]
@@ -177,12 +177,6 @@ class Identification:
     adequate: bool
     reasons: tuple[str, ...]
     random_state: int
-
-
-def library_folder() -> Path:
-    """Folder of the shared libraries: EMA_LIBRARY_DIR, else `build/lib` of the repository around this file."""
-    named = os.environ.get("EMA_LIBRARY_DIR")
-    return Path(named) if named else Path(__file__).resolve().parents[2] / "build" / "lib"
 
 
 def _library_path(bits: int) -> Path:

@@ -14,9 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ema_tools.actuator import read_actuator, reference_actuator
-from ema_tools.definitions import load_definitions
+from ema_tools.definitions import library_folder, load_definitions
 from ema_tools.export import flat_text, header_text, literal
-from ema_tools.native import library_folder
 from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
 PROGRAM = """

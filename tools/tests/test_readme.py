@@ -15,8 +15,8 @@ from rich.console import Console
 from ema_tools import demo
 from ema_tools.actuator import reference_actuator
 from ema_tools.cli import cli
+from ema_tools.definitions import library_folder
 from ema_tools.export import header_text
-from ema_tools.native import library_folder
 from ema_tools.records import read_record
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -102,6 +102,10 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
         return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
     if suggested is not None and "phase_rad" in {value.field for value in effect.parameters}:
         return [one(*_turned(effect, actuator, shaped)) for shaped in suggested if _same_periods(effect, actuator, shaped.shape)]
+    if effect.is_own and not present:
+        # nothing suggests its further values: they are fitted from where they stand, except one at zero, which has no scale
+        stands = {f"effects.{value.name}": actuator[value.name] for value in effect.parameters[1:] if actuator[value.name] != 0.0 or value.field == "phase_rad"}
+        return [one(stands, _ladder(size.lower, size.upper, size.nominal, _LADDER))]
     grid = {} if present else _SHAPES.get(effect.name, {})
     names = [f"effects.{effect.name}.{field}" for field in grid]
     zero = actuator[size.name]

@@ -1,0 +1,146 @@
+"""An effect of one's own: the documented example is built outside the project's files, listed, hidden in a record, named first, added, compared and exported."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from support import REFERENCE, ROOT
+
+from ema_tools.definitions import DefinitionError, definition_folder, load_definitions, own_folder, read_definitions
+
+EXAMPLE = ROOT / "docs" / "own_effect"
+HIDDEN = {"drag_Nm_per_mm": 0.008, "start_mm": 0.5}
+NOISE = "position_mm=0.002,motor_position_mm=0.002,current_A=0.03,voltage_V=0.02"
+# Dry friction of healthy runs and of today's: a usual scatter.
+LEVELS_NM = (0.1375, 0.1383, 0.1377, 0.1386, 0.1379)
+TODAY_NM = 0.1384
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def test_the_ordinary_library_does_not_know_the_example() -> None:
+    assert own_folder() is None
+    assert not any(effect.is_own for effect in load_definitions().effects)
+
+
+def test_the_list_of_ones_own_is_read_behind_the_projects(tmp_path: Path) -> None:
+    found = read_definitions(definition_folder(), EXAMPLE)
+    assert [effect.name for effect in found.effects[:-1]] == [effect.name for effect in load_definitions().effects]
+    own = found.effects[-1]
+    assert own.is_own
+    assert (own.name, own.site, own.size.field) == ("scored_rod", "FRICTION", "drag_Nm_per_mm")
+    taken = (EXAMPLE / "own_effects.def").read_text().replace("scored_rod", "jam_spot")
+    (tmp_path / "own_effects.def").write_text(taken)
+    with pytest.raises(DefinitionError, match="jam_spot: stands twice"):
+        read_definitions(definition_folder(), tmp_path)
+
+
+def test_the_document_shows_the_files_as_they_are() -> None:
+    text = (ROOT / "docs" / "YOUR_OWN_EFFECT.md").read_text()
+    for name in ("own_effects.def", "ema_effect_scored_rod.c", "scored_rod.py"):
+        assert (EXAMPLE / name).read_text() in text, name
+
+
+def test_a_folder_without_a_list_is_refused(tmp_path: Path) -> None:
+    ran = subprocess.run(
+        ["cmake", "-S", ROOT, "-B", tmp_path / "build", "-DEMA_TESTS=OFF", "-DEMA_PYTHON=OFF", f"-DEMA_OWN_EFFECTS={tmp_path}"], capture_output=True, text=True, check=False
+    )
+    assert ran.returncode != 0
+    assert "holds no own_effects.def" in ran.stderr
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of libraries that hold the example, built as a user builds them."""
+    folder = tmp_path_factory.mktemp("own")
+    options = ("-DEMA_TESTS=OFF", "-DEMA_PYTHON=OFF", "-DEMA_WERROR=ON", "-DCMAKE_BUILD_TYPE=Release", f"-DEMA_OWN_EFFECTS={EXAMPLE}")
+    for command in (["cmake", "-S", ROOT, "-B", folder, *options], ["cmake", "--build", folder, "--parallel", "2", "--target", "ema_desk32", "ema_desk64"]):
+        ran = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert ran.returncode == 0, ran.stdout + ran.stderr
+    return folder / "lib"
+
+
+def ema_with(libraries: Path, folder: Path) -> Run:
+    """The command `ema` with these libraries in `folder`."""
+    environment = {**os.environ, "EMA_LIBRARY_DIR": str(libraries), "PYTHONPATH": str(ROOT / "tools")}
+
+    def run(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
+        ran = subprocess.run([sys.executable, "-m", "ema_tools", *map(str, arguments)], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        assert ran.returncode == code, ran.stdout + ran.stderr
+        return ran
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def records(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with five healthy records and today's, which hides the example."""
+    folder = tmp_path_factory.mktemp("records")
+    run = ema_with(built, folder)
+    for place, level in enumerate(LEVELS_NM):
+        run("simulate", REFERENCE, "--command", "chirp", "--noise", NOISE, "--seed", place + 1, "--set", f"screw.csj_Nm={level}", "-o", f"healthy{place}.csv")
+    hidden = [part for field, value in HIDDEN.items() for part in ("--set", f"effects.scored_rod.{field}={value}")]
+    run("simulate", REFERENCE, "--command", "chirp", "--noise", NOISE, "--seed", 99, "--set", f"screw.csj_Nm={TODAY_NM}", *hidden, "-o", "today.csv")
+    return folder
+
+
+@pytest.mark.slow
+def test_the_example_is_listed_and_named_first_and_added(built: Path, records: Path) -> None:
+    run = ema_with(built, records)
+    assert "drag_Nm_per_mm" in run("effects", "scored_rod").stdout
+    healthy = [part for place in range(len(LEVELS_NM)) for part in ("--healthy", f"healthy{place}.csv")]
+    run("diagnose", REFERENCE, "today.csv", *healthy, "--json", "found.json")
+    found = json.loads((records / "found.json").read_text())
+    assert found["verdict"] == "missing"
+    first = found["effects"][0]
+    assert first["name"] == "scored_rod"
+    assert first["accepted"]
+    for field, value in HIDDEN.items():
+        assert first["parameters"][field] == pytest.approx(value, rel=0.05)
+    assert found["error"]["after"] < 1.05 * found["error"]["floor"]
+    # it stands among the others, not alone
+    assert {"jam_spot", "coulomb_asymmetry"} <= {one["name"] for one in found["effects"]}
+
+    run("add", REFERENCE, "scored_rod", "--fit", "today.csv", *healthy, "-o", "with.toml")
+    assert "[effects.scored_rod]" in (records / "with.toml").read_text()
+    for actuator, result in ((REFERENCE, "before.json"), ("with.toml", "after.json")):
+        run("compare", actuator, "today.csv", "--json", result)
+    before, after = (json.loads((records / name).read_text())["balances"]["mechanical"]["rms"] for name in ("before.json", "after.json"))
+    # what is left is the noise of the recorded current and position
+    assert after < 0.6 * before
+    run("export", "with.toml", "-o", "machine.h")
+    assert "scored_rod" in (records / "machine.h").read_text()
+
+
+@pytest.mark.slow
+def test_what_to_measure_next_knows_the_example(built: Path, records: Path) -> None:
+    run = ema_with(built, records)
+    run("next", REFERENCE, "--between", "scored_rod", "coulomb_asymmetry", "--json", "next.json")
+    found = json.loads((records / "next.json").read_text())
+    assert found["best"]["separation"] > 3.0
+    assert found["sizes"]["scored_rod"]["drag_Nm_per_mm"] > 0.0
+
+
+@pytest.mark.slow
+def test_what_is_missing_or_out_of_date_is_said_in_one_line(built: Path, records: Path, tmp_path: Path) -> None:
+    libraries = tmp_path / "lib"
+    shutil.copytree(built, libraries)
+    reference = libraries / "own_effects" / "scored_rod.py"
+    reference.unlink()
+    actuator = tmp_path / "with.toml"
+    actuator.write_text(REFERENCE.read_text() + "\n[effects.scored_rod]\ndrag_Nm_per_mm = 0.008\n")
+    run = ema_with(libraries, tmp_path)
+    message = run("compare", actuator, records / "today.csv", code=1).stderr
+    assert message.count("\n") == 1
+    assert "scored_rod.py" in message
+    rows = libraries / "own_effects" / "own_effects.def"
+    rows.write_text(rows.read_text().replace("start_mm", "from_mm"))
+    assert "built from other lists" in run("simulate", REFERENCE, "--command", "chirp", "-o", "any.csv", code=1).stderr
+    rows.unlink()
+    assert "built from other lists" in run("simulate", REFERENCE, "--command", "chirp", "-o", "any.csv", code=1).stderr
