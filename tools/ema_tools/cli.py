@@ -168,10 +168,16 @@ def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | No
 @click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
 @click.option("--weight", "weights", metavar="COLUMN=W,...", help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
+@click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
 @precision_option("32")
 @json_option
-def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | None, seeds: int, weights: str | None, fitted: str | None, precision: str, json_path: str | None, force: bool) -> None:
-    """Find CSJ and BLK on RECORD with the onboard module's own search."""
+def identify(
+    actuator: str, record: str, healthy: tuple[str, ...], seed: int | None, seeds: int, weights: str | None, fitted: str | None, no_guard: bool, precision: str, json_path: str | None, force: bool
+) -> None:
+    """Find CSJ and BLK on RECORD with the onboard module's own search.
+
+    Where it finds a fault, or the model does not explain the record, a missing effect is sought behind it.
+    """
     from ema_tools import show
     from ema_tools.actuator import read_actuator
     from ema_tools.identify import identify as work
@@ -186,7 +192,7 @@ def identify(actuator: str, record: str, healthy: tuple[str, ...], seed: int | N
     references = [read_record(path, model) for path in healthy]
     weight = weight_of(weights)
     with progress("identifying", model["search.evaluation_budget"]) as bar:
-        found = work(model, measured, references, Search(seed=seed, weight=weight), seeds, int(precision), lambda run, _, best: bar.update(run, f"best {best:.3g}"))
+        found = work(model, measured, references, Search(seed=seed, weight=weight), seeds, int(precision), lambda run, _, best: bar.update(run, f"best {best:.3g}"), not no_guard)
     if fitted:
         found.actuator.write(fitted, force)
     if json_path:

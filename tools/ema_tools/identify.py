@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ema_tools.actuator import Actuator, nearest, row_of, shown
+from ema_tools.diagnosis.guard import Guarded, guard
 from ema_tools.errors import InputError
 from ema_tools.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, library
 from ema_tools.parallel import each
@@ -21,6 +22,9 @@ BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
+# Reasons that send the guard out even where the residual is small: wear does not look like this, a missing effect may.
+_STRANGE = (REASONS[4], REASONS[64])
+_NOT_ADEQUATE = REASONS[2]
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
@@ -35,7 +39,10 @@ class Baseline:
 
 @dataclass(frozen=True)
 class Identified:
-    """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds."""
+    """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
+
+    `guarded`: what stands behind the estimates instead of a fault; None where nobody looked, because the record is plainly healthy or it was not wanted.
+    """
 
     actuator: Actuator
     healthy: Actuator
@@ -47,6 +54,40 @@ class Identified:
     precision: int
     wall_s: float
     weighted: bool
+    guarded: Guarded | None = None
+
+    @property
+    def objects(self) -> bool:
+        """Whether the guard takes the fault back: the model is not adequate, or CSJ or BLK would be another one beside the missing effect."""
+        if self.guarded is None or self.guarded.verdict == "adequate":
+            return False
+        return not self.answer.adequate or (self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified))
+
+    def _moved(self, estimate: Estimate) -> bool:
+        beside = self.guarded.faults.get(estimate.name) if self.guarded is not None else None
+        if beside is None:
+            return False
+        least = 0.01 * self.healthy[MIN_SHIFTS[estimate.name]] * abs(self.healthy[estimate.name])
+        return abs(beside - estimate.estimate) > max(least, 3.0 * (estimate.std if np.isfinite(estimate.std) else 0.0))
+
+    @property
+    def verdict(self) -> str:
+        """The module's verdict, undecided where the guard objects."""
+        return "undecided" if self.objects else self.answer.verdict
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the model explains the record, as far as the module and the guard see."""
+        return self.answer.adequate and not self.objects
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why it is undecided: the module's reasons, and the missing effect behind the first of them."""
+        own = self.answer.reasons
+        if not self.objects or self.guarded is None:
+            return tuple(own)
+        place = own.index(_NOT_ADEQUATE) + 1 if _NOT_ADEQUATE in own else 0
+        return (*own[:place], self.guarded.words(), *own[place:])
 
     def result(self) -> dict[str, Any]:
         """For JSON: the keys that programs read, and more."""
@@ -69,9 +110,11 @@ class Identified:
             "objective_before_mm2s": answer.objective_before,
             "objective_after_mm2s": answer.objective_after,
             "evaluations": answer.evaluations,
-            "verdict": answer.verdict,
-            "adequate": answer.adequate,
-            "reasons": list(answer.reasons),
+            "verdict": self.verdict,
+            "adequate": self.adequate,
+            "reasons": list(self.reasons),
+            "missing_effect": self.guarded.result() if self.objects and self.guarded is not None else None,
+            "guard": None if self.guarded is None else {"verdict": self.guarded.verdict, "skipped": self.guarded.skipped or None, "wall_s": self.guarded.wall_s},
             "sentence": self.sentence(),
             "residual_rms_mm": answer.residual_rms_mm,
             "residual_correlation": answer.residual_correlation,
@@ -102,11 +145,11 @@ class Identified:
         answer = self.answer
         shifts = ", ".join(_shift(estimate, self.healthy[estimate.name]) for estimate in answer.identified)
         found = f"in {answer.evaluations} model runs, error {self._cost(answer.objective_before)} before and {self._cost(answer.objective_after)} after"
-        if answer.verdict == "healthy":
+        if self.verdict == "healthy":
             return f"Healthy: {shifts}; found {found}."
-        if answer.verdict == "fault":
+        if self.verdict == "fault":
             return f"Fault: {shifts}; found {found}."
-        return f"Undecided, because {'; '.join(answer.reasons)}: the search reads {shifts}, {found}."
+        return f"Undecided, because {'; '.join(self.reasons)}: the search reads {shifts}, {found}."
 
 
 def _shift(estimate: Estimate, healthy: float) -> str:
@@ -205,10 +248,11 @@ def identify(
     seeds: int = 1,
     bits: int = 32,
     progress: Progress | None = None,
+    guarding: bool = True,
 ) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
-    `seeds` further searches (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
+    Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
     """
     settings = search or Search()
     check_record(actuator, record, settings)
@@ -229,4 +273,12 @@ def identify(
     wall_s = time.perf_counter() - begun
     others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
     found = known.changed({estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper) for estimate in answer.identified})
-    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None)
+    estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
+    wanted = guarding and bool(estimates) and needs_guard(answer)
+    guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None
+    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None, guarded)
+
+
+def needs_guard(answer: Identification) -> bool:
+    """Whether something else than CSJ and BLK may stand behind an answer: a fault, a strange one, or a model that is not adequate. A healthy record needs no guard."""
+    return answer.verdict == "fault" or not answer.adequate or any(reason in answer.reasons for reason in _STRANGE)

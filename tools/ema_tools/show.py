@@ -85,8 +85,8 @@ def identification(console: Console, found: Identified) -> None:
         rows.add_row(title, unit, number(healthy, 5), number(estimate.estimate, 5), number(estimate.std, 2), f"{estimate.shift_percent:+.3f} %")
     console.print(rows)
     answer = found.answer
-    say(console, f"verdict {answer.verdict}; model {'adequate' if answer.adequate else 'not adequate'}: residual {number(answer.residual_rms_mm, 3)} mm rms")
-    for reason in answer.reasons:
+    say(console, f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(answer.residual_rms_mm, 3)} mm rms")
+    for reason in found.reasons:
         say(console, f"  because {reason}")
     say(
         console,

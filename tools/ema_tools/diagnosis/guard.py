@@ -1,0 +1,287 @@
+"""Whether an effect that the model lacks stands behind a CSJ or BLK: the guard of the identification.
+
+Against healthy repeats the question is what has changed beside CSJ and BLK, and the search of the diagnosis answers it. Without them the machine is taken for known: CSJ and BLK
+are free, grease and winding scatter as from run to run, and everything else is as the actuator file says. A missing effect then moves CSJ and BLK far from where they belong,
+where signatures mislead; so every effect is fitted beside them in the nonlinear model, and the costs are compared.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ema_tools.actuator import Actuator, row_of
+from ema_tools.definitions import load_definitions
+from ema_tools.diagnosis import spread as spreads
+from ema_tools.diagnosis.answer import size_text
+from ema_tools.diagnosis.candidates import FAULTS, candidates, penalty
+from ema_tools.diagnosis.evidence import Evidence, simulate_channels, view
+from ema_tools.diagnosis.gathering import gather, same_command
+from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT, diagnose
+from ema_tools.diagnosis.whitening import Reals
+from ema_tools.errors import InputError
+from ema_tools.parallel import each
+from ema_tools.records import Record
+
+# Values that have a spread of their own beside CSJ and BLK, relative.
+_SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
+# What scatters goes no farther than this, in its spreads: it would stand in for what is missing.
+_CREDIBLE = 3.0
+# Steps of one fit, and how many effects go on to the next: all of them by size alone, the better ones from two starts, the few best with all their values.
+_FIRST_STEPS, _SECOND_STEPS, _LAST_STEPS = 4, 8, 20
+_SECOND, _LAST = 6, 3
+_STEP = 0.02  # of a value's scale: large against reversals that jump a step
+_PHASE_SCALE = 0.5
+# Fits whose costs differ by less than three standard deviations cannot be told apart.
+_ALIKE = 9.0
+# The share of the excess over sensor noise that a named effect must take off; with more than the second left the answer is that something is missing, not what.
+_LEAST_SHARE = 0.05
+_UNEXPLAINED = 0.1
+# A model whose residual stays below this many times the noise in every signal lacks nothing that matters.
+_PLAIN = 1.1
+# Of a record without noise: what integration and rounding leave, relative to the signal.
+_NOISELESS = 2e-4
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """What the guard says. `verdict`: adequate, missing or unknown; `effects`: the class of the missing effect, itself first; `values`, `std`: of that effect;
+    `faults`: CSJ and BLK beside it by name; `against`: healthy repeats that it was compared with; `skipped`: why nothing was sought."""
+
+    verdict: str
+    effects: tuple[str, ...]
+    values: Mapping[str, float]
+    std: Mapping[str, float]
+    faults: Mapping[str, float]
+    against: int
+    skipped: str
+    wall_s: float
+
+    def words(self) -> str:
+        """The missing effect in words, for a list of reasons."""
+        if self.verdict == "unknown":
+            return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
+        size = next(iter(self.values))
+        alike = f", which looks like {', '.join(self.effects[1:])} on this record" if self.effects[1:] else ""
+        return (
+            f"{self.effects[0]} ({row_of(size).field} {size_text(size, self.values[size], self.std.get(size))}) is missing from the model{alike}: "
+            f"ema add ACTUATOR {self.effects[0]} --fit REC -o NEW.toml puts it in"
+        )
+
+    def result(self) -> dict[str, Any]:
+        """For JSON: the effect, its class and values; name None where no effect of the library explains the record."""
+        return {
+            "name": self.effects[0] if self.effects else None,
+            "class": list(self.effects),
+            "parameters": {name.split(".")[-1]: value for name, value in self.values.items()},
+            "std": {name.split(".")[-1]: value for name, value in self.std.items()},
+            "beside_it": dict(self.faults),
+            "against_healthy_records": self.against,
+        }
+
+
+@dataclass(frozen=True)
+class _Fit:
+    effect: str
+    values: Mapping[str, float]
+    std: Mapping[str, float]
+    cost: float
+
+
+class _Known:
+    """A record of a machine that is known but for CSJ and BLK: whitened residuals of the model with any values, what sensors and every machine's slight effects add taken off."""
+
+    def __init__(self, actuator: Actuator, record: Record) -> None:
+        self.actuator = actuator
+        self.evidence: Evidence = gather(actuator, record)
+        self.level = np.sqrt(self.evidence.noise[:, :1])  # [channels, 1]: white
+        self.faults = tuple(name for name in FAULTS.values() if actuator[name] > 0.0)
+        self.scatter = tuple(name for name in _SCATTER if actuator[name] > 0.0)
+        added = np.array([(signal / self.level).ravel() for signal in self.evidence.additive]).reshape(len(self.evidence.additive), -1)
+        self._basis, _ = np.linalg.qr(np.vstack([added.T, -np.eye(len(added))]))
+
+    def signals(self, changes: Mapping[str, float]) -> Reals:
+        """The model, [channels, rows]. Raises InputError when it refuses the values."""
+        evidence = self.evidence
+        return simulate_channels(self.actuator.changed(changes), evidence.record, evidence.channels, evidence.start_mm)
+
+    def residual(self, changes: Mapping[str, float]) -> Reals:
+        """[channels * rows + additive], the squared length is the cost."""
+        plain = ((self.evidence.target - self.signals(changes)) / self.level).ravel()
+        tall = np.concatenate([plain, np.zeros(self._basis.shape[1])])
+        return np.asarray(tall - self._basis @ (self._basis.T @ tall))
+
+    def fit(self, effect: str, start: Mapping[str, float], free: Sequence[str], steps: int) -> _Fit | None:
+        """Fits the values `free` of those in `start`; None where the model refuses the start."""
+        first = {**{name: self.actuator[name] for name in (*self.faults, *self.scatter)}, **start}
+        names = [name for name in first if name in free]
+        scale = np.array([self._scale(name, first[name]) for name in names])
+        ends = [self._ends(name) for name in names]
+        lower, upper = (np.array([end[side] for end in ends]) / scale for side in (0, 1))
+        prior = [(names.index(name), self.actuator[name], _SCATTER[name] * self.actuator[name]) for name in self.scatter if name in names]
+        try:
+            refused = self.residual(first)
+        except InputError:
+            return None
+        last: tuple[Reals, Reals] | None = None
+
+        def values(point: Reals) -> dict[str, float]:
+            return {**first, **{name: float(np.clip(value, *end)) for name, value, end in zip(names, point * scale, ends, strict=True)}}
+
+        def residual(point: Reals) -> Reals:
+            nonlocal last
+            if last is not None and np.array_equal(last[0], point):
+                return last[1]
+            try:
+                plain = self.residual(values(point))
+            except InputError:
+                plain = 2.0 * refused
+            last = (point.copy(), np.concatenate([plain, [(point[place] * scale[place] - healthy) / std for place, healthy, std in prior]]))
+            return last[1]
+
+        def jacobian(point: Reals) -> Reals:
+            here, columns = residual(point), []
+            for place in range(point.size):
+                step = _STEP if point[place] + _STEP <= upper[place] else -_STEP
+                moved = point.copy()
+                moved[place] += step
+                columns.append((residual(moved) - here) / step)
+            return np.column_stack(columns)
+
+        margin = 1e-9 * (upper - lower)
+        begun = np.clip(np.array([first[name] for name in names]) / scale, lower + margin, upper - margin)
+        found = least_squares(residual, begun, jac=jacobian, bounds=(lower, upper), max_nfev=steps, xtol=1e-5, ftol=1e-6)
+        covariance = np.linalg.pinv(found.jac.T @ found.jac) * np.outer(scale, scale)
+        std = {name: float(np.sqrt(max(covariance[k, k], 0.0))) for k, name in enumerate(names)}
+        return _Fit(effect, values(found.x), std, 2.0 * float(found.cost))
+
+    def _ends(self, name: str) -> tuple[float, float]:
+        """Where a value may lie."""
+        row = row_of(name)
+        if name in self.scatter:
+            reach = _CREDIBLE * _SCATTER[name]
+            return (1.0 - reach) * self.actuator[name], (1.0 + reach) * self.actuator[name]
+        return row.lower, row.upper
+
+    def _scale(self, name: str, first: float) -> float:
+        if name.endswith("phase_rad"):
+            return _PHASE_SCALE
+        return max(abs(first), 1e-9 if name.startswith("effects.") else 0.3 * abs(self.actuator[name]))
+
+    def base(self, estimates: Mapping[str, float]) -> _Fit:
+        """CSJ and BLK alone, from their healthy values and from `estimates`: the better of both."""
+        healthy = {name: self.actuator[name] for name in self.faults}
+        starts = (healthy, {name: max(estimates.get(name, healthy[name]), 0.2 * healthy[name]) for name in healthy})
+        fits = each(lambda start: self.fit("", start, (*self.faults, *self.scatter), _LAST_STEPS), starts)
+        return min((one for one in fits if one is not None), key=lambda one: one.cost)
+
+    def plain(self, base: _Fit) -> bool:
+        """Whether the residual of every signal is as small as its sensor's noise."""
+        left = self.evidence.target - self.signals(base.values)
+        left = left - left.mean(axis=1, keepdims=True)
+        size = np.sqrt(np.mean(self.evidence.target**2, axis=1))
+        rms = np.sqrt(np.mean(left**2, axis=1))
+        return bool(np.all(rms <= np.maximum(_PLAIN * self.level[:, 0], _NOISELESS * size)))
+
+    def starts(self, base: _Fit) -> list[tuple[str, dict[str, float]]]:
+        """Where the fit of each effect begins, one start for each sign: the shape and size whose signature at the base explains most."""
+        machine = self.actuator.changed(base.values)
+        here = view(replace(self.evidence, actuator=machine), {})
+        tasks = [(candidate, first) for candidate in candidates(here) if candidate.effect not in FAULTS for first in candidate.first]
+
+        def scored(task: tuple[Any, float]) -> tuple[float, float]:
+            candidate, first = task
+            try:
+                vector = here.signature(candidate.changes(first))
+            except InputError:
+                return 0.0, 0.0
+            length = float(vector @ vector)
+            share = float(np.clip(float(vector @ here.residual) / length, 0.0, 100.0)) if length > 0.0 else 0.0
+            kept = min(share, 1.0)
+            return 2.0 * kept * float(vector @ here.residual) - kept**2 * length, share
+
+        best: dict[tuple[str, bool], tuple[float, dict[str, float]]] = {}
+        for (candidate, first), (gain, share) in zip(tasks, each(scored, tasks), strict=True):
+            key = (candidate.effect, first > candidate.zero)
+            if key not in best or gain > best[key][0]:
+                wanted = candidate.zero + (first - candidate.zero) * float(np.clip(share, 0.5, 20.0))
+                best[key] = (gain, candidate.changes(float(np.clip(wanted, candidate.lower, candidate.upper))))
+        return [(effect, start) for (effect, _), (_, start) in best.items()]
+
+
+def _beside(known: _Known, base: _Fit) -> list[_Fit]:
+    """Every effect fitted beside CSJ and BLK, best first; the few best with all their values."""
+    sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
+    healthy = {name: known.actuator[name] for name in known.faults}
+    beside = (*known.faults, *known.scatter)
+    tasks = [(effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base)]
+    first = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _FIRST_STEPS), tasks))[:_SECOND]
+    tasks = [(one.effect, values) for one in first for values in (one.values, {**one.values, **healthy})]
+    second = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _SECOND_STEPS), tasks))[:_LAST]
+
+    def free(one: _Fit) -> list[str]:
+        return [*beside, *(name for name in one.values if name.startswith("effects.") and not name.endswith(".periods"))]
+
+    return _best_of_each(each(lambda one: known.fit(one.effect, one.values, free(one), _LAST_STEPS), second))
+
+
+def _best_of_each(fits: Sequence[_Fit | None]) -> list[_Fit]:
+    """The best fit of each effect, best first."""
+    best: dict[str, _Fit] = {}
+    for one in sorted((one for one in fits if one is not None), key=lambda one: one.cost + penalty([one.effect])):
+        best.setdefault(one.effect, one)
+    return list(best.values())
+
+
+def _named(known: _Known, base: _Fit) -> tuple[str, _Fit | None, tuple[str, ...]]:
+    """Verdict, the best effect, what looks like it."""
+    numbers = known.evidence.numbers
+    excess = max(base.cost - known.evidence.floor, 1e-9)
+    fits = _beside(known, base)
+    if not fits:
+        return "unknown", None, ()
+    best = fits[0]
+    unit = max(1.0, best.cost / numbers)  # where the misfit that is left is more than noise, it is the yardstick
+    if base.cost - best.cost - penalty([best.effect]) < max(LEAST_LIMIT * unit, _LEAST_SHARE * excess):
+        return "unknown", None, ()
+    if best.cost - known.evidence.floor > max(_UNEXPLAINED * excess, 6.0 * np.sqrt(2.0 * numbers)):
+        return "unknown", None, ()
+    alike = [one.effect for one in fits[1:] if one.cost - best.cost < _ALIKE * unit]
+    alike += [other for kind in INSEPARABLE if best.effect in kind for other in sorted(kind) if other != best.effect]
+    return "missing", best, tuple(dict.fromkeys(alike))
+
+
+def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimates: Mapping[str, float], doubted: bool) -> Guarded:
+    """Whether an effect is missing behind `estimates` of CSJ and BLK, by name. `doubted`: the search itself found the model not adequate.
+
+    Two or more `healthy` records of the record's command are what it is compared with. Raises InputError as `gather` does.
+    """
+    begun = time.perf_counter()
+    same = [other for other in healthy if same_command(record, other)]
+
+    def guarded(verdict: str, effects: tuple[str, ...], values: Mapping[str, float], std: Mapping[str, float], faults: Mapping[str, float], skipped: str = "") -> Guarded:
+        return Guarded(verdict, effects, values, std, faults, len(same) if len(same) > 1 else 0, skipped, time.perf_counter() - begun)
+
+    if len(same) > 1:
+        found = diagnose(gather(actuator, record, same))
+        if found.verdict == "adequate" or found.fit is None or set(found.fit.effects) <= set(FAULTS):
+            return guarded("unknown" if found.verdict == "unknown" else "adequate", (), {}, {}, {})
+        faults = {name: value for name, value in found.fit.values.items() if name in FAULTS.values()}
+        first = next(one for one in found.named if one.name in found.fit.effects and one.name not in FAULTS)
+        if found.verdict == "unknown":
+            return guarded("unknown", (), {}, {}, faults)
+        return guarded("missing", tuple(name for name in first.alike if name not in FAULTS), first.values, first.std, faults)
+    known = _Known(actuator, record)
+    base = known.base(estimates)
+    if not doubted and known.plain(base):
+        return guarded("adequate", (), {}, {}, {name: base.values[name] for name in known.faults}, "every residual is as small as its sensor's noise")
+    verdict, best, alike = _named(known, base)
+    if best is None:
+        return guarded(verdict, (), {}, {}, {})
+    own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
+    return guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, {name: best.values[name] for name in known.faults})
