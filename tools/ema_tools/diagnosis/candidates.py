@@ -25,7 +25,7 @@ FAULTS: Mapping[str, str] = {"csj": "screw.csj_Nm", "blk": "screw.blk_mm"}
 
 # Values of shape parameters that are tried, by field, where no torque pattern suggests them.
 _SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
-    "transmission_compliance": {"mass_kg": (2.0, 6.0, 20.0)},
+    "transmission_compliance": {"mass_kg": (2.0, 6.0, 20.0), "damping_ratio": (0.06,)},
     "inverter_dead_time": {"width_A": (0.05, 0.3)},
 }
 # Shapes that are as good as independent of each other: among so many the best one explains some noise.
@@ -38,7 +38,7 @@ _LADDER = (1.0, 8.0, 30.0, 100.0)
 # A limit acts only below what the signal reaches: shares of the largest current that are tried.
 _LIMIT_SHARES = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.4, 0.35, 0.3)
 # First sizes of effects that are far from proportional to their size, and the power with which they grow.
-_FIRST: Mapping[str, Sequence[float]] = {"transmission_compliance": (0.004, 0.006, 0.009, 0.013, 0.02, 0.03, 0.05)}
+_FIRST: Mapping[str, Sequence[float]] = {"transmission_compliance": (0.0022, 0.0028, 0.0035, 0.0045, 0.006, 0.008, 0.011, 0.015, 0.02, 0.03, 0.05)}
 _POWER: Mapping[str, float] = {"transmission_compliance": 2.0}
 _FACTORS = (1e-3, 1e3)
 _POWERS = (0.5, 3.0)

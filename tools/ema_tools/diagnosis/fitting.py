@@ -15,8 +15,15 @@ from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
 
 _RUNS = 8
-_JACOBIAN_STEP = 0.02
+# A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard deviations of noise.
+_JACOBIAN_STEPS = (0.05, 0.2, 0.6)
+_SHOWN = 12.0
 _PHASE_SCALE = 0.5
+# What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature.
+_BENT = 0.5
+_NOTICED = 3.0  # standard deviations of the cost
+# Share of a change to which the model and the machine's known values are trusted.
+_TRUSTED = 0.006
 _AT_BOUND = 1e-6
 
 
@@ -46,8 +53,22 @@ class Fit:
 
     @property
     def std(self) -> dict[str, float]:
-        """Standard errors by name."""
-        return {name: float(np.sqrt(max(self.covariance[k, k], 0.0))) for k, name in enumerate(self.fitted)}
+        """Standard errors by name: of noise and scatter, larger by what the misfit may have bent, and no smaller than the share to which the model is trusted."""
+        known = self.view.evidence.actuator
+        evidence = self.view.evidence
+        misfit = max(self.cost - evidence.expected_cost() - _NOTICED * np.sqrt(2.0 * evidence.numbers), 0.0)
+        found = {}
+        for k, name in enumerate(self.fitted):
+            trusted = 0.0 if name.endswith("phase_rad") else _TRUSTED * abs(self.values[name] - known[row_of(name).name])
+            found[name] = float(np.hypot(np.sqrt(max(self.covariance[k, k], 0.0) * (1.0 + _BENT * misfit)), trusted))
+        return found
+
+    def shown(self, effect: str) -> float:
+        """By how many standard errors, of noise and scatter alone, the size of an effect differs from the machine's own."""
+        size = next(name for name in self.fitted if effect_of(name) == effect)
+        k = self.fitted.index(size)
+        change = abs(self.values[size] - self.view.evidence.actuator[row_of(size).name])
+        return float(change / max(np.sqrt(max(self.covariance[k, k], 0.0)), 1e-300))
 
     def deviations(self) -> Reals:
         """What scatters, at its best beside the fitted values, in spreads."""
@@ -95,15 +116,21 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
         except InputError:
             return np.zeros_like(view.residual)
 
+    def slope(point: Reals, here: Reals, place: int) -> Reals:
+        column = np.zeros_like(here)
+        for width in _JACOBIAN_STEPS:
+            step = width if point[place] + width <= upper[place] else -width
+            moved = point.copy()
+            moved[place] += step
+            change = here - vector(moved)
+            column = change / step
+            if float(change @ change) > _SHOWN**2:
+                break
+        return column
+
     def jacobian(point: Reals) -> Reals:
         here = vector(point)
-        columns = []
-        for k in range(point.size):
-            step = _JACOBIAN_STEP if point[k] + _JACOBIAN_STEP <= upper[k] else -_JACOBIAN_STEP
-            moved = point.copy()
-            moved[k] += step
-            columns.append((here - vector(moved)) / step)
-        return np.column_stack(columns)
+        return np.column_stack([slope(point, here, place) for place in range(point.size)])
 
     margin = 1e-9 * (upper - lower)
     begun = np.clip(first / scale, lower + margin, upper - margin)

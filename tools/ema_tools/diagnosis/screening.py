@@ -61,17 +61,38 @@ class Screen:
         self.actuator = evidence.actuator.changed(dict(view.values))
         self.states = _states(evidence, view)
         response = _response(evidence)
-        self._filtered = np.sum(np.conj(response) * view.unwhitened(), axis=0)
-        self._power = np.sum(np.abs(response) ** 2 * evidence.whiten.weights**2, axis=0)
-        self._rows = evidence.record.rows
+        self._response = response
+        self._residual = view.unwhitened()
+        self._weights = evidence.whiten.weights**2
+        self._filtered = np.sum(np.conj(response) * self._residual, axis=0)
+        self._power = np.sum(np.abs(response) ** 2 * self._weights, axis=0)
 
     def fits(self, patterns: Reals) -> tuple[Reals, float]:
         """Sizes [k] of torque patterns [k, rows] that together explain most, and by how much they lower the cost."""
         lines = spectrum(patterns)
         products = np.real(np.conj(lines) @ self._filtered)
         square = np.real((np.conj(lines) * self._power) @ lines.T)
-        sizes = np.linalg.lstsq(square, products, rcond=1e-9)[0]
-        return sizes, float(sizes @ products)
+        return _solved(square, products)
+
+    def fits_with_voltage(self, torques: Reals, voltages: Reals) -> tuple[Reals, float]:
+        """The same for patterns that are a torque and a voltage in the winding at once, [k, rows] each: the current that the voltage drives is seen, and is a torque too."""
+        actuator = self.actuator
+        currents = spectrum(voltages) / self._impedance
+        lines = (spectrum(torques) + actuator["motor.torque_constant_Nm_per_A"] * currents)[:, None, :] * self._response
+        if "current_A" in self.view.evidence.channels:
+            lines[:, self.view.evidence.channels.index("current_A")] += currents
+        products = np.real(np.einsum("kcl,cl->k", np.conj(lines), self._residual))
+        square = np.real(np.einsum("kcl,cl,mcl->km", np.conj(lines), self._weights, lines))
+        return _solved(square, products)
+
+    @property
+    def _impedance(self) -> Complexes:
+        """Of the winding, [lines]; without end where the drive holds the current."""
+        if self.actuator["drive.mode"] != 0.0:
+            return np.full(self._power.size, np.inf + 0.0j)
+        evidence = self.view.evidence
+        pulsation = 2.0 * np.pi * fft.rfftfreq(evidence.record.rows, evidence.record.period_s)
+        return np.asarray(self.actuator["motor.resistance_ohm"] + 1j * pulsation * self.actuator["motor.inductance_H"])
 
     def best(self, shapes: list[Shape], pattern: Callable[[Shape], Reals], positive: bool, count: int = _KEPT) -> list[Shaped]:
         """The `count` best shapes of one pattern each, best first."""
@@ -82,16 +103,25 @@ class Screen:
                 found.append(Shaped(shape, float(sizes[0]), score))
         return sorted(found, key=lambda one: -one.score)[:count]
 
-    def periodic(self, effect: str, periods: tuple[float, ...], angle_rad: Reals, envelope: Reals, sine: bool, count: int = _KEPT) -> list[Shaped]:
-        """The `count` best numbers of periods per turn of `angle_rad`, with amplitude and phase of envelope * sin (or cos) (periods * angle + phase)."""
+    def periodic(self, effect: str, periods: tuple[float, ...], angle_rad: Reals, torque: Reals, voltage: Reals | None, sine: bool, count: int = _KEPT) -> list[Shaped]:
+        """The `count` best numbers of periods per turn of `angle_rad`, with amplitude and phase of torque * sin (or cos) (periods * angle + phase), and the same of a voltage."""
         found = []
+        turn = np.gradient(angle_rad)
         for number in periods:
             turned = number * angle_rad
-            (in_phase, quadrature), score = self.fits(np.array([envelope * np.sin(turned), envelope * np.cos(turned)]))
+            # what the ripple leaves of itself over a row
+            mean = np.sinc(number * turn / (2.0 * np.pi))
+            waves = np.array([mean * np.sin(turned), mean * np.cos(turned)])
+            (in_phase, quadrature), score = self.fits(torque * waves) if voltage is None else self.fits_with_voltage(torque * waves, voltage * waves)
             phase = np.arctan2(quadrature, in_phase) if sine else np.arctan2(-in_phase, quadrature)
             shape = {f"effects.{effect}.phase_rad": float(phase)} | ({f"effects.{effect}.periods": float(number)} if len(periods) > 1 else {})
             found.append(Shaped(shape, float(np.hypot(in_phase, quadrature)), score))
         return sorted(found, key=lambda one: -one.score)[:count]
+
+
+def _solved(square: Reals, products: Reals) -> tuple[Reals, float]:
+    sizes = np.linalg.lstsq(square, products, rcond=1e-9)[0]
+    return sizes, float(sizes @ products)
 
 
 def _states(evidence: Evidence, view: View) -> States:
@@ -128,12 +158,13 @@ def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
     states, actuator = screen.states, screen.actuator
     level = actuator["screw.csj_Nm"] * actuator["screw.dynamic_ratio"]
     if effect == "cogging_torque":
-        return screen.periodic(effect, _COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), True)
+        return screen.periodic(effect, _COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
     if effect == "torque_ripple":
         torque = actuator["motor.torque_constant_Nm_per_A"] * states.current_A
-        return screen.periodic(effect, _RIPPLE_PERIODS, states.angle_rad, torque, False)
+        back_emf = -actuator["motor.back_emf_V_s_per_rad"] * states.speed_rad_s
+        return screen.periodic(effect, _RIPPLE_PERIODS, states.angle_rad, torque, back_emf, False)
     if effect == "pitch_ripple":
-        return screen.periodic(effect, (1.0,), states.angle_rad / actuator["gearbox.ratio"], -level * states.direction, True, 1)
+        return screen.periodic(effect, (1.0,), states.angle_rad / actuator["gearbox.ratio"], -level * states.direction, None, True, 1)
     if effect == "stribeck_friction":
         names = (f"effects.{effect}.speed_rad_s", f"effects.{effect}.shape")
         grid: list[Shape] = [{names[0]: speed, names[1]: power} for speed in _STRIBECK_SPEEDS for power in _STRIBECK_SHAPES]

@@ -31,6 +31,8 @@ _STANDING_SHARE = 0.05
 _LEAST_SHARE = 0.02
 # Fits whose costs differ by less than this cannot be told apart: three standard deviations.
 _ALIKE = 9.0
+# A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another effect.
+_SHOWN = 2.0
 _UNEXPLAINED = 0.1
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
 _MODEL_ERROR = 0.02
@@ -140,6 +142,10 @@ class _Path:
     view: View
 
 
+def _newest(fit: Fit, held: Sequence[str]) -> str:
+    return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
+
+
 def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report) -> _Path:
     """Adds the effect that takes off most, as long as it takes off what `needed` says of the signatures, the round and the present cost."""
     here, cost = start, start.cost
@@ -159,6 +165,7 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         fits = best_of_each(each(lambda signature, values=values, seen=here: refit(seen, joined(values, signature.start())), finalists))
         fits = _polished(fits, start.evidence)
         rounds.append(Round(scores, fits))
+        fits = tuple(fit for fit in fits if fit.shown(_newest(fit, held)) >= _SHOWN)
         if not fits or cost - fits[0].judged < least:
             break
         best = _pruned(fits[0], least)
