@@ -92,7 +92,7 @@ def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Recor
 
 
 def _fitted(here: View, effect: str) -> Fit:
-    found = signatures(here, only=effect)[:_STARTS]
+    found = signatures(here, only=(effect,))[:_STARTS]
     if not found:
         raise InputError(f"{effect}: the record shows nothing of it: nothing can be fitted")
     fits = each(lambda signature: refit(here, signature.start()), found)

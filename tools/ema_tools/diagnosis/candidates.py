@@ -35,6 +35,9 @@ _FIRST_SHARE = 0.002
 _SCALINGS = 4
 # Where the scatter of the healthy machine explains a small change, only a large one shows, and not in proportion: further first sizes for effects of one shape.
 _LADDER = (1.0, 8.0, 30.0, 100.0)
+# After the first round, effects that may take off this share of what is needed, and at most so many, are simulated.
+_PROMISING_SHARE = 0.3
+_PROMISING_MAX = 7
 # A limit acts only below what the signal reaches: shares of the largest current that are tried.
 _LIMIT_SHARES = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.4, 0.35, 0.3)
 # First sizes of effects that are far from proportional to their size, and the power with which they grow.
@@ -125,18 +128,18 @@ def _turned(effect: Effect, actuator: Actuator, change: Shaped) -> tuple[Mapping
     return {**change.shape, f"effects.{phase}": float(np.angle(both))}, (float(np.clip(abs(both), effect.size.lower, effect.size.upper)),)
 
 
-def candidates(view: View, without: Collection[str] = (), only: str | None = None) -> list[Candidate]:
-    """Every effect in every shape that is tried, a change of those that the actuator holds already among them; and the fault parameters. `only`: of one effect."""
+def candidates(view: View, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Candidate]:
+    """Every effect in every shape that is tried, a change of those that the actuator holds already among them; and the fault parameters. `only`: of these effects."""
     evidence = view.evidence
     found = []
     scattering = {name for one in evidence.spread for name in one.names} if not evidence.relative else set()
     for fault, value in FAULTS.items():
         nominal = evidence.actuator[value]
-        if fault not in without and only in (None, fault) and nominal > 0.0 and value not in scattering:
+        if fault not in without and (only is None or fault in only) and nominal > 0.0 and value not in scattering:
             found.append(Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal))
     screen = Screen(view)
     for effect in load_definitions().effects:
-        if effect.name not in without and only in (None, effect.name) and not effect.is_learned:
+        if effect.name not in without and (only is None or effect.name in only) and not effect.is_learned:
             found += _of_effect(effect, view, screen)
     return found
 
@@ -179,8 +182,26 @@ def _matched(candidate: Candidate, first: float, view: View) -> Signature | None
     return best
 
 
-def signatures(view: View, without: Collection[str] = (), only: str | None = None) -> list[Signature]:
-    """The best-matched signature of every candidate beside what the view holds already, or of `only` one effect, strongest first; both cores at work."""
+def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[str, ...]:
+    """Effects that may lower the cost by a good part of `least`, judged without simulating them: by the signatures that they had before another effect was added, and by
+    torque patterns. A simulation beside an effect that is hard to compute costs ten times as much."""
+    guessed: dict[str, float] = {}
+    for signature in earlier:
+        effect, vector = signature.candidate.effect, signature.vector
+        product, length = float(vector @ view.residual), float(vector @ vector)
+        if length > 0.0 and (product > 0.0 or signature.candidate.lower < signature.candidate.zero):
+            guessed[effect] = max(guessed.get(effect, 0.0), product * product / length)
+    screen = Screen(view)
+    for effect in load_definitions().effects:
+        shaped = None if effect.is_learned else shapes_of(screen, effect.name)
+        if shaped:
+            guessed[effect.name] = max(guessed.get(effect.name, 0.0), shaped[0].score)
+    kept = sorted((name for name, score in guessed.items() if score > _PROMISING_SHARE * least), key=lambda name: -guessed[name])
+    return tuple(kept[:_PROMISING_MAX])
+
+
+def signatures(view: View, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Signature]:
+    """The best-matched signature of every candidate beside what the view holds already, or of `only` these effects, strongest first; both cores at work."""
     tasks = [(candidate, first) for candidate in candidates(view, without, only) for first in candidate.first]
     found = each(lambda task: _matched(task[0], task[1], view), tasks)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)

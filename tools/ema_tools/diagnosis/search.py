@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_tools.diagnosis.candidates import Signature, signatures
+from ema_tools.diagnosis.candidates import Signature, promising, signatures
 from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, repeat_residuals, settled
 from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, polished, refit, without_effect
 from ema_tools.diagnosis.whitening import Reals
@@ -151,13 +151,19 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
     here, cost = start, start.cost
     rounds: list[Round] = []
     steps: list[Fit] = []
+    every: list[Signature] = []
     while len(steps[-1].effects if steps else ()) < effects_max:
         place = len(rounds)
         share = place / (effects_max + 1.0)
         tell(share, f"round {place + 1}: every effect of the library")
         held = steps[-1].effects if steps else ()
-        found = signatures(here, held)
-        least = needed(found, place, cost)
+        if place == 0:
+            found = signatures(here, held)
+            every = found
+            least = needed(found, place, cost)
+        else:
+            least = needed((), place, cost)
+            found = signatures(here, held, promising(here, every, least))
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
         finalists = _finalists(found) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
