@@ -219,6 +219,7 @@ def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str 
     from ema_tools import show
     from ema_tools.actuator import read_actuator
     from ema_tools.diagnosis.answer import answer as work
+    from ema_tools.diagnosis.repeating import applies
     from ema_tools.records import read_record, simulated
     from ema_tools.results import curves, provenance
 
@@ -227,6 +228,9 @@ def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str 
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
     other = read_record(holdout, model) if holdout else None
+    if not references and other is None and applies(model, measured):
+        _diagnose_laps(model, measured, page, fitted, json_path, force)
+        return
     with progress("diagnosing", 100) as bar:
         found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
     if json_path or page:
@@ -238,7 +242,32 @@ def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str 
     if fitted and found.verdict == "missing":
         found.actuator.write(fitted, force)
     show.diagnosis(output(), found)
-    for path in filter(None, (page, fitted if found.verdict == "missing" else None)):
+    _written(page, fitted if found.verdict == "missing" else None)
+
+
+def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
+    """A record of a command that repeats, without healthy repeats."""
+    from ema_tools import show
+    from ema_tools.diagnosis.repeating import answer_by_laps
+    from ema_tools.records import simulated
+    from ema_tools.results import curves, provenance
+
+    with progress("diagnosing", 100) as bar:
+        found = answer_by_laps(model, measured, lambda share, text: bar.update(100.0 * share, text))
+    if json_path or page:
+        drawn = curves(measured, {"before": simulated(model, measured), **({"after": simulated(found.actuator, measured)} if found.accepted else {})})
+        origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
+        result = {"command": "diagnose", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        save(json_path, result, force)
+        _page(page, result, force)
+    if fitted and found.accepted:
+        found.actuator.write(fitted, force)
+    show.laps(output(), found)
+    _written(page, fitted if found.accepted else None)
+
+
+def _written(*paths: str | None) -> None:
+    for path in filter(None, paths):
         output().print(f"{path} written", highlight=False)
 
 
@@ -259,16 +288,28 @@ def _page(path: str | None, result: dict[str, Any], force: bool) -> None:
 @click.option("--fit", "record", metavar="REC", help="The record that the effect is fitted to.")
 @click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine under the same command; give two or more. May be repeated.")
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
+@click.option("--known", is_flag=True, help="ACTUATOR is this very machine, calibrated: only the effect is fitted, beside a CSJ and BLK that may have changed, as ema identify does.")
 @click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without --fit: the effect's values, for example rise_degC=30.")
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the fall of the error there.")
 @json_option
 def add(
-    actuator: str, effect: str, out: str, record: str | None, healthy: tuple[str, ...], holdout: str | None, settings: tuple[str, ...], page: str | None, json_path: str | None, force: bool
+    actuator: str,
+    effect: str,
+    out: str,
+    record: str | None,
+    healthy: tuple[str, ...],
+    holdout: str | None,
+    known: bool,
+    settings: tuple[str, ...],
+    page: str | None,
+    json_path: str | None,
+    force: bool,
 ) -> None:
     """Put EFFECT into ACTUATOR's model, fit it to a record, and show how the error falls."""
     from ema_tools import show
     from ema_tools.actuator import read_actuator
     from ema_tools.diagnosis.adding import add as work
+    from ema_tools.diagnosis.adding import add_to_known
     from ema_tools.effects import find_effect
     from ema_tools.records import read_record, simulated
     from ema_tools.results import curves, provenance
@@ -278,7 +319,7 @@ def add(
     model = read_actuator(actuator)
     find_effect(effect)
     if record is None:
-        if not settings or page or holdout or healthy:
+        if not settings or page or holdout or healthy or known:
             raise InputError(f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option")
         with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings)).write(out, force)
         save(json_path, {"command": "add", "effect": effect, "actuator": out, "error": None, "parameters": dict(one.split("=", 1) for one in settings)}, force)
@@ -286,11 +327,17 @@ def add(
         return
     if settings:
         raise InputError(f"add {effect}: --set {settings[0]}: with --fit the values come from the record: leave one of the two out")
+    if known and healthy:
+        raise InputError(f"add {effect}: --known: the healthy records say what the machine is like: leave one of the two out")
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
     other = read_record(holdout, model) if holdout else None
     with progress("adding", 100) as bar:
-        found = work(model, effect, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+
+        def tell(share: float, text: str) -> None:
+            bar.update(100.0 * share, text)
+
+        found = add_to_known(model, effect, measured, other, tell) if known else work(model, effect, measured, references, other, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
     if json_path or page:

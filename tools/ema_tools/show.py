@@ -12,6 +12,7 @@ from ema_tools.console import number, table
 from ema_tools.diagnosis.adding import Added
 from ema_tools.diagnosis.answer import Answer, size_text
 from ema_tools.diagnosis.confirming import Step
+from ema_tools.diagnosis.repeating import LapsAnswer, size_of
 from ema_tools.identify import TITLES as FAULTS
 from ema_tools.identify import Identified
 from ema_tools.linear import ForceModel
@@ -123,6 +124,30 @@ def diagnosis(console: Console, found: Answer) -> None:
         say(console, left.sentence)
     if found.learned is not None:
         say(console, f"It can be flown without a name: {found.learned.sentence}.")
+    say(console, found.next_step())
+
+
+def laps(console: Console, found: LapsAnswer) -> None:
+    """What `ema diagnose` found by the laps of one record."""
+    say(console, found.sentence())
+    console.print()
+    say(console, found.gate.sentence)
+    say(console, found.where.sentence)
+    console.print()
+    forces = found.forces
+    rows = table("Force error, in % of the drive's force", "step", "looks like", "size in the last fit", "laps fitted", "laps held out", text_columns=3)
+    rows.add_row("as given", "", "", number(forces.given.training, 3), number(forces.given.holdout, 3))
+    rows.add_row("base values refitted", "", "", number(forces.refitted.training, 3), number(forces.refitted.holdout, 3))
+    for step in forces.steps:
+        rows.add_row(f"+ {step.effect}", ", ".join(step.alike), size_of(step, forces.steps[-1]), number(step.errors.training, 3), number(step.errors.holdout, 3))
+    rows.add_row("floor: lap to lap", "", "", number(forces.floor_percent, 3), "")
+    console.print(rows)
+    refused = table("Refused", "effect", "why", text_columns=2)
+    refused.columns[-1].no_wrap = False
+    for one in forces.refused:
+        refused.add_row(one.effect, one.reason)
+    console.print()
+    console.print(refused)
     say(console, found.next_step())
 
 

@@ -304,7 +304,7 @@ def _seen(evidence: Evidence, changes: Mapping[str, float]) -> View:
 def _left(seen: View, other: str) -> float:
     """What `other` at its best leaves of what is seen, in standard deviations of noise and model."""
     least = seen.cost
-    for start in signatures(seen, only=other)[:_FIT_STARTS]:
+    for start in signatures(seen, only=(other,))[:_FIT_STARTS]:
         fit = refit(seen, start.start())
         least = min(least, fit.cost)
     return math.sqrt(max(least, 0.0) / (1.0 + _MODEL_ERROR**2 * seen.cost))
