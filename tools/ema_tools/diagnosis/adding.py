@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,9 @@ from ema_tools.diagnosis.answer import healthy_of, size_text
 from ema_tools.diagnosis.candidates import FAULTS, signatures
 from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, walk
 from ema_tools.diagnosis.evidence import Evidence, View, settled
-from ema_tools.diagnosis.fitting import Fit, effect_of, joined, polished, refit
+from ema_tools.diagnosis.fitting import Fit, effect_of, polished, refit
 from ema_tools.diagnosis.gathering import gather
+from ema_tools.diagnosis.guard import beside_faults, known_machine
 from ema_tools.diagnosis.search import LEAST_LIMIT, Diagnosis, Report
 from ema_tools.diagnosis.where import where
 from ema_tools.errors import InputError
@@ -27,6 +28,8 @@ _STARTS = 4
 _ROUNDS = 3
 # Two fitted values that move together beyond this cannot be told apart.
 _CORRELATED = 0.95
+# What moves before the effect is added to a machine that is known.
+_FAULTS_ALONE = "CSJ and BLK alone"
 # The error on a record held out must fall, by more than the rounding of what is reported.
 _FALL = 1e-3
 
@@ -91,18 +94,39 @@ def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Recor
     return Added(effect, fitted_machine(evidence, fit).changed(own), fit, errors, steps, recommended, reason, correlations)
 
 
+def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Record | None = None, report: Report | None = None) -> Added:
+    """Fits `effect` to a record of a machine that is as `actuator` says but for its CSJ and BLK, which are free: what is written keeps their healthy values. Raises InputError as `add` does."""
+    tell = report or (lambda _share, _text: None)
+    if next((row.is_learned for row in load_definitions().effects if row.name == effect), True):
+        raise InputError(f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists")
+    tell(0.1, f"fitting {effect} beside CSJ and BLK")
+    evidence = known_machine(actuator, record)
+    alone, together = beside_faults(evidence, effect)
+    before = settled(evidence, alone).cost
+    fit = polished(refit(settled(evidence, together, rounds=1), together), _ROUNDS)
+    diagnosis = Diagnosis("missing", fit, (), (), (fit,), before, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
+    tell(0.9, "the record held out")
+    errors, steps = walk(diagnosis, evidence, holdout)
+    steps = (steps[0], replace(steps[1], added=_FAULTS_ALONE, holdout=None), *steps[2:])
+    correlations = tuple(_correlations(fit))
+    recommended, reason = _judged(fit, effect, errors, before, correlations)
+    tell(1.0, "done")
+    return Added(effect, actuator.changed(fit.of_effect(effect)), fit, errors, steps, recommended, reason, correlations)
+
+
 def _fitted(here: View, effect: str) -> Fit:
-    found = signatures(here, only=(effect,))[:_STARTS]
-    if not found:
-        raise InputError(f"{effect}: the record shows nothing of it: nothing can be fitted")
+    """The effect at its best; against healthy repeats beside CSJ and BLK where they have changed too, which may hide the effect until they are fitted with it."""
+    evidence = here.evidence
+    found = signatures(here, only=effect)[:_STARTS]
     fits = each(lambda signature: refit(here, signature.start()), found)
-    best = polished(min(fits, key=lambda fit: fit.cost), _ROUNDS)
-    if not here.evidence.relative:
-        return best
-    actuator = here.evidence.actuator
-    faults = {value: actuator[value] for value in FAULTS.values() if actuator[value] > 0.0}
-    both = polished(refit(best.view, joined(best.values, faults)), _ROUNDS)
-    return both if best.cost - both.cost > len(faults) * LEAST_LIMIT else best
+    tries = [polished(min(fits, key=lambda fit: fit.cost), _ROUNDS)] if fits else []
+    if evidence.relative and any(evidence.actuator[value] > 0.0 for value in FAULTS.values()):
+        _, together = beside_faults(evidence, effect)
+        tries.append(polished(refit(settled(evidence, together, rounds=1), together), _ROUNDS))
+    if not tries:
+        raise InputError(f"{effect}: the record shows nothing of it: nothing can be fitted")
+    # a changed CSJ and BLK count only where they take off more than noise can make them
+    return min(tries, key=lambda fit: fit.cost + (len(fit.effects) - 1) * LEAST_LIMIT)
 
 
 def _learned(evidence: Evidence, here: View, effect: str, record: Record, healthy: Sequence[Record]) -> Fit:

@@ -1,8 +1,8 @@
 """Whether an effect that the model lacks stands behind a CSJ or BLK: the guard of the identification.
 
-Against healthy repeats the question is what has changed beside CSJ and BLK, and the search of the diagnosis answers it. Without them the machine is taken for known: CSJ and BLK
-are free, grease and winding scatter as from run to run, and everything else is as the actuator file says. A missing effect then moves CSJ and BLK far from where they belong,
-where signatures mislead; so every effect is fitted beside them in the nonlinear model, and the costs are compared.
+The machine is taken for known, by its actuator file or by healthy repeats of the same command: CSJ and BLK are free, grease and winding scatter as from run to run, and everything
+else stays. A missing effect then moves CSJ and BLK far from where they belong, where signatures mislead; so every effect is fitted beside them in the nonlinear model, and the
+costs are compared.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.answer import size_text
 from ema_tools.diagnosis.candidates import FAULTS, candidates, penalty
-from ema_tools.diagnosis.evidence import Evidence, simulate_channels, view
+from ema_tools.diagnosis.evidence import Evidence, repeat_residuals, simulate_channels, view
 from ema_tools.diagnosis.gathering import gather, same_command
-from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT, diagnose
+from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT
+from ema_tools.diagnosis.spread import Spread
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
 from ema_tools.parallel import each
@@ -30,6 +31,8 @@ from ema_tools.records import Record
 
 # Values that have a spread of their own beside CSJ and BLK, relative.
 _SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
+# How far CSJ and BLK may move while the starts are sought, relative.
+_FREE = 0.3
 # What scatters goes no farther than this, in its spreads: it would stand in for what is missing.
 _CREDIBLE = 3.0
 # Steps of one fit, and how many effects go on to the next: all of them by size alone, the better ones from two starts, the few best with all their values.
@@ -70,7 +73,7 @@ class Guarded:
         alike = f", which looks like {', '.join(self.effects[1:])} on this record" if self.effects[1:] else ""
         return (
             f"{self.effects[0]} ({row_of(size).field} {size_text(size, self.values[size], self.std.get(size))}) is missing from the model{alike}: "
-            f"ema add ACTUATOR {self.effects[0]} --fit REC -o NEW.toml puts it in"
+            f"ema add ACTUATOR {self.effects[0]} --fit REC {'--healthy REC ...' if self.against else '--known'} -o NEW.toml puts it in"
         )
 
     def result(self) -> dict[str, Any]:
@@ -96,14 +99,21 @@ class _Fit:
 class _Known:
     """A record of a machine that is known but for CSJ and BLK: whitened residuals of the model with any values, what sensors and every machine's slight effects add taken off."""
 
-    def __init__(self, actuator: Actuator, record: Record) -> None:
-        self.actuator = actuator
-        self.evidence: Evidence = gather(actuator, record)
-        self.level = np.sqrt(self.evidence.noise[:, :1])  # [channels, 1]: white
-        self.faults = tuple(name for name in FAULTS.values() if actuator[name] > 0.0)
-        self.scatter = tuple(name for name in _SCATTER if actuator[name] > 0.0)
-        added = np.array([(signal / self.level).ravel() for signal in self.evidence.additive]).reshape(len(self.evidence.additive), -1)
-        self._basis, _ = np.linalg.qr(np.vstack([added.T, -np.eye(len(added))]))
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence = evidence
+        self.actuator = evidence.actuator
+        self.faults = tuple(name for name in FAULTS.values() if self.actuator[name] > 0.0)
+        self.scatter = tuple(name for name in _SCATTER if self.actuator[name] > 0.0)
+        self._level = np.sqrt(evidence.noise[:, :1])  # [channels, 1]: white without repeats
+        count = len(evidence.additive)
+        added = np.array([self._weighted(signal) for signal in evidence.additive]).reshape(count, -1) if count else np.empty((0, self._weighted(evidence.target).size))
+        self._basis, _ = np.linalg.qr(np.vstack([added.T, -np.eye(count)]))
+        costs = [float(repeat @ repeat) for repeat in repeat_residuals(evidence)]
+        self.floor = float(np.mean(costs)) if costs else evidence.floor
+        self._largest = max(costs, default=0.0)
+
+    def _weighted(self, signals: Reals) -> Reals:
+        return self.evidence.whiten(signals) if self.evidence.relative else (signals / self._level).ravel()
 
     def signals(self, changes: Mapping[str, float]) -> Reals:
         """The model, [channels, rows]. Raises InputError when it refuses the values."""
@@ -111,8 +121,8 @@ class _Known:
         return simulate_channels(self.actuator.changed(changes), evidence.record, evidence.channels, evidence.start_mm)
 
     def residual(self, changes: Mapping[str, float]) -> Reals:
-        """[channels * rows + additive], the squared length is the cost."""
-        plain = ((self.evidence.target - self.signals(changes)) / self.level).ravel()
+        """[whitened numbers + additive], the squared length is the cost."""
+        plain = self._weighted(self.evidence.target - self.signals(changes))
         tall = np.concatenate([plain, np.zeros(self._basis.shape[1])])
         return np.asarray(tall - self._basis @ (self._basis.T @ tall))
 
@@ -181,18 +191,21 @@ class _Known:
         return min((one for one in fits if one is not None), key=lambda one: one.cost)
 
     def plain(self, base: _Fit) -> bool:
-        """Whether the residual of every signal is as small as its sensor's noise."""
+        """Whether the residual is as small as those of healthy repeats; without them, in every signal as small as its sensor's noise."""
+        if self.evidence.relative:
+            return base.cost < _PLAIN * self._largest
         left = self.evidence.target - self.signals(base.values)
         left = left - left.mean(axis=1, keepdims=True)
         size = np.sqrt(np.mean(self.evidence.target**2, axis=1))
         rms = np.sqrt(np.mean(left**2, axis=1))
-        return bool(np.all(rms <= np.maximum(_PLAIN * self.level[:, 0], _NOISELESS * size)))
+        return bool(np.all(rms <= np.maximum(_PLAIN * self._level[:, 0], _NOISELESS * size)))
 
-    def starts(self, base: _Fit) -> list[tuple[str, dict[str, float]]]:
-        """Where the fit of each effect begins, one start for each sign: the shape and size whose signature at the base explains most."""
+    def starts(self, base: _Fit, only: str | None = None) -> list[tuple[str, dict[str, float]]]:
+        """Where the fit of each effect, or of `only` one, begins, one start for each sign: the shape and size whose signature at the base explains most."""
         machine = self.actuator.changed(base.values)
-        here = view(replace(self.evidence, actuator=machine), {})
-        tasks = [(candidate, first) for candidate in candidates(here) if candidate.effect not in FAULTS for first in candidate.first]
+        free = tuple(Spread((name,), _FREE, True) for name in self.faults if machine[name] > 0.0)
+        here = view(replace(self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run({name: _SCATTER[name] for name in self.scatter}))), {})
+        tasks = [(candidate, first) for candidate in candidates(here, only=only) if candidate.effect not in FAULTS for first in candidate.first]
 
         def scored(task: tuple[Any, float]) -> tuple[float, float]:
             candidate, first = task
@@ -214,12 +227,12 @@ class _Known:
         return [(effect, start) for (effect, _), (_, start) in best.items()]
 
 
-def _beside(known: _Known, base: _Fit) -> list[_Fit]:
-    """Every effect fitted beside CSJ and BLK, best first; the few best with all their values."""
+def _beside(known: _Known, base: _Fit, only: str | None = None) -> list[_Fit]:
+    """Every effect, or `only` one, fitted beside CSJ and BLK, best first; the few best with all their values."""
     sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
     healthy = {name: known.actuator[name] for name in known.faults}
     beside = (*known.faults, *known.scatter)
-    tasks = [(effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base)]
+    tasks = [(effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base, only)]
     first = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _FIRST_STEPS), tasks))[:_SECOND]
     tasks = [(one.effect, values) for one in first for values in (one.values, {**one.values, **healthy})]
     second = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _SECOND_STEPS), tasks))[:_LAST]
@@ -241,7 +254,7 @@ def _best_of_each(fits: Sequence[_Fit | None]) -> list[_Fit]:
 def _named(known: _Known, base: _Fit) -> tuple[str, _Fit | None, tuple[str, ...]]:
     """Verdict, the best effect, what looks like it."""
     numbers = known.evidence.numbers
-    excess = max(base.cost - known.evidence.floor, 1e-9)
+    excess = max(base.cost - known.floor, 1e-9)
     fits = _beside(known, base)
     if not fits:
         return "unknown", None, ()
@@ -249,11 +262,30 @@ def _named(known: _Known, base: _Fit) -> tuple[str, _Fit | None, tuple[str, ...]
     unit = max(1.0, best.cost / numbers)  # where the misfit that is left is more than noise, it is the yardstick
     if base.cost - best.cost - penalty([best.effect]) < max(LEAST_LIMIT * unit, _LEAST_SHARE * excess):
         return "unknown", None, ()
-    if best.cost - known.evidence.floor > max(_UNEXPLAINED * excess, 6.0 * np.sqrt(2.0 * numbers)):
+    if best.cost - known.floor > max(_UNEXPLAINED * excess, 6.0 * np.sqrt(2.0 * numbers)):
         return "unknown", None, ()
     alike = [one.effect for one in fits[1:] if one.cost - best.cost < _ALIKE * unit]
     alike += [other for kind in INSEPARABLE if best.effect in kind for other in sorted(kind) if other != best.effect]
     return "missing", best, tuple(dict.fromkeys(alike))
+
+
+def beside_faults(evidence: Evidence, effect: str) -> tuple[dict[str, float], dict[str, float]]:
+    """On the evidence of a machine that is known: CSJ and BLK as they are without `effect`, and the values of all three fitted together.
+
+    Raises InputError when the record shows nothing of the effect.
+    """
+    known = _Known(evidence)
+    base = known.base({})
+    fits = _beside(known, base, effect)
+    if not fits:
+        raise InputError(f"{effect}: the record shows nothing of it: nothing can be fitted")
+    own = {name: value for name, value in fits[0].values.items() if name.startswith("effects.")}
+    return {name: base.values[name] for name in known.faults}, {**own, **{name: fits[0].values[name] for name in known.faults}}
+
+
+def known_machine(actuator: Actuator, record: Record) -> Evidence:
+    """Evidence of a record of a machine that is as `actuator` says, of which only grease and winding scatter from run to run; CSJ and BLK are left to be fitted."""
+    return replace(gather(actuator, record), spread=spreads.from_run_to_run({name: std for name, std in _SCATTER.items() if actuator[name] > 0.0}))
 
 
 def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimates: Mapping[str, float], doubted: bool) -> Guarded:
@@ -263,25 +295,16 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     """
     begun = time.perf_counter()
     same = [other for other in healthy if same_command(record, other)]
-
-    def guarded(verdict: str, effects: tuple[str, ...], values: Mapping[str, float], std: Mapping[str, float], faults: Mapping[str, float], skipped: str = "") -> Guarded:
-        return Guarded(verdict, effects, values, std, faults, len(same) if len(same) > 1 else 0, skipped, time.perf_counter() - begun)
-
-    if len(same) > 1:
-        found = diagnose(gather(actuator, record, same))
-        if found.verdict == "adequate" or found.fit is None or set(found.fit.effects) <= set(FAULTS):
-            return guarded("unknown" if found.verdict == "unknown" else "adequate", (), {}, {}, {})
-        faults = {name: value for name, value in found.fit.values.items() if name in FAULTS.values()}
-        first = next(one for one in found.named if one.name in found.fit.effects and one.name not in FAULTS)
-        if found.verdict == "unknown":
-            return guarded("unknown", (), {}, {}, faults)
-        return guarded("missing", tuple(name for name in first.alike if name not in FAULTS), first.values, first.std, faults)
-    known = _Known(actuator, record)
+    repeats = same if len(same) > 1 else []
+    known = _Known(gather(actuator, record, repeats) if repeats else known_machine(actuator, record))
     base = known.base(estimates)
-    if not doubted and known.plain(base):
-        return guarded("adequate", (), {}, {}, {name: base.values[name] for name in known.faults}, "every residual is as small as its sensor's noise")
+    faults = {name: base.values[name] for name in known.faults}
+    if (repeats or not doubted) and known.plain(base):
+        why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
+        return Guarded("adequate", (), {}, {}, faults, len(repeats), why, time.perf_counter() - begun)
     verdict, best, alike = _named(known, base)
     if best is None:
-        return guarded(verdict, (), {}, {}, {})
+        return Guarded(verdict, (), {}, {}, {}, len(repeats), "", time.perf_counter() - begun)
     own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
-    return guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, {name: best.values[name] for name in known.faults})
+    beside = {name: best.values[name] for name in known.faults}
+    return Guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, beside, len(repeats), "", time.perf_counter() - begun)
