@@ -10,6 +10,7 @@ from ema_tools.actuator import nearest
 from ema_tools.console import table
 from ema_tools.definitions import Effect, load_definitions
 from ema_tools.errors import InputError
+from ema_tools.signatures import signature_of
 
 SITES = {
     "PARAMETER": "changes parameters",
@@ -41,6 +42,7 @@ def describe(effect: Effect) -> dict[str, Any]:
         "own": effect.is_own,
         "equation": effect.equation,
         "source": effect.source,
+        "signature": signature_of(effect.name),
         "look_alikes": list(effect.look_alikes),
         "parameters": [
             {"field": row.field, "unit": row.unit, "zero": row.nominal if row is effect.size else None, "nominal": row.nominal, "lower": row.lower, "upper": row.upper, "text": row.text}
@@ -63,6 +65,7 @@ def print_one(console: Console, effect: Effect) -> None:
     console.print(f"acts on: {SITES.get(effect.site, effect.site.lower())}")
     if effect.is_learned:
         console.print("learned: no physical effect but a table; it says what was seen from first to last, and the edge value is held outside")
+    console.print(f"signature: {signature_of(effect.name)}", highlight=False)
     console.print(f"source: {effect.source}")
     console.print(f"look-alikes: {', '.join(effect.look_alikes) or 'none known'}")
     shown = table(f"\\[effects.{effect.name}]", "parameter", "meaning", "unit", "zero", "lower", "upper", text_columns=3)
