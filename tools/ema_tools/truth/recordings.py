@@ -1,15 +1,22 @@
-"""The recordings that ship with the project: `python -m ema_tools.truth.recordings OUTDIR` writes them byte for byte."""
+"""The recordings that ship with the project: `python -m ema_tools.truth.recordings OUTDIR` writes them byte for byte.
+
+Those of the paper's cases lie in OUTDIR; OUTDIR/story holds the runs of one unit for the demo, see `ema_tools.story`.
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ema_tools.reference.commands import chirp, times_s
+import numpy as np
+
+from ema_tools import story
+from ema_tools.reference.commands import chirp, multisine, times_s
 from ema_tools.reference.recording import Recording
-from ema_tools.truth.plant import Sensors, simulate_truth
+from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 
 COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V")
 ROWS = 10_000
@@ -35,6 +42,31 @@ SHIPPED = (
     Shipped("case_c", "case C: one percent more of each", 0.13938, 0.03333),
     Shipped("case_a_noisy", "case A with sensor noise", 0.3, 0.04125, NOISY),
 )
+
+
+@dataclass(frozen=True)
+class Run:
+    """One file of the story: the machine's values, the command [rows] in mm, and the seed of the day's scatter and of the sensors."""
+
+    name: str
+    title: str
+    values: Mapping[str, float]
+    command_mm: np.ndarray
+    seed: int
+
+
+STORY_SENSORS = Sensors(
+    position_noise_mm=0.002,
+    motor_position_noise_mm=0.002,
+    current_noise_A=0.03,
+    voltage_noise_V=0.01,
+    position_resolution_mm=5e-4,
+    motor_position_resolution_mm=5e-4,
+    current_resolution_A=0.01,
+    voltage_resolution_V=0.01,
+)
+# As many decimals as the sensors resolve; the command is rounded before it is run.
+STORY_DECIMALS = {"time_s": 3, "command_mm": 5, "position_mm": 4, "motor_position_mm": 4, "current_A": 2, "voltage_V": 2}
 
 
 def record(shipped: Shipped) -> Recording:
@@ -64,8 +96,50 @@ def as_text(shipped: Shipped, recording: Recording) -> str:
     return "\n".join(lines) + "\n"
 
 
+def story_runs() -> tuple[Run, ...]:
+    """The runs of the story: the healthy ones, then today under the same command and under another one."""
+    sweep = np.round(chirp(times_s(ROWS)), STORY_DECIMALS["command_mm"])
+    other = np.round(multisine(times_s(ROWS), 2.0, 0.3, 8), STORY_DECIMALS["command_mm"])
+    healthy = tuple(Run(story.healthy_name(run), f"healthy, run {run} of {story.HEALTHY_RUNS}", story.UNIT, sweep, SEED + 10 * run) for run in range(1, story.HEALTHY_RUNS + 1))
+    return (*healthy, Run(story.TODAY, "today", story.today(), sweep, SEED + 60), Run(story.HELD_OUT, "today, another command", story.today(), other, SEED + 70))
+
+
+def run_record(run: Run) -> Recording:
+    """The record of one run: the machine as the day's scatter makes it, seen through the sensors."""
+    values = scattered(run.values, story.SCATTER, run.seed)
+    return simulate_truth(values, run.command_mm, sensors=STORY_SENSORS, seed=run.seed + 1)
+
+
+def run_as_text(run: Run, recording: Recording) -> str:
+    """The file. Its head does not tell what acts on the machine: that is for `ema diagnose` to find."""
+    command = "chirp 2 mm, 0.1 to 4 Hz, 10 s" if run.name != story.HELD_OUT else "8 harmonics of 0.3 Hz, 2 mm, 10 s"
+    lines = [
+        f"# One unit of the reference actuator: {run.title}. Simulated, not measured on a machine.",
+        "# Made by the truth plant (python -m ema_tools.truth.recordings): Heun's method at 10 us, Coulomb friction",
+        f"# with reversals found by bisection. Command: {command}, held for 1 ms.",
+        "# Sensors: 2 um rms on both positions, 30 mA on the current, 10 mV on the voltage; friction, grease and winding scatter from run to run.",
+        ",".join(STORY_DECIMALS),
+    ]
+    channels = [getattr(recording, column) for column in STORY_DECIMALS]
+    # Rounding first, then adding zero: no negative zero is left.
+    rows = zip(*(np.round(channel, decimals) + 0.0 for channel, decimals in zip(channels, STORY_DECIMALS.values(), strict=True)), strict=True)
+    form = ",".join(f"{{:.{decimals}f}}" for decimals in STORY_DECIMALS.values())
+    lines += [form.format(*row) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def write_story(folder: Path) -> list[Path]:
+    """Write the story's files into `folder`, which must exist; return their paths."""
+    paths = []
+    for run in story_runs():
+        path = folder / f"{run.name}.csv"
+        path.write_text(run_as_text(run, run_record(run)), encoding="utf-8", newline="\n")
+        paths.append(path)
+    return paths
+
+
 def write(folder: Path) -> list[Path]:
-    """Write every file into `folder`, which must exist; return their paths."""
+    """Write the files of the cases into `folder`, which must exist; return their paths."""
     paths = []
     for shipped in SHIPPED:
         path = folder / f"{shipped.name}.csv"
@@ -82,7 +156,8 @@ def main() -> int:
     if not folder.is_dir():
         print(f"{folder}: not a folder: make it first", file=sys.stderr)
         return 1
-    for path in write(folder):
+    (folder / "story").mkdir(exist_ok=True)
+    for path in [*write(folder), *write_story(folder / "story")]:
         print(path)
     return 0
 
