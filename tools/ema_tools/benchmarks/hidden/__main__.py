@@ -11,14 +11,13 @@ import click
 
 from ema_tools.benchmarks.hidden import documents, running, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
-from ema_tools.benchmarks.hidden.trials import KINDS, Plan
+from ema_tools.benchmarks.hidden.trials import FULL, KINDS, Plan
 from ema_tools.console import complain, output
 from ema_tools.errors import InputError
 from ema_tools.files import write_json
 from ema_tools.parallel import workers as cores
 
 _SMALL = Plan(1, severities=("medium",), effects=("winding_heating", "sensor_gain", "bus_hum"), kinds=("library", "outside", "healthy"), healthy=1, outside_seeds=1, first_machine=2)
-_FULL = Plan(3)
 
 
 def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ...]:
@@ -59,7 +58,7 @@ def main(
 ) -> None:
     """Hides effects in machines that the code under test has never seen and reports what it names."""
     begun = time.monotonic()
-    plan = _SMALL if size == "small" else _FULL
+    plan = _SMALL if size == "small" else FULL
     given = {
         "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE), "effect"),
         "severities": _names(severity, tuple(SEVERITIES), "severity"),

@@ -11,6 +11,7 @@ from ema_tools.benchmarks.hidden import pictures, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.machines import COMMANDS, SCATTER, UNITS
 from ema_tools.benchmarks.hidden.scoring import Row, of_kind, share_of
+from ema_tools.benchmarks.hidden.trials import FULL
 from ema_tools.files import write_text
 
 _KINDS = {
@@ -29,7 +30,7 @@ def write(rows: Sequence[Row], path: Path) -> list[Path]:
     matrix = path.with_name(f"{path.stem.lower()}_confusion.svg")
     write_text(curve, _curve(rows), force=True)
     write_text(matrix, pictures.matrix("first name put forward, four signals, all severities", _counts(rows)), force=True)
-    sections = [_head(), _goals(rows), _rates(rows, curve.name), _by_effect(rows), _confusions(rows, matrix.name), _unasked(rows), _pairs(rows), _sizes(rows), _left(rows), _time(rows)]
+    sections = [_head(rows), _goals(rows), _rates(rows, curve.name), _by_effect(rows), _confusions(rows, matrix.name), _unasked(rows), _pairs(rows), _sizes(rows), _left(rows), _time(rows)]
     write_text(path, "\n".join(section for section in sections if section), force=True)
     return [path, curve, matrix]
 
@@ -40,12 +41,14 @@ def _table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: int)
     return "\n".join("| " + " | ".join(cells) + " |" if cells is not rule else "|" + "|".join(cells) + "|" for cells in [headings, rule, *rows]) + "\n"
 
 
-def _head() -> str:
+def _head(rows: Sequence[Row]) -> str:
+    whole = len(FULL.trials())
+    machines = len({row["machine"] for row in rows})
     units = ", ".join(f"{names[0].split('.')[1]} {100.0 * std:g} %" for names, std in UNITS.items())
     scatter = ", ".join(f"{name.split('.')[1]} {100.0 * std:g} %" for name, std in SCATTER.items())
     return f"""# Naming a hidden effect
 
-Written by a command; do not edit. To write it again, after `cmake --workflow --preset test`:
+Written by a command; do not edit. Shown are {len(rows)} trials on {machines} machines, of the {whole} of the whole plan. To run all of it and write this again, after `cmake --workflow --preset test`:
 
     build/venv/bin/python -m ema_tools.benchmarks.hidden --full -o build/hidden --document docs/NAMING.md
 

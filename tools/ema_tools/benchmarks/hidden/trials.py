@@ -102,6 +102,10 @@ class Plan:
         return [trial for trial in found if trial.kind in self.kinds]
 
 
+# What the document is meant to show.
+FULL = Plan(3)
+
+
 def groups(trials: Sequence[Trial]) -> list[list[Trial]]:
     """Trials of one machine and command together, so that what is known of the machine is computed once; longest first."""
     found: dict[tuple[int, str, bool], list[Trial]] = {}
