@@ -22,7 +22,7 @@ foreach(target ema ema64)
         PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
         PRIVATE ${EMA_SOURCE_DIRS})
     # The desktop libraries contain these objects, and show only their own functions.
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ${EMA_HOST} C_VISIBILITY_PRESET hidden)
     if(EMA_OWN_FOLDER)
         target_compile_definitions(${target} PUBLIC "$<BUILD_INTERFACE:EMA_OWN_EFFECTS=\"${EMA_OWN_FOLDER}/own_effects.def\">"
                                    "$<INSTALL_INTERFACE:EMA_OWN_EFFECTS=\"ema/own_effects.def\">")
