@@ -1,0 +1,28 @@
+/* The recorded cases, fed to a session: the same bits on host and target. */
+#ifndef EMA_RECORDED_H
+#define EMA_RECORDED_H
+
+#include <stdbool.h>
+
+#include "ema/ema_session.h"
+
+#define EMA_RECORDED_ROWS 10000U
+
+/* A session on the reference actuator, with the record's memory. */
+typedef struct {
+    ema_actuator_t actuator;
+    ema_session_config_t config;
+    ema_session_t session;
+    union {
+        ema_real real[2U * EMA_RECORDED_ROWS];
+        int16_t int16[2U * EMA_RECORDED_ROWS];
+    } buffer;
+} ema_recorded_t;
+
+/* Command and rod position of row `row` of case 'a', 'b' or 'c'; false for another case or beyond the last row. */
+bool ema_recorded_row(char name, uint32_t row, ema_sample_t* sample);
+
+/* Starts a session with `seed` and feeds it the whole recording. Errors: those of the session; EMA_ERR_SHORT for an unknown case. */
+ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t seed, ema_record_format_t format);
+
+#endif
