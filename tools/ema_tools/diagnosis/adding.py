@@ -11,7 +11,7 @@ import numpy as np
 from ema_tools.actuator import Actuator, row_of
 from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis import unknown as unknowns
-from ema_tools.diagnosis.answer import healthy_of, size_text
+from ema_tools.diagnosis.answer import answerable, check_holdout, healthy_of, size_text
 from ema_tools.diagnosis.candidates import FAULTS, signatures
 from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, walk
 from ema_tools.diagnosis.evidence import Evidence, View, settled
@@ -36,7 +36,7 @@ _FALL = 1e-3
 
 @dataclass(frozen=True)
 class Added:
-    """The model with the effect, what was fitted, and whether it is recommended; `actuator` is what `ema add` writes."""
+    """The model with the effect, what was fitted, and whether it is recommended; `actuator` is what `ema add` writes. `refitted`: the model held the effect before."""
 
     effect: str
     actuator: Actuator
@@ -46,12 +46,13 @@ class Added:
     recommended: bool
     reason: str
     correlations: tuple[tuple[str, str, float], ...]
+    refitted: bool = False
 
     def sentence(self) -> str:
         """What was done and what came of it."""
         own = self.fit.of_effect(self.effect)
         size = next(iter(own))
-        text = f"{self.effect} added, {row_of(size).field} {size_text(size, own[size], self.fit.std.get(size))}: weighted error {self.errors.before:.3g} before, {self.errors.after:.3g} after, floor {self.errors.floor:.3g}"
+        text = f"{self.effect} {'was there and is refitted' if self.refitted else 'added'}, {row_of(size).field} {size_text(size, own[size], self.fit.std.get(size))}: weighted error {self.errors.before:.3g} before, {self.errors.after:.3g} after, floor {self.errors.floor:.3g}"
         if self.errors.holdout_before is not None:
             text += f"; on the record held out {self.errors.holdout_before:.3g} before, {self.errors.holdout_after:.3g} after"
         return f"{text}. {'Recommended' if self.recommended else 'Not recommended'}: {self.reason}."
@@ -79,6 +80,8 @@ def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Recor
     row = next((row for row in load_definitions().effects if row.name == effect), None)
     if row is None:
         raise InputError(f"{effect}: no such effect: ema effects lists the library")
+    check_holdout(record, holdout)
+    answerable(actuator, record, healthy_of(record, healthy))
     evidence = gather(actuator, record, healthy_of(record, healthy), report=lambda share, text: tell(0.5 * share, text))
     here = settled(evidence, {})
     tell(0.6, f"fitting {effect}")
@@ -91,7 +94,7 @@ def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Recor
     recommended, reason = _judged(fit, effect, errors, before, correlations)
     own = fit.of_effect(effect)
     tell(1.0, "done")
-    return Added(effect, fitted_machine(evidence, fit).changed(own), fit, errors, steps, recommended, reason, correlations)
+    return Added(effect, fitted_machine(evidence, fit).changed(own), fit, errors, steps, recommended, reason, correlations, effect in actuator.active_effects)
 
 
 def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Record | None = None, report: Report | None = None) -> Added:
@@ -100,6 +103,8 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     if next((row.is_learned for row in load_definitions().effects if row.name == effect), True):
         raise InputError(f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists")
     tell(0.1, f"fitting {effect} beside CSJ and BLK")
+    check_holdout(record, holdout)
+    answerable(actuator, record, ())
     evidence = known_machine(actuator, record)
     alone, together = beside_faults(evidence, effect)
     before = settled(evidence, alone).cost
@@ -111,7 +116,7 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     correlations = tuple(_correlations(fit))
     recommended, reason = _judged(fit, effect, errors, before, correlations)
     tell(1.0, "done")
-    return Added(effect, actuator.changed(fit.of_effect(effect)), fit, errors, steps, recommended, reason, correlations)
+    return Added(effect, actuator.changed(fit.of_effect(effect)), fit, errors, steps, recommended, reason, correlations, effect in actuator.active_effects)
 
 
 def _fitted(here: View, effect: str) -> Fit:

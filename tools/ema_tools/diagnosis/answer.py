@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ema_tools.actuator import Actuator, row_of
 from ema_tools.diagnosis import unknown as unknowns
 from ema_tools.diagnosis.candidates import FAULTS
@@ -166,6 +168,21 @@ def healthy_of(record: Record, healthy: Sequence[Record]) -> list[Record]:
     return [other for other in healthy if same_command(record, other)]
 
 
+def check_holdout(record: Record, holdout: Record | None) -> None:
+    """Raises InputError when the record held out is the one that is fitted."""
+    if holdout is not None and holdout.rows == record.rows and np.array_equal(holdout.position_mm, record.position_mm):
+        raise InputError(f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command")
+
+
+def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> Gate:
+    """The gate's judgement. Raises InputError with its first remark that blocks."""
+    gate = judge(actuator, record, healthy)
+    if not gate.answerable:
+        remark = next(one for one in gate.remarks if one.severity == "blocks")
+        raise InputError(f"{record.file}: {remark.text}: {remark.next}")
+    return gate
+
+
 def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None) -> Answer:
     """Diagnoses a record. `healthy` records of the record's command are its repeats, those of the hold-out's command are the hold-out's.
 
@@ -176,10 +193,8 @@ def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), h
     for other in healthy:
         if not same_command(record, other) and (holdout is None or not same_command(holdout, other)):
             raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out: give healthy records of the same command")
-    gate = judge(actuator, record, same)
-    if not gate.answerable:
-        remark = next(one for one in gate.remarks if one.severity == "blocks")
-        raise InputError(f"{record.file}: {remark.text}: {remark.next}")
+    check_holdout(record, holdout)
+    gate = answerable(actuator, record, same)
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
     found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))

@@ -21,7 +21,7 @@ from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.answer import size_text
 from ema_tools.diagnosis.candidates import FAULTS, candidates, penalty
 from ema_tools.diagnosis.evidence import Evidence, repeat_residuals, simulate_channels, view
-from ema_tools.diagnosis.gathering import gather, same_command
+from ema_tools.diagnosis.gathering import common_channels, gather, same_command
 from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT
 from ema_tools.diagnosis.spread import Spread
 from ema_tools.diagnosis.whitening import Reals
@@ -283,9 +283,14 @@ def beside_faults(evidence: Evidence, effect: str) -> tuple[dict[str, float], di
     return {name: base.values[name] for name in known.faults}, {**own, **{name: fits[0].values[name] for name in known.faults}}
 
 
+def _live(*records: Record) -> tuple[str, ...]:
+    """Signals that all records have and that change: a sensor that is not connected says nothing."""
+    return tuple(name for name in common_channels(records) if all(np.ptp(one.recorded(name)) > 0.0 for one in records))
+
+
 def known_machine(actuator: Actuator, record: Record) -> Evidence:
     """Evidence of a record of a machine that is as `actuator` says, of which only grease and winding scatter from run to run; CSJ and BLK are left to be fitted."""
-    return replace(gather(actuator, record), spread=spreads.from_run_to_run({name: std for name, std in _SCATTER.items() if actuator[name] > 0.0}))
+    return replace(gather(actuator, record, channels=_live(record)), spread=spreads.from_run_to_run({name: std for name, std in _SCATTER.items() if actuator[name] > 0.0}))
 
 
 def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimates: Mapping[str, float], doubted: bool) -> Guarded:
@@ -296,7 +301,7 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     begun = time.perf_counter()
     same = [other for other in healthy if same_command(record, other)]
     repeats = same if len(same) > 1 else []
-    known = _Known(gather(actuator, record, repeats) if repeats else known_machine(actuator, record))
+    known = _Known(gather(actuator, record, repeats, _live(record, *repeats)) if repeats else known_machine(actuator, record))
     base = known.base(estimates)
     faults = {name: base.values[name] for name in known.faults}
     if (repeats or not doubted) and known.plain(base):

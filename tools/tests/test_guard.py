@@ -1,0 +1,176 @@
+"""The guard of the identification: on records of the truth plant that hide an effect, no fault is reported but the effect is named; with the effect added, CSJ and BLK come out right."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.actuator import reference_actuator
+from ema_tools.benchmarks.hidden.machines import STEP_S, command_mm
+from ema_tools.diagnosis.adding import add, add_to_known
+from ema_tools.diagnosis.guard import Guarded
+from ema_tools.identify import Identified, identify
+from ema_tools.records import Record, write_record
+from ema_tools.reference.compiled import HAS_NUMBA
+from ema_tools.truth.plant import Sensors, scattered, simulate_truth
+from support import REFERENCE, chirp_record, complaint, run_ema
+
+needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
+SENSORS = Sensors(
+    position_noise_mm=0.002,
+    motor_position_noise_mm=0.002,
+    current_noise_A=0.03,
+    voltage_noise_V=0.01,
+    position_resolution_mm=5e-4,
+    motor_position_resolution_mm=5e-4,
+    current_resolution_A=0.01,
+    voltage_resolution_V=0.01,
+)
+# Name of the effect, its hidden values and the size that is compared: resistance +30 %, supply -10 %, gain +10 %, break-away 40 % over sliding.
+HIDDEN = {
+    "winding_heating": {"winding_heating.rise_degC": 76.3},
+    "supply_sag": {"supply_sag.sag": 0.1},
+    "gain_drift": {"gain_drift.drift": 0.1},
+    "stribeck_friction": {"stribeck_friction.rise": 0.4, "stribeck_friction.speed_rad_s": 10.0},
+}
+WORN = {"screw.csj_Nm": 0.2, "screw.blk_mm": 0.06}
+SCATTER = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
+ALONE = {"motor_position_mm": None, "current_A": None, "voltage_V": None}
+
+
+@lru_cache(maxsize=32)
+def measured(effect: str, worn: bool, seed: int, scatter: bool = False) -> Record:
+    """A chirp of the truth plant, worn or not, with a hidden effect or none."""
+    values = {**HIDDEN.get(effect, {}), **(WORN if worn else {})}
+    if scatter:
+        values |= {name: scattered(WORN if worn else {}, SCATTER, seed)[name] for name in SCATTER}
+    run = simulate_truth(values, command_mm("chirp"), step_s=1e-5 if effect == "stribeck_friction" else 5e-5, sensors=SENSORS, seed=seed)
+    return Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file=f"{effect}_{seed}.csv")
+
+
+def alone(record: Record) -> Record:
+    """The record with command and rod position only."""
+    return replace(record, **ALONE)
+
+
+def named(found: Identified) -> Guarded:
+    """The guard's word on an answer that it took back."""
+    assert found.verdict == "undecided" and not found.adequate
+    assert found.guarded is not None and found.guarded.verdict == "missing"
+    assert any("ema add ACTUATOR" in reason for reason in found.reasons)
+    return found.guarded
+
+
+def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
+    """CSJ and BLK within four standard errors or 2 % of the healthy values, and the verdict that follows."""
+    assert found.verdict == ("fault" if worn else "healthy"), found.sentence()
+    true = {name: value if worn else reference_actuator()[name] for name, value in WORN.items()}
+    for estimate in found.answer.identified:
+        allowed = max(4.0 * estimate.std, (0.02 + scatter) * reference_actuator()[estimate.name])
+        assert abs(estimate.estimate - true[estimate.name]) < allowed, found.sentence()
+
+
+@needs_numba
+@pytest.mark.parametrize("worn", [False, True])
+@pytest.mark.parametrize("effect", HIDDEN)
+@pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
+def test_a_hidden_effect_is_named_and_once_added_csj_and_blk_are_right(effect: str, worn: bool, only: bool) -> None:
+    record = measured(effect, worn, 11)
+    record = alone(record) if only else record
+    guarded = named(identify(reference_actuator(), record))
+    assert guarded.effects[0] == effect
+    name, true = next(iter(HIDDEN[effect].items()))
+    assert guarded.values[f"effects.{name}"] == pytest.approx(true, rel=0.03)
+    assert guarded.faults["screw.csj_Nm"] == pytest.approx(WORN["screw.csj_Nm"] if worn else 0.138, rel=0.01)
+    added = add_to_known(reference_actuator(), effect, record)
+    assert added.recommended, added.reason
+    assert added.errors.after < 1.05 * added.errors.floor
+    assert (added.actuator["screw.csj_Nm"], added.actuator["screw.blk_mm"]) == (0.138, 0.033)
+    check_right(identify(added.actuator, record), worn)
+
+
+@needs_numba
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", HIDDEN)
+@pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
+def test_against_healthy_repeats_it_is_named_beside_a_fault(effect: str, only: bool) -> None:
+    record = measured(effect, True, 11, True)
+    healthy = [measured("", False, 100 + day, True) for day in range(5)]
+    if only:
+        record, healthy = alone(record), [alone(one) for one in healthy]
+    guarded = named(identify(reference_actuator(), record, healthy))
+    assert guarded.effects[0] == effect and guarded.against == 5
+    added = add(reference_actuator(), effect, record, healthy)
+    assert added.errors.after < 1.05 * added.errors.floor
+    # friction differs by 0.4 % from day to day
+    check_right(identify(added.actuator, record), True, scatter=0.02)
+
+
+@needs_numba
+@pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
+@pytest.mark.parametrize("repeats", [0, 3])
+def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_is_not_looked_at(only: bool, repeats: int) -> None:
+    healthy = [measured("", False, 100 + day, True) for day in range(repeats)]
+    worn, sound = measured("", True, 12, repeats > 0), measured("", False, 13, repeats > 0)
+    if only:
+        worn, sound, healthy = alone(worn), alone(sound), [alone(one) for one in healthy]
+    fault = identify(reference_actuator(), worn, healthy)
+    assert (fault.verdict, fault.adequate) == ("fault", True)
+    assert fault.guarded is not None and fault.guarded.verdict == "adequate" and fault.guarded.skipped
+    assert fault.result()["missing_effect"] is None
+    nothing = identify(reference_actuator(), sound, healthy)
+    assert nothing.verdict == "healthy" and nothing.guarded is None
+
+
+def test_plainly_adequate_without_noise_stays_a_fault() -> None:
+    found = identify(reference_actuator(), chirp_record(reference_actuator().changed(WORN)))
+    assert found.verdict == "fault"
+    assert found.guarded is not None and found.guarded.wall_s < 3.0
+
+
+def test_a_small_error_that_the_module_overlooks_is_taken_back_when_it_would_change_the_fault() -> None:
+    """A user who states a large sensor noise calls the model adequate: a winding of +10 % then reads as a fault."""
+    known = reference_actuator().changed({"verdict.position_noise_mm": 0.1})
+    record = chirp_record(known.changed({"winding_heating.rise_degC": 25.0})).with_noise({"position_mm": 0.002, "current_A": 0.03}, 3)
+    unguarded = identify(known, record, guarding=False)
+    assert unguarded.verdict == "fault" and unguarded.adequate
+    assert named(identify(known, record)).effects[0] == "winding_heating"
+
+
+def test_a_signal_that_is_not_connected_does_not_mislead_it() -> None:
+    record = chirp_record(reference_actuator().changed({"supply_sag.sag": 0.1})).with_noise({"position_mm": 0.002}, 3)
+    dead = replace(record, current_A=np.zeros(record.rows))
+    assert named(identify(reference_actuator(), dead)).effects[0] == "supply_sag"
+
+
+def test_the_command_line_names_it_adds_it_and_reports_the_fault(tmp_path: Path) -> None:
+    machine = reference_actuator().changed({**WORN, "winding_heating.rise_degC": 60.0})
+    noise = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
+    record, new = tmp_path / "rec.csv", tmp_path / "new.toml"
+    write_record(record, chirp_record(machine).with_noise(noise, 1))
+    ran = run_ema("identify", REFERENCE, record, "--json", tmp_path / "i.json")
+    assert ran.code == 0, ran.err
+    assert ran.out.startswith("Undecided, because ")
+    assert "winding_heating (rise_degC 60" in ran.out and "--known" in ran.out
+    result = json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))
+    missing = result["missing_effect"]
+    assert (missing["name"], missing["class"]) == ("winding_heating", ["winding_heating"])
+    assert missing["parameters"]["rise_degC"] == pytest.approx(60.0, abs=3.0)
+    assert (result["verdict"], result["adequate"]) == ("undecided", False)
+    assert run_ema("report", tmp_path / "i.json", "-o", tmp_path / "p.html").code == 0
+    plain = run_ema("identify", REFERENCE, record, "--no-guard", "--json", tmp_path / "n.json")
+    assert plain.code == 0 and "winding_heating" not in plain.out
+    assert json.loads((tmp_path / "n.json").read_text(encoding="utf-8"))["missing_effect"] is None
+    ran = run_ema("add", REFERENCE, "winding_heating", "--known", "--fit", record, "-o", new)
+    assert ran.code == 0, ran.err
+    ran = run_ema("identify", new, record, "--json", tmp_path / "a.json")
+    assert ran.code == 0 and ran.out.startswith("Fault: CSJ +4")
+    result = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert result["csj_Nm"]["estimate"] == pytest.approx(WORN["screw.csj_Nm"], rel=0.005)
+    assert result["blk_mm"]["estimate"] == pytest.approx(WORN["screw.blk_mm"], rel=0.02)
+    assert complaint(run_ema("add", REFERENCE, "winding_heating", "--known", "--fit", record, "--healthy", record, "-o", tmp_path / "x.toml")).endswith("leave one of the two out")
