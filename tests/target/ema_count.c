@@ -1,0 +1,226 @@
+/* Counts instructions on the emulated target: run it with -icount shift=6, where one instruction is 64 ns and a tick of the counter 40 ns.
+ *
+ * Prints `name value` lines: instructions of the calls, and the sizes of the public structures.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ema/ema_sensitivity.h"
+#include "ema_counter.h"
+#include "ema_recorded.h"
+
+/* 25 ticks are 1000 ns, 1000 / 64 instructions. */
+#define TICKS 8U
+#define INSTRUCTIONS 5U
+#define STEPS EMA_RECORDED_ROWS
+#define CHUNK_STEPS 1000U
+
+static ema_recorded_t recorded;
+static ema_model_t model;
+/* ticks between two readings with nothing in between */
+static uint32_t reading;
+
+/* Least, sum and most of a call's ticks. */
+typedef struct {
+    uint64_t sum;
+    uint32_t most;
+    uint32_t calls;
+} ticks_t;
+
+static void take(ticks_t* ticks, uint32_t from, uint32_t to)
+{
+    const uint32_t spent = to - from;
+    const uint32_t net = (spent > reading) ? (spent - reading) : 0U;
+    ticks->sum += net;
+    ticks->most = (net > ticks->most) ? net : ticks->most;
+    ++ticks->calls;
+}
+
+static unsigned long long instructions(uint64_t ticks)
+{
+    return (unsigned long long)((ticks * INSTRUCTIONS) / TICKS);
+}
+
+static void print_mean(const char* name, const ticks_t* ticks)
+{
+    (void)printf("%s_mean %.1f\n%s_most %llu\n", name, ((double)ticks->sum * (double)INSTRUCTIONS) / ((double)TICKS * (double)ticks->calls), name, instructions(ticks->most));
+}
+
+static void calibrate(void)
+{
+    uint32_t least = UINT32_MAX;
+    for (uint32_t k = 0; k < 100U; ++k) {
+        const uint32_t from = ema_counter_now();
+        const uint32_t spent = ema_counter_now() - from;
+        least = (spent < least) ? spent : least;
+    }
+    reading = least;
+}
+
+static void fail(const char* what, ema_status_t status)
+{
+    (void)printf("failed %s: %s\n", what, ema_status_text(status));
+    exit(1);
+}
+
+/* The model alone, as an observer beside the machine would run it: over the chirp of case A. */
+static void count_model(const char* name, const ema_actuator_t* actuator)
+{
+    ticks_t step = {0};
+    char label[64];
+    ema_sample_t sample;
+    ema_status_t status = ema_model_init(&model, actuator, EMA_R(0.0));
+    for (uint32_t row = 0; (status == EMA_OK) && ema_recorded_row('a', row, &sample); ++row) {
+        const uint32_t from = ema_counter_now();
+        status = ema_model_step(&model, sample.command_mm, NULL);
+        take(&step, from, ema_counter_now());
+    }
+    if (status != EMA_OK) {
+        fail(name, status);
+    }
+    (void)snprintf(label, sizeof label, "model_step_%s", name);
+    print_mean(label, &step);
+}
+
+static void count_effects(void)
+{
+    ema_actuator_t actuator;
+    (void)ema_actuator_defaults(&actuator);
+    actuator.params.csj_Nm = EMA_R(0.3);
+    actuator.params.blk_mm = EMA_R(0.04125);
+    count_model("case_a", &actuator);
+    actuator.effects.stribeck_friction.rise = EMA_R(0.3);
+    count_model("stribeck", &actuator);
+    actuator.effects.stribeck_friction.rise = EMA_R(0.0);
+    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.02);
+    count_model("cogging", &actuator);
+    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.0);
+    actuator.effects.inverter_dead_time.drop_V = EMA_R(0.2);
+    count_model("dead_time", &actuator);
+}
+
+/* A whole identification of case A. The sum is read every few slices, so that reading costs nothing; the most from every slice. */
+static void count_identification(uint32_t slice, ema_record_format_t format, const char* name)
+{
+    ema_result_t result;
+    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, format);
+    uint64_t ticks = 0U;
+    uint64_t slices = 0U;
+    uint32_t from = ema_counter_now();
+    while ((status == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {
+        for (uint32_t made = 0; (status == EMA_OK) && (made < CHUNK_STEPS); made += slice) {
+            status = ema_session_run(&recorded.session, slice);
+            ++slices;
+        }
+        const uint32_t now = ema_counter_now();
+        ticks += now - from;
+        from = now;
+    }
+    if (status == EMA_OK) {
+        status = ema_session_result(&recorded.session, &result);
+    }
+    if (status != EMA_OK) {
+        fail(name, status);
+    }
+    (void)printf("identify_%s_%" PRIu32 " %llu\n", name, slice, instructions(ticks));
+    (void)printf("identify_%s_%" PRIu32 "_slices %llu\n", name, slice, (unsigned long long)slices);
+    (void)printf("identify_%s_%" PRIu32 "_steps %llu\n", name, slice, (unsigned long long)result.model_steps);
+}
+
+/* What the longest slice takes, over a whole identification. */
+static void count_slices(uint32_t slice)
+{
+    ticks_t run = {0};
+    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16);
+    while ((status == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {
+        const uint32_t from = ema_counter_now();
+        status = ema_session_run(&recorded.session, slice);
+        take(&run, from, ema_counter_now());
+    }
+    if (status != EMA_OK) {
+        fail("slices", status);
+    }
+    char label[32];
+    (void)snprintf(label, sizeof label, "slice_%" PRIu32, slice);
+    print_mean(label, &run);
+}
+
+/* The calls outside the search. */
+static void count_calls(void)
+{
+    ticks_t feed = {0};
+    ticks_t once = {0};
+    ema_sample_t sample;
+    ema_result_t result;
+    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16);
+    uint32_t from = ema_counter_now();
+    if (status == EMA_OK) {
+        status = ema_session_init(&recorded.session, &recorded.config);
+    }
+    take(&once, from, ema_counter_now());
+    print_mean("session_init", &once);
+    for (uint32_t row = 0; (status == EMA_OK) && ema_recorded_row('a', row, &sample); ++row) {
+        from = ema_counter_now();
+        status = ema_session_feed(&recorded.session, &sample);
+        take(&feed, from, ema_counter_now());
+    }
+    print_mean("session_feed", &feed);
+    if (status == EMA_OK) {
+        status = ema_session_run(&recorded.session, 1U);
+    }
+    const ticks_t none = {0};
+    once = none;
+    from = ema_counter_now();
+    if (status == EMA_OK) {
+        status = ema_session_result(&recorded.session, &result);
+    }
+    take(&once, from, ema_counter_now());
+    print_mean("session_result", &once);
+    if (status != EMA_OK) {
+        fail("calls", status);
+    }
+}
+
+#define PRINT_SIZE(type) (void)printf("size_" #type " %u\n", (unsigned)sizeof(type))
+
+static void print_sizes(void)
+{
+    PRINT_SIZE(ema_actuator_t);
+    PRINT_SIZE(ema_annealer_config_t);
+    PRINT_SIZE(ema_annealer_t);
+    PRINT_SIZE(ema_command_t);
+    PRINT_SIZE(ema_model_t);
+    PRINT_SIZE(ema_objective_t);
+    PRINT_SIZE(ema_output_t);
+    PRINT_SIZE(ema_plant_t);
+    PRINT_SIZE(ema_random_t);
+    PRINT_SIZE(ema_record_config_t);
+    PRINT_SIZE(ema_record_t);
+    PRINT_SIZE(ema_result_t);
+    PRINT_SIZE(ema_sample_t);
+    PRINT_SIZE(ema_sensitivity_t);
+    PRINT_SIZE(ema_session_config_t);
+    PRINT_SIZE(ema_session_t);
+    PRINT_SIZE(ema_state_t);
+    (void)printf("size_record_10s_int16 %u\n", (unsigned)EMA_RECORD_INT16_BYTES(EMA_RECORDED_ROWS, 2U));
+}
+
+int main(void)
+{
+    ema_counter_start();
+    calibrate();
+    print_sizes();
+    count_calls();
+    count_effects();
+    static const uint32_t slices[] = {1U, 7U, 200U, 1000U};
+    for (uint32_t k = 0; k < (sizeof slices / sizeof slices[0]); ++k) {
+        count_identification(slices[k], EMA_RECORD_INT16, "int16");
+    }
+    count_identification(1000U, EMA_RECORD_REAL, "real");
+    count_slices(1U);
+    count_slices(200U);
+    count_slices(1000U);
+    (void)puts("counted all");
+    return 0;
+}
