@@ -57,7 +57,8 @@ static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* p
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
-    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && plant->active.any;
+    /* what lies behind a compliance moves by itself: forces that rise evenly do not vouch for it */
+    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && plant->active.any && (plant->active.transmission == 0U);
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
     plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;

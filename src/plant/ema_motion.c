@@ -9,8 +9,8 @@
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
-/* How far the forces half way may be off an even rise, as a share of the torques at work, or of the voltage: far below what an effect that can be seen makes. */
-#define EMA_UNEVEN EMA_R(3.0e-4)
+/* How far the forces inside a step may be off an even rise, as a share of the torques at work, or of the voltage: far below what an effect that can be seen makes. */
+#define EMA_UNEVEN EMA_R(5.0e-5)
 #define EMA_UNEVEN_INPUT EMA_R(1.0e-4)
 
 /* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
@@ -191,26 +191,35 @@ static void ema_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
     ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
-/* Current half way through a segment, from its values and rates at both ends: forces that follow the current bend with it. */
-static ema_real ema_segment_half_current(const ema_circuit_t* circuit, ema_real span_s, const ema_segment_t* segment)
+/* Current at the fraction `at` of a segment, from its values and rates at both ends: forces that follow the current bend with it. */
+static ema_real ema_segment_current(const ema_circuit_t* circuit, ema_real span_s, const ema_segment_t* segment, ema_real at)
 {
     const ema_real change_A = segment->start.current_A - segment->end.current_A;
     const ema_real slowing_rad_s = segment->start.speed_rad_s - segment->end.speed_rad_s;
     const ema_real bend_A_s = (circuit->rate_current * change_A) + (circuit->rate_speed * slowing_rad_s) - (circuit->rate_voltage * segment->input_rise);
-    const ema_real even_A = EMA_R(0.5) * (segment->start.current_A + segment->end.current_A);
-    return circuit->algebraic ? even_A : (even_A + (EMA_R(0.125) * span_s * bend_A_s));
+    const ema_real even_A = segment->start.current_A - (at * change_A);
+    return circuit->algebraic ? even_A : (even_A + (EMA_R(0.5) * at * (EMA_R(1.0) - at) * span_s * bend_A_s));
 }
 
-/* Whether the forces half way are those of an even rise, nearly: then the rise stands for the whole segment. */
+/* Whether the forces at the fraction `at` are those of an even rise, nearly. */
+static bool ema_segment_even_at(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, const ema_segment_t* segment, ema_real at)
+{
+    const ema_real gained_rad_s = at * (segment->end.speed_rad_s - segment->start.speed_rad_s);
+    const ema_point_t here = {ema_segment_current(circuit, span_s, segment, at), segment->start.speed_rad_s + gained_rad_s,
+                              segment->start.angle_rad + (at * span_s * (segment->start.speed_rad_s + (EMA_R(0.5) * gained_rad_s)))};
+    const ema_forces_t forces = ema_forces_at(plant, state, applied, &here);
+    const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
+    const ema_real torque_off_Nm = forces.torque_Nm - (segment->forces.torque_Nm + (at * segment->torque_rise_Nm));
+    const ema_real input_off = forces.input - (segment->forces.input + (at * segment->input_rise));
+    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(applied->input)));
+}
+
+/* Whether an even rise stands for the whole segment: it does at two points, between which a ripple cannot hide. An elastic contact forgets which way it was
+ * stretched, so a turning point inside is too much for it. */
 static bool ema_segment_even(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, const ema_segment_t* segment)
 {
-    const ema_point_t half = {ema_segment_half_current(circuit, span_s, segment), EMA_R(0.5) * (segment->start.speed_rad_s + segment->end.speed_rad_s),
-                              segment->start.angle_rad + (EMA_R(0.125) * span_s * ((EMA_R(3.0) * segment->start.speed_rad_s) + segment->end.speed_rad_s))};
-    const ema_forces_t forces = ema_forces_at(plant, state, applied, &half);
-    const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
-    const ema_real torque_off_Nm = forces.torque_Nm - (segment->forces.torque_Nm + (EMA_R(0.5) * segment->torque_rise_Nm));
-    const ema_real input_off = forces.input - (segment->forces.input + (EMA_R(0.5) * segment->input_rise));
-    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(applied->input)));
+    const bool turns = (state->motion == (int32_t)EMA_MOTION_ELASTIC) && !((segment->start.speed_rad_s * segment->end.speed_rad_s) > EMA_R(0.0));
+    return !turns && ema_segment_even_at(plant, circuit, state, applied, span_s, segment, EMA_R(0.5)) && ema_segment_even_at(plant, circuit, state, applied, span_s, segment, EMA_R(0.1875));
 }
 
 /* One integration step with effects but without an event; false, and nothing changed, when something would happen, or, with `even`, when the effects do

@@ -461,6 +461,45 @@ static void test_effects_converge_with_substeps(void)
     TEST_ASSERT_TRUE(worst_mm[0] > 0.0);
 }
 
+/* Largest rod position error of steps that the model chooses against the finest. */
+static double worst_of_own_steps_mm(void)
+{
+    const ema_command_t command = ema_rig_chirp(EMA_R(6.0), EMA_R(2.0), EMA_R(1.0e-3));
+    double worst_mm = 0.0;
+    actuator.options.substeps = 0;
+    ema_model_t own = ema_rig_model(&actuator, EMA_R(0.0));
+    actuator.options.substeps = 64;
+    ema_model_t fine = ema_rig_model(&actuator, EMA_R(0.0));
+    for (uint32_t k = 0; k < 2000U; ++k) {
+        const ema_real command_mm = ema_command_at(&command, k);
+        const double fine_mm = (double)ema_rig_step(&fine, command_mm).position_mm;
+        worst_mm = fmax(worst_mm, fabs((double)ema_rig_step(&own, command_mm).position_mm - fine_mm));
+    }
+    return worst_mm;
+}
+
+/* A ripple that turns once in a step looks even at its ends and half way. */
+static void test_own_steps_see_a_fast_ripple(void)
+{
+    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.015);
+    actuator.effects.cogging_torque.periods = EMA_R(72.0);
+    TEST_ASSERT_TRUE(worst_of_own_steps_mm() < 2.0e-4);
+}
+
+/* A contact that is turned back inside a step keeps part of its stretch. */
+static void test_own_steps_see_a_short_stretch(void)
+{
+    actuator.effects.presliding.stretch_rad = EMA_R(0.001);
+    TEST_ASSERT_TRUE(worst_of_own_steps_mm() < 2.0e-4);
+}
+
+/* A rod that swings at 300 Hz. */
+static void test_own_steps_see_a_stiff_transmission(void)
+{
+    actuator.effects.transmission_compliance.period_s = EMA_R(0.0033);
+    TEST_ASSERT_TRUE(worst_of_own_steps_mm() < 2.0e-4);
+}
+
 static void test_effects_keep_limits_and_stops(void)
 {
     const ema_command_t command = ema_rig_chirp(EMA_R(10.0), EMA_R(2.0), EMA_R(1.0e-3));
@@ -510,6 +549,9 @@ int main(void)
     RUN_TEST(test_spring_load_is_held_up_to_the_static_level);
     RUN_TEST(test_load_loses_power_in_the_gears);
     RUN_TEST(test_effects_converge_with_substeps);
+    RUN_TEST(test_own_steps_see_a_fast_ripple);
+    RUN_TEST(test_own_steps_see_a_short_stretch);
+    RUN_TEST(test_own_steps_see_a_stiff_transmission);
     RUN_TEST(test_effects_keep_limits_and_stops);
     return UNITY_END();
 }
