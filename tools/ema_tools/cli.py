@@ -341,7 +341,7 @@ def add(
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
     if json_path or page:
-        drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.actuator, measured)})
+        drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.fitted, measured)})
         origin = provenance(command_line(), actuator=model.name, record=measured.file)
         result = {"command": "add", "name": measured.file, "actuator": out, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
         save(json_path, result, force)

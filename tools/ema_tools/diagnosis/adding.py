@@ -48,6 +48,11 @@ class Added:
     correlations: tuple[tuple[str, str, float], ...]
     refitted: bool = False
 
+    @property
+    def fitted(self) -> Actuator:
+        """The machine as the record shows it: with the effect, and with CSJ and BLK as far as they were fitted beside it."""
+        return self.actuator.changed(self.fit.values)
+
     def sentence(self) -> str:
         """What was done and what came of it."""
         own = self.fit.of_effect(self.effect)
