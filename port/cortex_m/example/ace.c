@@ -1,0 +1,155 @@
+#include "ace.h"
+
+#include "ace_actuator.h"
+#include "ace_board.h"
+
+#define US_PER_S 1000000U
+#define TICK_S (1.0f / (float)ACE_TICK_HZ)
+#define MM_PER_M 1000.0f
+
+/* Full scale of the record: the chirp and room for overshoot; a count of int16 is 0.12 um. */
+#define FULL_SCALE_MM 4.0f
+
+static const ema_command_config_t chirp_config = {
+    .kind = EMA_COMMAND_CHIRP, .amplitude_mm = 2.0f, .start_hz = 0.1f, .end_hz = 4.0f, .duration_s = 10.0f};
+
+/* Everything the firmware keeps. The interrupt writes the first part; the background reads it once `recorded` is set, its counts at any time. */
+static struct {
+    ema_command_t chirp;
+    uint32_t start;
+    uint32_t period;
+    uint32_t late_limit;
+    float integral;
+    volatile uint32_t ticks;
+    volatile uint32_t late_ticks;
+    volatile uint32_t latest;
+    volatile uint32_t longest;
+    volatile uint32_t spent; /* in interrupts, modulo 2^32 */
+    volatile bool recorded;
+    volatile ema_status_t fed;
+    ema_session_t session;
+    ema_session_config_t config;
+    int16_t record[2U * ACE_ROWS];
+} ace;
+
+/* PI with back-calculation: the control law of the actuator's file. */
+static float control(float command_mm, float motor_mm)
+{
+    const ema_params_t* const known = &EMA_ACTUATOR.params;
+    const float error_m = (command_mm - motor_mm) / MM_PER_M;
+    const float raw = (known->kp_per_m * error_m) + ace.integral;
+    const float limit = known->output_limit;
+    const float output = (raw < -limit) ? -limit : (raw > limit) ? limit : raw;
+    ace.integral += TICK_S * ((known->ki_per_m_s * error_m) + (known->anti_windup_per_s * (output - raw)));
+    return output;
+}
+
+static void feed(float command_mm, float rod_mm)
+{
+    const ema_sample_t sample = {.command_mm = command_mm, .channel = {[EMA_CHANNEL_POSITION] = rod_mm}};
+    ace.fed = ema_session_feed(&ace.session, &sample);
+    ace.recorded = (ace.fed != EMA_OK) || ((ace.ticks + 1U) == ACE_ROWS);
+}
+
+/* The timer interrupt. */
+static void ace_tick(void)
+{
+    const uint32_t begin = ace_board_now();
+    /* a lost tick makes all later ones late by a period */
+    const uint32_t late = begin - (ace.start + ((ace.ticks + 1U) * ace.period));
+    const ace_sensors_t seen = ace_board_sensors();
+    const float command_mm = ema_command_at(&ace.chirp, ace.ticks);
+    ace_board_drive(control(command_mm, seen.motor_mm) * EMA_ACTUATOR.params.supply_V);
+    if (!ace.recorded) {
+        feed(command_mm, seen.rod_mm);
+    }
+    ace.late_ticks += (late > ace.late_limit) ? 1U : 0U;
+    ace.latest = (late > ace.latest) ? late : ace.latest;
+    ++ace.ticks;
+    const uint32_t took = ace_board_now() - begin;
+    ace.longest = (took > ace.longest) ? took : ace.longest;
+    ace.spent += took;
+}
+
+static ema_status_t prepare(const ace_limits_t* limits)
+{
+    ema_record_config_t record = {.buffer = ace.record, .buffer_bytes = sizeof ace.record, .format = EMA_RECORD_INT16, .command_full_scale_mm = FULL_SCALE_MM};
+    record.full_scale[EMA_CHANNEL_POSITION] = FULL_SCALE_MM;
+    ema_status_t status = ema_command_init(&ace.chirp, &chirp_config, TICK_S);
+    if (status == EMA_OK) {
+        status = ema_session_config_default(&ace.config, &EMA_ACTUATOR, &record);
+    }
+    if (status == EMA_OK) {
+        status = ema_session_init(&ace.session, &ace.config);
+    }
+    ace.integral = 0.0f;
+    ace.ticks = 0U;
+    ace.late_ticks = 0U;
+    ace.latest = 0U;
+    ace.longest = 0U;
+    ace.spent = 0U;
+    ace.recorded = false;
+    ace.fed = EMA_OK;
+    ace.period = ace_board_hz() / ACE_TICK_HZ;
+    ace.late_limit = limits->tick_late_us * (ace_board_hz() / US_PER_S);
+    return status;
+}
+
+/* The counter without the time spent in interrupts. */
+static uint32_t own_now(void)
+{
+    uint32_t spent = 0U;
+    uint32_t now = 0U;
+    do {
+        spent = ace.spent;
+        now = ace_board_now();
+    } while (spent != ace.spent); /* an interrupt came between the two */
+    return now - spent;
+}
+
+/* Gives the session its slices until it is done; the time of interrupts in between is not the slice's. */
+static ema_status_t search(const ace_limits_t* limits, ace_report_t* report)
+{
+    const uint32_t allowed = limits->slice_us * (ace_board_hz() / US_PER_S);
+    uint32_t longest = 0U;
+    ema_status_t status = ace.fed;
+    while ((status == EMA_OK) && (ema_session_phase(&ace.session) != EMA_PHASE_DONE)) {
+        const uint32_t begin = own_now();
+        status = ema_session_run(&ace.session, limits->slice_steps);
+        const uint32_t took = own_now() - begin;
+        ++report->slices;
+        report->overruns += (took > allowed) ? 1U : 0U;
+        longest = (took > longest) ? took : longest;
+    }
+    report->slice_us = longest / (ace_board_hz() / US_PER_S);
+    report->allowed_us = limits->slice_us;
+    return (status == EMA_OK) ? ema_session_result(&ace.session, &report->result) : status;
+}
+
+void ace_run(const ace_limits_t* limits, ace_report_t* report)
+{
+    const ace_report_t fresh = {0};
+    *report = fresh;
+    report->session = prepare(limits);
+    if (report->session == EMA_OK) {
+        ace.start = ace_board_start(ace.period, ace_tick);
+        while (!ace.recorded) {
+            ace_board_wait();
+        }
+        const uint32_t recording = ace.ticks;
+        report->session = search(limits, report);
+        ace_board_stop();
+        report->ticks = ace.ticks;
+        report->ticks_searching = ace.ticks - recording;
+        report->late_ticks = ace.late_ticks;
+        report->latest_us = ace.latest / (ace_board_hz() / US_PER_S);
+        report->tick_us = ace.longest / (ace_board_hz() / US_PER_S);
+    }
+    if (report->session != EMA_OK) {
+        report->status = ACE_REFUSED;
+    } else if (report->late_ticks > 0U) {
+        report->status = ACE_LATE;
+    } else {
+        report->status = (report->overruns > 0U) ? ACE_OVERRUN : ACE_OK;
+    }
+}

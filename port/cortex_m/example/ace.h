@@ -1,0 +1,46 @@
+/* An example ACE: a position loop at 1 kHz in the timer interrupt, the identification in the background.
+ *
+ * The interrupt commands the chirp, closes the loop and feeds the session a row; once the record is full, the background gives the session its slices while
+ * the loop goes on. How late a tick came and how long a slice took are measured against what is allowed.
+ */
+#ifndef ACE_H
+#define ACE_H
+
+#include "ema/ema_session.h"
+
+#define ACE_TICK_HZ 1000U
+#define ACE_ROWS 10000U
+
+typedef enum {
+    ACE_OK = 0,
+    ACE_LATE = 1,    /* a control tick came late: something held the interrupt up */
+    ACE_OVERRUN = 2, /* a slice took longer than allowed: make it shorter */
+    ACE_REFUSED = 3  /* the session refused a call */
+} ace_status_t;
+
+/* What is allowed, in microseconds, and the length of a slice. */
+typedef struct {
+    uint32_t tick_late_us;
+    uint32_t slice_us;
+    uint32_t slice_steps;
+} ace_limits_t;
+
+typedef struct {
+    ace_status_t status;      /* refused before late before overrun */
+    ema_status_t session;     /* what the session answered last */
+    uint32_t ticks;           /* control ticks made */
+    uint32_t ticks_searching; /* those while the search ran */
+    uint32_t late_ticks;
+    uint32_t latest_us;       /* how late the latest tick began */
+    uint32_t tick_us;         /* what the longest took */
+    uint32_t slices;
+    uint32_t overruns;
+    uint32_t slice_us;        /* what the longest took, interrupts not counted */
+    uint32_t allowed_us;
+    ema_result_t result;      /* when status is not ACE_REFUSED */
+} ace_report_t;
+
+/* The whole ground test: chirp, record, identification. */
+void ace_run(const ace_limits_t* limits, ace_report_t* report);
+
+#endif

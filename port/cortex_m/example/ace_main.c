@@ -1,0 +1,51 @@
+/* The example firmware: one ground test, then its report on the console.
+ *
+ * ace [SLICE_STEPS [SLICE_US [TICK_LATE_US]]]: what is allowed, so that a test can ask for too little. The exit code is the status.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ace.h"
+
+static void print_real(const char* name, ema_real value)
+{
+    uint32_t bits = 0U;
+    (void)memcpy(&bits, &value, sizeof bits);
+    (void)printf("%s %08" PRIx32 " %.9g\n", name, bits, (double)value);
+}
+
+static void print_result(const ema_result_t* result)
+{
+    for (uint32_t i = 0; i < result->identified_count; ++i) {
+        print_real("estimate", result->identified[i].estimate);
+        print_real("std", result->identified[i].std);
+        print_real("shift_percent", result->identified[i].shift_percent);
+    }
+    print_real("objective_after", result->objective_after);
+    (void)printf("evaluations %" PRIu32 "\nrandom %016llx\n", result->evaluations, (unsigned long long)result->random.state);
+    (void)printf("verdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->verdict, (int)result->adequate, result->reasons);
+}
+
+static uint32_t number(int argc, char* argv[], int place, uint32_t otherwise)
+{
+    return (argc > place) ? (uint32_t)strtoul(argv[place], NULL, 10) : otherwise;
+}
+
+int main(int argc, char* argv[])
+{
+    static const char* const names[] = {"ok", "late", "overrun", "refused"};
+    static ace_report_t report;
+    const ace_limits_t limits = {.slice_steps = number(argc, argv, 1, 200U), .slice_us = number(argc, argv, 2, 2000U), .tick_late_us = number(argc, argv, 3, 20U)};
+    ace_run(&limits, &report);
+    (void)printf("status %s\nsession %s\n", names[report.status], ema_status_text(report.session));
+    (void)printf("ticks %" PRIu32 "\nticks_searching %" PRIu32 "\nlate_ticks %" PRIu32 "\nlatest_us %" PRIu32 "\ntick_us %" PRIu32 "\n", report.ticks,
+                 report.ticks_searching, report.late_ticks, report.latest_us, report.tick_us);
+    (void)printf("slices %" PRIu32 "\noverruns %" PRIu32 "\nslice_us %" PRIu32 "\nallowed_us %" PRIu32 "\n", report.slices, report.overruns, report.slice_us,
+                 report.allowed_us);
+    if (report.status != ACE_REFUSED) {
+        print_result(&report.result);
+    }
+    return (int)report.status;
+}
