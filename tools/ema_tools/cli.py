@@ -228,7 +228,8 @@ def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str 
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
     other = read_record(holdout, model) if holdout else None
-    if not references and other is None and applies(model, measured):
+    # the laps' mechanical balance shows neither winding nor supply, and less than all signals together: for a drive of current whose current is not measured
+    if not references and other is None and model["drive.mode"] == 1.0 and measured.current_A is None and applies(model, measured):
         _diagnose_laps(model, measured, page, fitted, json_path, force)
         return
     with progress("diagnosing", 100) as bar:
@@ -309,7 +310,8 @@ def add(
     from ema_tools import show
     from ema_tools.actuator import read_actuator
     from ema_tools.diagnosis.adding import add as work
-    from ema_tools.diagnosis.adding import add_to_known
+    from ema_tools.diagnosis.adding import add_to_known, set_result
+    from ema_tools.diagnosis.candidates import FAULTS
     from ema_tools.effects import find_effect
     from ema_tools.records import read_record, simulated
     from ema_tools.results import curves, provenance
@@ -317,12 +319,17 @@ def add(
 
     writable(out, json_path, page, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
     model = read_actuator(actuator)
+    if effect in FAULTS:
+        raise InputError(f"add {effect}: no effect but a value that every model has, {FAULTS[effect]}: ema identify finds it")
     find_effect(effect)
     if record is None:
         if not settings or page or holdout or healthy or known:
             raise InputError(f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option")
-        with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings)).write(out, force)
-        save(json_path, {"command": "add", "effect": effect, "actuator": out, "error": None, "parameters": dict(one.split("=", 1) for one in settings)}, force)
+        made = with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings))
+        if effect not in made.active_effects:
+            raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
+        made.write(out, force)
+        save(json_path, {"command": "add", "actuator": out, **set_result(made, effect), "provenance": provenance(command_line(), actuator=model.name)}, force)
         output().print(f"{out} written", highlight=False)
         return
     if settings:

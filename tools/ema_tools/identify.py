@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ema_tools.actuator import Actuator, nearest, row_of, shown
+from ema_tools.diagnosis.answer import check_apart
 from ema_tools.diagnosis.guard import Guarded, guard
 from ema_tools.errors import InputError
 from ema_tools.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, library
@@ -256,6 +257,7 @@ def identify(
     """
     settings = search or Search()
     check_record(actuator, record, settings)
+    check_apart(record, healthy)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
     settings = replace(settings, seed=seed)
     baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None

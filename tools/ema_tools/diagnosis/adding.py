@@ -11,7 +11,7 @@ import numpy as np
 from ema_tools.actuator import Actuator, row_of
 from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis import unknown as unknowns
-from ema_tools.diagnosis.answer import answerable, check_holdout, healthy_of, size_text
+from ema_tools.diagnosis.answer import answerable, check_records, healthy_of, size_text
 from ema_tools.diagnosis.candidates import FAULTS, signatures
 from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, walk
 from ema_tools.diagnosis.evidence import Evidence, View, settled
@@ -85,7 +85,7 @@ def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Recor
     row = next((row for row in load_definitions().effects if row.name == effect), None)
     if row is None:
         raise InputError(f"{effect}: no such effect: ema effects lists the library")
-    check_holdout(record, holdout)
+    check_records(record, healthy, holdout)
     answerable(actuator, record, healthy_of(record, healthy))
     evidence = gather(actuator, record, healthy_of(record, healthy), report=lambda share, text: tell(0.5 * share, text))
     here = settled(evidence, {})
@@ -108,7 +108,7 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     if next((row.is_learned for row in load_definitions().effects if row.name == effect), True):
         raise InputError(f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists")
     tell(0.1, f"fitting {effect} beside CSJ and BLK")
-    check_holdout(record, holdout)
+    check_records(record, (), holdout)
     answerable(actuator, record, ())
     evidence = known_machine(actuator, record)
     alone, together = beside_faults(evidence, effect)
@@ -122,6 +122,17 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     recommended, reason = _judged(fit, effect, errors, before, correlations)
     tell(1.0, "done")
     return Added(effect, actuator.changed(fit.of_effect(effect)), fit, errors, steps, recommended, reason, correlations, effect in actuator.active_effects)
+
+
+def set_result(actuator: Actuator, effect: str) -> dict[str, Any]:
+    """For JSON: an effect whose values were given and not fitted, in the keys of `Added.result`."""
+    own = {f"effects.{value.name}": actuator[value.name] for value in load_definitions().effect(effect).parameters}
+    return {
+        "effect": effect,
+        "sentence": f"{effect} set to given values; nothing was fitted.",
+        "error": dict.fromkeys(("before", "after", "floor", "holdout_before", "holdout_after")),
+        "parameters": {name: {"value": value, "std": None, "unit": row_of(name).unit, "at_bound": False} for name, value in own.items()},
+    }
 
 
 def _fitted(here: View, effect: str) -> Fit:

@@ -13,15 +13,19 @@ from ema_tools.diagnosis import unknown as unknowns
 from ema_tools.diagnosis.candidates import FAULTS
 from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, walk
 from ema_tools.diagnosis.evidence import Evidence
+from ema_tools.diagnosis.following import HINTS
 from ema_tools.diagnosis.gate import Gate, judge
 from ema_tools.diagnosis.gathering import gather, same_command
-from ema_tools.diagnosis.search import Diagnosis, Named, Report, diagnose
+from ema_tools.diagnosis.search import INSEPARABLE, Diagnosis, Named, Report, diagnose
 from ema_tools.diagnosis.where import Where, where
 from ema_tools.errors import InputError
+from ema_tools.native import CHANNELS
 from ema_tools.records import Record
 
 _LISTED = 12
 _INTERVAL = 1.96
+# Signals of two runs of one command that differ more than this in size are of different units.
+_SIZES = 10.0
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,10 @@ class Answer:
             table = f"ema add ACTUATOR {self.learned.effect} --fit REC flies it as a learned table; " if self.learned is not None else ""
             return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
         if confused is not None:
-            return f"Next: ema next ACTUATOR --between {' '.join(name for name in confused.alike if name not in FAULTS)} says which command tells them apart."
+            if any(set(confused.alike) <= kind for kind in INSEPARABLE):
+                hint = next(one for one in HINTS if set(confused.alike) <= one.effects)
+                return f"Next: no command tells {' and '.join(confused.alike)} apart; what would: {hint.do}: {hint.because}."
+            return f"Next: ema next ACTUATOR --between {' '.join(confused.alike)} says which command tells them apart."
         if self.effects:
             return f"Next: ema add ACTUATOR {self.effects[0].name} --fit REC puts it into the model; then diagnose again."
         return "Next: ema identify gives CSJ and BLK; nothing is to be added."
@@ -168,10 +175,43 @@ def healthy_of(record: Record, healthy: Sequence[Record]) -> list[Record]:
     return [other for other in healthy if same_command(record, other)]
 
 
-def check_holdout(record: Record, holdout: Record | None) -> None:
-    """Raises InputError when the record held out is the one that is fitted."""
-    if holdout is not None and holdout.rows == record.rows and np.array_equal(holdout.position_mm, record.position_mm):
+def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None) -> None:
+    """Raises InputError, naming the file, for records that confirm themselves, for a run that is given twice, for healthy records of a command that nothing else has, and for repeats whose signals do not fit the record's."""
+    if holdout is not None and _same_samples(record, holdout):
         raise InputError(f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command")
+    check_apart(record, healthy)
+    for other in healthy:
+        if holdout is not None and _same_samples(other, holdout):
+            raise InputError(f"{holdout.file}: held out is one of the healthy records, which shows no effect: give --holdout another run of the machine as it is in {record.file}")
+        if same_command(record, other):
+            _check_signals(record, other)
+        elif holdout is None or not same_command(holdout, other):
+            raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out: give healthy records of the same command")
+
+
+def check_apart(record: Record, healthy: Sequence[Record]) -> None:
+    """Raises InputError when a healthy record is the record itself or is given twice: identical samples tell nothing of how the machine repeats."""
+    for place, other in enumerate(healthy):
+        if _same_samples(record, other):
+            raise InputError(f"{other.file}: healthy is the record itself, against which nothing has changed: leave it out of --healthy")
+        for earlier in healthy[:place]:
+            if _same_samples(earlier, other):
+                raise InputError(f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every healthy run once")
+
+
+def _same_samples(one: Record, other: Record) -> bool:
+    names = [name for name in one.present if name in other.present]
+    return one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
+
+
+def _check_signals(record: Record, other: Record) -> None:
+    """Repeats of one command have signals of one size."""
+    for name in (name for name in CHANNELS if record.channel(name) is not None and other.channel(name) is not None):
+        size, its = float(np.std(record.recorded(name))), float(np.std(other.recorded(name)))
+        if size > 0.0 and not its > 0.0:
+            raise InputError(f"{other.file}: {name} does not change, while that of {record.file} does: check that the sensor was connected, or leave the file out of --healthy")
+        if size > 0.0 and not 1.0 / _SIZES < its / size < _SIZES:
+            raise InputError(f"{other.file}: {name} is {its / size:.3g} times that of {record.file}: give both in the same unit")
 
 
 def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> Gate:
@@ -179,7 +219,8 @@ def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) ->
     gate = judge(actuator, record, healthy)
     if not gate.answerable:
         remark = next(one for one in gate.remarks if one.severity == "blocks")
-        raise InputError(f"{record.file}: {remark.text}: {remark.next}")
+        named = any(remark.text.startswith(f"{one.file} ") for one in (record, *healthy))
+        raise InputError(f"{remark.text if named else f'{record.file}: {remark.text}'}: {remark.next}")
     return gate
 
 
@@ -190,10 +231,7 @@ def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), h
     """
     tell = report or (lambda _share, _text: None)
     same = healthy_of(record, healthy)
-    for other in healthy:
-        if not same_command(record, other) and (holdout is None or not same_command(holdout, other)):
-            raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out: give healthy records of the same command")
-    check_holdout(record, holdout)
+    check_records(record, healthy, holdout)
     gate = answerable(actuator, record, same)
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
