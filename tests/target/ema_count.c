@@ -1,6 +1,6 @@
 /* Counts instructions on the emulated target: run it with -icount shift=6, where one instruction is 64 ns and a tick of the counter 40 ns.
  *
- * Prints `name value` lines: instructions of the calls, and the sizes of the public structures.
+ * Prints `name value` lines: instructions of the calls, the stack that they used, and the sizes of the public structures.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -39,7 +39,7 @@ static void take(ticks_t* ticks, uint32_t from, uint32_t to)
 
 static unsigned long long instructions(uint64_t ticks)
 {
-    return (unsigned long long)((ticks * INSTRUCTIONS) / TICKS);
+    return (unsigned long long)(((ticks * INSTRUCTIONS) + (TICKS - 1U)) / TICKS);
 }
 
 static void print_mean(const char* name, const ticks_t* ticks)
@@ -182,6 +182,69 @@ static void count_calls(void)
     }
 }
 
+#define PAINTED_WORDS 2048U
+#define PAINT 0xA5C3F00DU
+
+/* Bytes of stack that `call` used: what it changed of the painted words below. */
+static uint32_t stack_of(void (*call)(void))
+{
+    uintptr_t sp = 0U;
+    __asm__ volatile("mov %0, sp" : "=r"(sp));
+    volatile uint32_t* const lowest = (volatile uint32_t*)(sp - (PAINTED_WORDS * sizeof(uint32_t)));
+    for (uint32_t k = 0; k < PAINTED_WORDS; ++k) {
+        lowest[k] = PAINT;
+    }
+    call();
+    uint32_t same = 0U;
+    while ((same < PAINTED_WORDS) && (lowest[same] == PAINT)) {
+        ++same;
+    }
+    return (PAINTED_WORDS - same) * (uint32_t)sizeof(uint32_t);
+}
+
+static ema_status_t called;
+
+static void call_init(void)
+{
+    called = ema_session_init(&recorded.session, &recorded.config);
+}
+
+static void call_feed(void)
+{
+    ema_sample_t sample;
+    for (uint32_t row = 0; (called == EMA_OK) && ema_recorded_row('a', row, &sample); ++row) {
+        called = ema_session_feed(&recorded.session, &sample);
+    }
+}
+
+static void call_run(void)
+{
+    while ((called == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {
+        called = ema_session_run(&recorded.session, 200U);
+    }
+}
+
+static void call_result(void)
+{
+    static ema_result_t result;
+    called = ema_session_result(&recorded.session, &result);
+}
+
+/* The four calls over a whole identification; the frames of the functions around them are in it. */
+static void measure_stack(void)
+{
+    called = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16);
+    if (called == EMA_OK) {
+        (void)printf("stack_session_init %u\n", (unsigned)stack_of(call_init));
+        (void)printf("stack_session_feed %u\n", (unsigned)stack_of(call_feed));
+        (void)printf("stack_session_run %u\n", (unsigned)stack_of(call_run));
+        (void)printf("stack_session_result %u\n", (unsigned)stack_of(call_result));
+    }
+    if (called != EMA_OK) {
+        fail("stack", called);
+    }
+}
+
 #define PRINT_SIZE(type) (void)printf("size_" #type " %u\n", (unsigned)sizeof(type))
 
 static void print_sizes(void)
@@ -212,6 +275,7 @@ int main(void)
     calibrate();
     print_sizes();
     count_calls();
+    measure_stack();
     count_effects();
     static const uint32_t slices[] = {1U, 7U, 200U, 1000U};
     for (uint32_t k = 0; k < (sizeof slices / sizeof slices[0]); ++k) {

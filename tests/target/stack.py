@@ -44,6 +44,13 @@ class Graph:
             elif edge:
                 self.calls.setdefault(edge[1], set()).add(edge[2])
 
+    def frame(self, name: str) -> int:
+        """Bytes of the only function `name`, of whatever file. Raises StackError."""
+        found = [size for title, size in self.frames.items() if title.rsplit(":", 1)[-1] == name]
+        if len(found) != 1:
+            raise StackError(f"{name}: {len(found)} such functions in the call graph instead of one")
+        return found[0]
+
     def worst(self, name: str, above: tuple[str, ...] = ()) -> tuple[int, tuple[str, ...]]:
         """Bytes and the chain of calls that takes them."""
         if name in above:

@@ -7,9 +7,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import budgets
 import emulate
+import example
 import make_records
 import same_answer
+import stack
 
 GOOD_UNITY = "test_x.c:1:test_y:PASS\n\n-----------------------\n3 Tests 0 Failures 0 Ignored \nOK\n"
 
@@ -80,6 +83,107 @@ class Records(unittest.TestCase):
         for text, why in (("time_s,command_mm\n0,1\n", "no column position_mm"), ("command_mm,position_mm\n", "no rows")):
             with self.subTest(why), self.assertRaisesRegex(ValueError, why):
                 make_records.rows_of(self.recording(text))
+
+
+def node(name: str, size: int, kind: str = "static") -> str:
+    """A function of a call graph as gcc writes it."""
+    return f'node: {{ title: "{name}" label: "{name}\\nfile.c:1:1\\n{size} bytes ({kind})" }}'
+
+
+def call(caller: str, callee: str) -> str:
+    """A call in it."""
+    return f'edge: {{ sourcename: "{caller}" targetname: "{callee}" label: "file.c:2:3" }}'
+
+
+class Stacks(unittest.TestCase):
+    """Bounds from call graphs."""
+
+    def graph(self, *lines: str) -> stack.Graph:
+        graph = stack.Graph()
+        graph.add("\n".join(lines))
+        return graph
+
+    def test_the_deepest_chain(self) -> None:
+        graph = self.graph(node("ema_a", 8), node("b.c:b", 100), node("c.c:c", 24), call("ema_a", "b.c:b"), call("ema_a", "c.c:c"), call("c.c:c", "memcpy"))
+        self.assertEqual(graph.worst("ema_a"), (108, ("ema_a", "b")))
+        self.assertEqual(graph.worst("c.c:c"), (24 + stack.LIBRARY_BYTES["memcpy"], ("c", "memcpy")))
+
+    def test_no_bound(self) -> None:
+        bad = {"recursion": (node("ema_a", 8), node("b", 8), call("ema_a", "b"), call("b", "ema_a")), "pointer": (node("ema_a", 8), call("ema_a", stack.INDIRECT)),
+               "not in the call graph": (node("ema_a", 8), call("ema_a", "malloc"))}
+        for why, lines in bad.items():
+            with self.subTest(why), self.assertRaisesRegex(stack.StackError, why):
+                self.graph(*lines).worst("ema_a")
+        with self.assertRaisesRegex(stack.StackError, "unknown size"):
+            self.graph(node("ema_a", 8, "dynamic"))
+
+    def test_nothing_to_look_at(self) -> None:
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(stack.StackError, "no call graph"):
+            stack.load(Path(folder))
+
+
+def measured(**changed: float) -> budgets.Measured:
+    """A measurement inside every target, apart from what is changed and what MISSED excuses."""
+    counts = {"size_ema_session_t": 7000, "size_ema_session_config_t": 200, budgets.RECORD: 40000, "size_ema_actuator_t": 700}
+    counts |= {f"model_step_{name}_{which}": 300 for name in ("case_a", "stribeck", "cogging", "dead_time") for which in ("mean", "most")}
+    counts |= {f"{name}_{which}": 300 for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
+               for which in ("mean", "most")}
+    counts |= {f"identify_int16_{slice_}{what}": value for slice_ in budgets.SLICES for what, value in (("", 700_000_000), ("_steps", 2_000_000))}
+    counts |= {"identify_int16_1": 810_000_000, "identify_int16_1_steps": 1_900_000} | changed
+    return budgets.Measured("12.2.1", counts, 30_000, {"ema_session_run": (2852, ("ema_session_run",))})
+
+
+class Budgets(unittest.TestCase):
+    """The document and its targets."""
+
+    def test_its_own_document(self) -> None:
+        self.assertEqual(budgets.problems_of(measured(), budgets.document(measured())), [])
+
+    def test_another_number(self) -> None:
+        self.assertRegex(" ".join(budgets.problems_of(measured(session_feed_mean=301), budgets.document(measured()))), "is now")
+
+    def test_no_document(self) -> None:
+        self.assertRegex(" ".join(budgets.problems_of(measured(), "")), "no document")
+
+    def test_a_missed_target(self) -> None:
+        slow = measured(identify_int16_200=1_100_000_000)
+        self.assertRegex(" ".join(budgets.problems_of(slow, budgets.document(slow))), "mend it")
+
+    def test_a_reason_too_many(self) -> None:
+        small = budgets.Measured("12.2.1", measured().counts, 20_000, measured().stacks)
+        self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
+
+    def test_counting_that_stopped(self) -> None:
+        for output in ("", "session_feed_mean 300\n", f"session_feed_mean 0\n{budgets.COUNTED_ALL}\n"):
+            with self.subTest(output), self.assertRaises(budgets.BudgetError):
+                budgets.counts_of(output)
+
+
+REPORT = {"status": "ok", "ticks": "15000", "ticks_searching": "5000", "late_ticks": "0", "tick_us": "41", "slices": "10000", "overruns": "0", "slice_us": "900",
+          "allowed_us": "2000", "verdict": "1", "adequate": "1"}
+
+
+def report(**changed: str) -> str:
+    """What the example firmware prints when all is well, apart from what is changed."""
+    values = REPORT | {"first": "0.3001", "second": "0.0411"} | changed
+    estimates = [f"estimate 0 {values.pop('first')}", f"estimate 0 {values.pop('second')}"]
+    return "\n".join([*(f"{name} {value}" for name, value in values.items()), *estimates])
+
+
+class Example(unittest.TestCase):
+    """The example firmware's report."""
+
+    def test_a_good_report(self) -> None:
+        self.assertEqual(example.problems_of(report(), example.OK), [])
+
+    def test_bad_reports(self) -> None:
+        bad = [{"late_ticks": "1"}, {"overruns": "3"}, {"slice_us": "0"}, {"slice_us": "2001"}, {"ticks": "10000", "ticks_searching": "0"}, {"verdict": "0"},
+               {"adequate": "0"}, {"first": "0.31"}, {"second": "0.04"}, {"status": "late"}, {"slices": "1"}, {"tick_us": "0"}]
+        for changed in bad:
+            with self.subTest(changed):
+                self.assertEqual(len(example.problems_of(report(**changed), example.OK)), 1)
+        with self.assertRaises(ValueError):
+            example.problems_of("", example.OK)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,226 @@
+"""What the module costs on its target: measures a cross build, and holds docs/BUDGETS.md against the measurement.
+
+Without --write it is a test: the document must be what this measurement gives, to the digit, and every target must be met or its reason stand in MISSED. With
+another compiler than the document's the digits are not compared, the targets still are. Python's standard library alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import emulate
+import stack
+
+# 64 ns an instruction: one tick of the board's counter is less than one.
+SHIFT = 6
+CLOCK_HZ = 168_000_000
+SLICES = (1, 7, 200, 1000)
+COUNTED_ALL = "counted all"
+CALLS = ("init", "feed", "run", "result")
+RECORD = "size_record_10s_int16"
+
+# Why a target is not met, by its name; a reason for one that is met is wrong too.
+MISSED = {
+    "code": "all effects and every block's variants are linked whatever the configuration uses",
+    "stack": "preparing a model run copies the actuator and solves its step response on the stack",
+    "tick_1": "a slice of a single step pays for its call at every step",
+}
+
+
+class BudgetError(Exception):
+    """Why there is no measurement."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A limit and what was measured."""
+
+    name: str
+    text: str
+    limit: int
+    measured: int
+    unit: str
+
+    @property
+    def met(self) -> bool:
+        """Whether the limit holds."""
+        return self.measured <= self.limit
+
+
+def steps_of(count: int) -> str:
+    """A length of slices."""
+    return f"{count} model step{'s' if count > 1 else ''}"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Everything that the document tells."""
+
+    compiler: str
+    counts: dict[str, float]
+    code: int
+    stacks: dict[str, tuple[int, tuple[str, ...]]]
+
+    def number(self, name: str) -> int:
+        """One of the counts, whole."""
+        return round(self.counts[name])
+
+    def targets(self) -> list[Target]:
+        """Limits beside their measurements."""
+        worst = max(size for size, _ in self.stacks.values())
+        identify = [Target(f"identify_{slice_}", f"a whole identification of case A, slices of {steps_of(slice_)}", 6 * CLOCK_HZ,
+                           self.number(f"identify_int16_{slice_}"), "instructions") for slice_ in SLICES]
+        tick = [Target(f"tick_{slice_}", f"1 ms of model time inside the search, slices of {steps_of(slice_)}", 400,
+                       round(self.counts[f"identify_int16_{slice_}"] / self.counts[f"identify_int16_{slice_}_steps"]), "instructions") for slice_ in SLICES]
+        ram = self.number("size_ema_session_t") + self.number("size_ema_session_config_t") + self.number(RECORD)
+        return [Target("code", "code and constants with all effects", 24 * 1024, self.code, "bytes"),
+                Target("ram", "memory: session, its configuration and a record of 10 s at 1 kHz", 48 * 1024, ram, "bytes"),
+                Target("stack", "stack of the deepest public function", 512, worst, "bytes"), *tick, *identify]
+
+
+def counts_of(output: str) -> dict[str, float]:
+    """The `name value` lines of ema_count. Raises BudgetError when it did not come to its end."""
+    lines = [line.split() for line in output.splitlines() if line.strip()]
+    if COUNTED_ALL.split() not in lines:
+        raise BudgetError(f"ema_count did not count to its end: {output.strip()[-200:]}")
+    counts = {words[0]: float(words[1]) for words in lines if words != COUNTED_ALL.split()}
+    zero = [name for name, value in counts.items() if value <= 0.0]
+    if zero:
+        raise BudgetError(f"ema_count: {zero[0]} is nothing")
+    return counts
+
+
+def code_bytes(size: str, program: Path, caller_object: Path) -> int:
+    """Bytes of code and constants that the four calls link, less those of the function that calls them. Raises BudgetError."""
+    linked, caller = (subprocess.run([size, str(file)], capture_output=True, text=True, check=False) for file in (program, caller_object))
+    if linked.returncode != 0 or caller.returncode != 0:
+        raise BudgetError(f"{program.name}: {(linked.stderr or caller.stderr).strip()}: build it first")
+    whole, own = (int(done.stdout.splitlines()[1].split()[0]) for done in (linked, caller))
+    if whole <= own:
+        raise BudgetError(f"{program.name}: the module is not in it: link it")
+    return whole - own
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Runs, links and reads everything. Raises BudgetError and what it calls."""
+    run = emulate.run(given.board, given.count, [], shift=SHIFT)
+    if run.exit_code != 0:
+        raise BudgetError(f"ema_count ended with {run.exit_code}: {run.output.strip()[-200:]}")
+    counts = counts_of(run.output)
+    stacks = stack.worst_of(given.objects, given.include)
+    around = stack.load(given.count_objects)
+    for call in CALLS:
+        # The function around the call has a frame of its own.
+        counts[f"stack_session_{call}"] -= around.frame(f"call_{call}")
+        used, bound = counts[f"stack_session_{call}"], stacks[f"ema_session_{call}"][0]
+        if not 0 < used <= bound:
+            raise BudgetError(f"ema_session_{call} used {used:.0f} bytes of stack, and its call graph says {bound}")
+    return Measured(given.compiler, counts, code_bytes(given.size, given.flash, given.flash_object), stacks)
+
+
+def grouped(value: float) -> str:
+    """A whole number with its thousands apart."""
+    return f"{round(value):,}".replace(",", " ")
+
+
+def table(head: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a Markdown table; all columns but the first are numbers."""
+    return ["| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1), *("| " + " | ".join(row) + " |" for row in rows), ""]
+
+
+def document(found: Measured) -> str:
+    """docs/BUDGETS.md."""
+    lines = ["# Budgets", "",
+             "What the module costs on a Cortex-M4F in float32. Written by `cmake --build build-cortex-m4f --target budgets`; the test `budgets` of that build measures anew",
+             "and compares every number.", "",
+             f"Built by gcc {found.compiler} with `-Os`. Instructions are counted in QEMU, where each takes the same time; they are not cycles and no worst-case",
+             "execution time: flash wait states and long instructions come on top. The search is that of case A, seed 1, from a record in int16.", "",
+             "## Targets", ""]
+    rows = []
+    for target in found.targets():
+        state = "met" if target.met else f"missed: {MISSED.get(target.name, '')}"
+        rows.append([target.text, f"{grouped(target.limit)} {target.unit}", grouped(target.measured), state])
+    lines += table(["what", "at most", "measured", ""], rows)
+    lines += ["Code counts everything that the four calls and the default configuration link, gcc's and newlib's helpers included; the exported configuration adds",
+              f"{grouped(found.number('size_ema_actuator_t'))} bytes of constants. The module has no variables of its own.", "", "## Time of the calls", ""]
+    calls = [("ema_session_init", "session_init"), ("ema_session_feed", "session_feed"), ("ema_session_run, 1 step", "slice_1"),
+             ("ema_session_run, 200 steps", "slice_200"), ("ema_session_run, 1000 steps", "slice_1000"), ("ema_session_result", "session_result")]
+    lines += table(["call", "instructions, mean", "most", "most, us at 168 MHz"],
+                   [[f"`{text.split(',')[0]}`{text[len(text.split(',')[0]):]}", grouped(found.counts[f"{name}_mean"]), grouped(found.counts[f"{name}_most"]),
+                     f"{found.counts[f'{name}_most'] * 1e6 / CLOCK_HZ:.0f}"] for text, name in calls])
+    lines += ["Ending a model run and preparing the next is not divided, so a slice is never shorter than that.", "", "## One model step", ""]
+    effects = [("no effect", "case_a"), ("stribeck_friction", "stribeck"), ("cogging_torque", "cogging"), ("inverter_dead_time", "dead_time")]
+    lines += table(["model of case A with", "instructions, mean", "most"],
+                   [[text, grouped(found.counts[f"model_step_{name}_mean"]), grouped(found.counts[f"model_step_{name}_most"])] for text, name in effects])
+    lines += ["## How long an identification takes", "",
+              "Case A at 168 MHz and one instruction per cycle, slices of 200 model steps, by the share of the processor that the background gets.", ""]
+    whole, mean = found.counts["identify_int16_200"], found.counts["slice_200_mean"]
+    lines += table(["share", "slices per second", "seconds"],
+                   [[f"{share} %", grouped(CLOCK_HZ * share / 100 / mean), f"{whole / (CLOCK_HZ * share / 100):.1f}"] for share in (5, 10, 25, 50, 100)])
+    lines += ["## Stack", "", "Bound from the compiler's call graph, without interrupts, and what a whole identification used.", ""]
+    lines += table(["function", "bytes, bound", "used"],
+                   [[f"`{name}`", grouped(size), grouped(found.counts[f"stack_{name.removeprefix('ema_')}"]) if f"stack_{name.removeprefix('ema_')}" in found.counts
+                     else ""] for name, (size, _) in sorted(found.stacks.items(), key=lambda item: (-item[1][0], item[0]))])
+    lines += ["## Memory", ""]
+    sizes = {name.removeprefix("size_"): value for name, value in found.counts.items() if name.startswith("size_ema_")}
+    lines += table(["structure", "bytes"], [[f"`{name}`", grouped(value)] for name, value in sorted(sizes.items(), key=lambda item: (-item[1], item[0]))])
+    return "\n".join(lines)
+
+
+def problems_of(found: Measured, written: str) -> list[str]:
+    """Targets missed without a reason or met with one, and the first line of the document that differs."""
+    problems = [f"{target.text}: {grouped(target.measured)} {target.unit}, at most {grouped(target.limit)}: mend it, or state the reason in MISSED"
+                for target in found.targets() if not target.met and target.name not in MISSED]
+    problems += [f"{target.text}: met, but MISSED still has a reason: take it out" for target in found.targets() if target.met and target.name in MISSED]
+    compiler = re.search(r"Built by gcc (\S+) ", written)
+    if compiler is None:
+        problems.append("BUDGETS.md: no document of this program: write it by the build's target `budgets`")
+    elif compiler[1] != found.compiler:
+        print(f"BUDGETS.md is of gcc {compiler[1]}, this is {found.compiler}: its numbers are not compared")
+    else:
+        fresh = document(found).splitlines()
+        old = written.splitlines()
+        differing = [(was, now) for was, now in zip(old, fresh, strict=False) if was != now]
+        if differing or len(old) != len(fresh):
+            was, now = differing[0] if differing else ("its length", "another")
+            problems.append(f"BUDGETS.md: `{was}` is now `{now}`: write it anew by the build's target `budgets`")
+    return problems
+
+
+def main() -> int:
+    """Entry point."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--board", required=True)
+    parser.add_argument("--size", required=True, help="the cross compiler's size")
+    parser.add_argument("--compiler", required=True, help="version of the cross compiler")
+    parser.add_argument("--count", type=Path, required=True, help="the program ema_count")
+    parser.add_argument("--flash", type=Path, required=True, help="the program ema_flash")
+    parser.add_argument("--flash-object", type=Path, required=True, help="the object file of ema_flash.c alone")
+    parser.add_argument("--count-objects", type=Path, required=True, help="folder with the call graph of ema_count")
+    parser.add_argument("--objects", type=Path, required=True, help="folder with the library's call graph")
+    parser.add_argument("--include", type=Path, required=True, help="folder of the public headers")
+    parser.add_argument("--write", action="store_true", help="write the document instead of comparing it")
+    parser.add_argument("document", type=Path)
+    given = parser.parse_args()
+    try:
+        found = measure(given)
+    except (BudgetError, stack.StackError, FileNotFoundError, ValueError, KeyError) as error:
+        print(f"budgets: {error}", file=sys.stderr)
+        return 1
+    if given.write:
+        given.document.write_text(document(found), encoding="utf-8")
+        print(f"{given.document.name} written")
+    problems = problems_of(found, given.document.read_text(encoding="utf-8") if given.document.is_file() else "")
+    for problem in problems:
+        print(f"budgets: {problem}", file=sys.stderr)
+    print(f"budgets: {len(found.targets())} targets, {sum(target.met for target in found.targets())} met, {len(found.stacks)} public functions")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
