@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _UNITS = (
+    ("Nm_per_sqrt_rad_s", "Nm/sqrt(rad/s)"),
     ("Nm_s2_per_rad2", "Nm s2/rad2"),
     ("Nm_s_per_rad", "Nm s/rad"),
     ("V_s_per_rad", "V s/rad"),

@@ -154,7 +154,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
     added.actuator.write(folder / _MACHINE, True)
-    _write(folder / _ON_PAGE[1], "add", unit, {"actuator": _MACHINE, **added.result()}, curves(unit.today, {"before": simulated(unit.sheet, unit.today), "after": simulated(added.actuator, unit.today)}))
+    _write(folder / _ON_PAGE[1], "add", unit, {"actuator": _MACHINE, **added.result()}, curves(unit.today, {"before": simulated(unit.sheet, unit.today), "after": simulated(added.fitted, unit.today)}))
     show.steps(output, added.steps, added.errors.floor)
     beside = " and ".join(TITLES[value] for name, value in CHANGEABLE.items() if name in added.fit.effects)
     _say(output, f"{effect} is fitted{f' beside {beside}, which may have changed with it' if beside else ''}; nothing is fitted to the record held out.")

@@ -176,6 +176,21 @@ def test_waterfall_falls_to_the_floor_with_its_twin() -> None:
     assert set(traces["floor"]["y"]) == {1.0}
 
 
+def test_values_of_the_last_model_are_stated_once_with_their_errors(tmp_path: Path) -> None:
+    """As `ema diagnose` writes them: numbers, and std and bounds beside; the model as given is the first model and no step."""
+    jam = {"name": "jam_spot", "class": [], "parameters": {"amplitude_Nm": 0.1, "width_mm": 2.0}, "std": {"amplitude_Nm": 0.002, "width_mm": 0.01}, "at_bound": ["width_mm"]}
+    worn = {"name": "csj", "class": [], "parameters": {"csj_Nm": 0.2}, "std": {"csj_Nm": 0.0003}, "at_bound": [], "score": 80.0, "limit": 60.0, "accepted": True}
+    given, moved, last = ({"effects": names, "added": added, "error_training": error, "error_holdout": None} for names, added, error in (([], "as given", 3.2), ([], "what scatters", 2.0), (["csj", "jam_spot"], "jam_spot", 1.05)))
+    data = made(effects=[{**jam, "score": 5000.0, "limit": 60.0, "accepted": True}], faults={"csj": worn}, steps=[given, moved, last])
+    found = parsed(data)
+    assert [step.added for step in found.steps] == ["what scatters", "jam_spot"] and found.steps[0].values == ()
+    text = words(page(tmp_path, data))
+    assert text.count("jam_spot.amplitude_Nm = 0.1000 ± 0.0020 Nm") == 1 and text.count("amplitude_Nm = 0.1000 ± 0.0020 Nm") == 2 and text.count("width_mm = 2.000 ± 0.010 mm (at its bound)") == 2
+    assert text.count("screw.csj_Nm = 0.2000 ± 3.0×10⁻⁴ Nm") == 1
+    assert "recommended" not in text.split("Does the error fall?")[1].split("From the first model")[0]
+    assert diagnosis_figures.waterfall(found)["data"][0]["x"] == ["first model<br><b>3.20</b>", "+ what scatters<br><b>2.00</b>", "+ jam_spot<br><b>1.05</b>"]
+
+
 def test_ranking_shows_scores_over_their_limit() -> None:
     traces = {trace.get("name"): trace for trace in diagnosis_figures.ranking(parsed(made()))["data"]}
     assert traces["accepted"]["x"] == pytest.approx([5000.0 / 60.0], rel=1e-4) and traces["accepted"]["y"] == ["jam_spot"]

@@ -119,9 +119,9 @@ def _table(label: str, caption: str, heads: str, rows: list[str]) -> str:
     )
 
 
-def _heads(*names: str, left: int = 1) -> str:
-    """Heads of columns, the first `left` of them aligned left."""
-    classes = [_LEFT if place < left else "" for place in range(len(names))]
+def _heads(*names: str, left: int = 1, texts: tuple[int, ...] = ()) -> str:
+    """Heads of columns, the first `left` of them and those at `texts` aligned left."""
+    classes = [_LEFT if place < left or place in texts else "" for place in range(len(names))]
     return "".join(f'<th{kind} scope="col">{name}</th>' for kind, name in zip(classes, names, strict=True))
 
 
@@ -154,7 +154,7 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
         rows.append(f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="reason">{term}</td></tr>')
     if rows:
         caption = f"Each balance uses measured signals and one group of blocks; the excess is the record minus {against}. The floor is what {'repeats' if result.relative else 'noise and method'} leave."
-        page.add(_table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as"), rows))
+        page.add(_table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as", texts=(4,)), rows))
     rows = [
         f'<tr><th scope="row">{escape(CHANNEL_TITLES.get(name, name))}</th><td>{words.number(rms)} {escape(unit)}</td><td>{"–" if floor is None else f"{words.number(floor)} {escape(unit)}"}</td>'
         f"<td>{words.number(share, 2)} %</td></tr>"
@@ -235,13 +235,15 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
     rows = []
     for one in result.suspects:
         alike = ", ".join(name for name in one.alike if name != one.name) or "–"
-        values = "<br>".join(map(_shown, one.values)) or "–"
-        state = '<span class="verdict fine">accepted</span>' if one.accepted else escape(one.reason) or "not accepted"
+        values = "<br>".join(_shown(value).removeprefix(f"{escape(one.name)}.") for value in one.values) or "–"
+        state = '<span class="verdict fine">accepted</span>' if one.accepted else escape(one.reason) or '<span class="whole">not accepted</span>'
         rows.append(
             f'<tr><th scope="row">{escape(one.name)}</th><td class="reason">{escape(alike)}</td><td class="left">{values}</td>'
             f'<td>{words.number(one.score)}</td><td>{words.number(one.limit)}</td><td class="reason">{state}</td></tr>'
         )
     caption = "Size with one standard error. An effect counts when its score exceeds the limit, which healthy repeats set; what looks alike cannot be told apart on this record."
+    if any(not one.accepted and one.score > one.limit for one in result.suspects):
+        caption += " What is not accepted shows what it would take off alone: beside the accepted ones, which explain the record better, it adds too little."
     page.add(_table("effects", caption, _heads("Effect", "Looks alike", "Size", "Score", "Limit", "", left=3), rows))
     page.add('<figure><div class="figure-head"><h3>Scores</h3><ul class="legend"><li><span class="key dot"></span>accepted</li><li><span class="key dot candidate"></span>not accepted</li>')
     page.add('<li><span class="key dashed"></span>limit</li></ul></div>', page.figure(f"{identity}-ranking", diagnosis_figures.ranking(result)), "</figure>")
@@ -256,12 +258,12 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
         rows = [f'<tr><th scope="row">first model</th><td>{words.number(result.errors["before"])}</td><td>{"–" if first is None else words.number(first)}</td><td></td><td></td></tr>']
         for step in result.steps:
             values = "<br>".join(map(_shown, step.values)) or "–"
-            state = '<span class="verdict fine">recommended</span>' if step.recommended else '<span class="verdict blocks">not recommended</span>'
-            why = f": {escape(step.reason)}" if step.reason else ""
+            state = "" if step.recommended is None else '<span class="verdict fine">recommended</span>' if step.recommended else '<span class="verdict blocks">not recommended</span>'
+            why = (": " if state else "") + escape(step.reason) if step.reason else ""
             holdout = "–" if step.holdout is None else words.number(step.holdout)
             name = escape(step.added or " + ".join(step.effects))
             rows.append(f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="left">{values}</td><td class="reason">{state}{why}</td></tr>')
-        page.add(_table("steps", "Weighted rms error after each addition, all values refitted together.", _heads("Step", "This record", "Held-out record", "Values", ""), rows))
+        page.add(_table("steps", "Weighted rms error after each addition, all values refitted together.", _heads("Step", "This record", "Held-out record", "Values", "", texts=(3,)), rows))
         page.add('<figure><div class="figure-head"><h3>From the first model to the floor</h3><ul class="legend"><li><span class="key dot"></span>left on this record</li>')
         page.add('<li><span class="key join"></span>taken off</li>' + ('<li><span class="key before"></span>held-out record</li>' if held else ""))
         page.add('<li><span class="key dashed"></span>floor</li></ul></div>' if "floor" in result.errors else "</ul></div>")

@@ -62,11 +62,11 @@ def ranking(result: Diagnosed) -> Figure:
 
 def waterfall(result: Diagnosed) -> Figure:
     """Weighted error from the first model to the floor: what each addition takes off, what is left, and the held-out record beside it."""
-    names = ["first model", *(f"+ {escape(step.added or ' + '.join(step.effects))}" for step in result.steps)]
     training = [result.errors["before"], *(step.training for step in result.steps)]
+    steps = ["first model", *(f"+ {escape(step.added or ' + '.join(step.effects))}" for step in result.steps)]
+    # The error stands under the bar: a small one has no room inside.
+    names = [f"{step}<br><b>{number(value)}</b>" for step, value in zip(steps, training, strict=True)]
     left: Figure = _bar(names, training, [0.0] * len(names), "left", "after")
-    left["text"] = [number(value) for value in training]
-    left["textposition"] = "inside"
     falls = [max(0.0, before - after) for before, after in zip(training[:-1], training[1:], strict=True)]
     taken = _bar(names[1:], falls, training[1:], "taken off", "join")
     taken["text"] = [f"−{number(fall)}" if fall > 0.0 else "" for fall in falls]
@@ -97,7 +97,7 @@ def waterfall(result: Diagnosed) -> Figure:
         "barmode": "overlay",
         "bargap": 0.35,
     }
-    parts = [f"{name} {number(value)}" for name, value in zip(names, training, strict=True)]
+    parts = [f"{step} {number(value)}" for step, value in zip(steps, training, strict=True)]
     label = "Weighted error: " + ", ".join(parts) + (f"; floor {number(floor)}" if floor is not None else "")
     return {"data": traces, "layout": layout, "height": 320, "label": label}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ema_tools.report.reader import Reader, Series
@@ -39,14 +39,14 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Step:
-    """One addition: the effects that the model then holds, and the error on both records, weighted rms."""
+    """One addition: the effects that the model then holds, and the error on both records, weighted rms; `recommended` is None where nothing is said about it."""
 
     effects: tuple[str, ...]
     added: str
     training: float
     holdout: float | None
     values: tuple[Value, ...]
-    recommended: bool
+    recommended: bool | None
     reason: str
 
 
@@ -185,35 +185,66 @@ def _said(reader: Reader, key: str) -> str:
 
 
 def _values(reader: Reader) -> tuple[Value, ...]:
-    table = _part(reader, "parameters")
+    """Values as objects, or as numbers beside which `std` and `at_bound` stand."""
+    table, std = _part(reader, "parameters"), _part(reader, "std")
+    bound = reader.data.get("at_bound") or ()
     found = []
     for name, value in table.data.items():
         if isinstance(value, dict):
             part = table.table(name)
             found.append(Value(name, part.number("value"), part.optional("std"), bool(part.data.get("at_bound", False))))
         else:
-            found.append(Value(name, table.number(name), None, False))
+            found.append(Value(name, table.number(name), std.optional(name), name in bound))
     return tuple(found)
 
 
 def _suspect(part: Reader) -> Suspect:
     name = part.text("name", "unnamed")
-    return Suspect(name, part.texts("class") or (name,), _values(part), part.number("score"), part.number("limit"), bool(part.data.get("accepted", False)), _said(part, "reason"))
+    return Suspect(name, part.texts("class") or (name,), _own_values(part), part.number("score"), part.number("limit"), bool(part.data.get("accepted", False)), _said(part, "reason"))
 
 
 def _steps(reader: Reader, error: Reader, added: str, suspects: tuple[Suspect, ...]) -> tuple[Step, ...]:
     """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
-    steps = tuple(
-        Step(part.texts("effects"), part.text("added", ""), part.number("error_training"), part.optional("error_holdout"), _values(part), bool(part.data.get("recommended", True)), _said(part, "reason"))
+    steps = [
+        Step(part.texts("effects"), part.text("added", ""), part.number("error_training"), part.optional("error_holdout"), _values(part), _judged(part), _said(part, "reason"))
         for part in reader.tables("steps")
-    )
+    ]
+    # the model as it was given is the first model, which the page shows anyhow
+    given = bool(steps) and not steps[0].effects and steps[0].training == error.optional("before")
+    if given:
+        del steps[0]
     after = error.optional("after")
-    if steps or after is None:
-        return steps
     names = (added,) if added else tuple(one.name for one in suspects if one.accepted)
-    if not names:
-        return ()
-    return (Step(names, " + ".join(names), after, error.optional("holdout_after"), _values(reader), bool(reader.data.get("recommended", True)), _said(reader, "reason")),)
+    if not steps and not given and after is not None and names:
+        steps.append(Step(names, " + ".join(names), after, error.optional("holdout_after"), (), True, ""))
+    if not steps or not steps[-1].effects or steps[-1].values:
+        return tuple(steps)
+    # what was fitted is stated once, for the last model
+    return (*steps[:-1], replace(steps[-1], values=_last_values(reader, added), **({"recommended": _judged(reader), "reason": _said(reader, "reason")} if added else {})))
+
+
+def _judged(part: Reader) -> bool | None:
+    said = part.data.get("recommended")
+    return None if said is None else bool(said)
+
+
+def _last_values(reader: Reader, added: str) -> tuple[Value, ...]:
+    """Values of the last model: those that were added, or those of every accepted effect and of the faults that changed beside them."""
+    if added:
+        return _values(reader)
+    faults = _part(reader, "faults")
+    parts = [part for part in (*reader.tables("effects"), *map(faults.table, faults.data)) if part.data.get("accepted")]
+    return tuple(value for part in parts for value in _own_values(part))
+
+
+def _own_values(part: Reader) -> tuple[Value, ...]:
+    """Values of one effect or fault under their full names."""
+    return tuple(replace(value, name=_full_name(part.text("name", ""), value.name)) for value in _values(part))
+
+
+def _full_name(effect: str, field_name: str) -> str:
+    """The name in the actuator's file of a value that is stated by its last word."""
+    return field_name if "." in field_name else f"screw.{field_name}" if field_name.startswith(f"{effect}_") else f"effects.{effect}.{field_name}"
 
 
 def _remark(part: Reader) -> Remark:

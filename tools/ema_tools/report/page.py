@@ -167,9 +167,10 @@ def _identified(page: _Page, result: Identified, identity: str) -> None:
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
         actual = f"true {getattr(result.case, name):g}, " if result.case is not None else ""
+        spread = "" if math.isnan(fault.std) else f" ± {words.number(fault.std, 2)}"
         doubt = "not determined by this record, " if math.isnan(fault.std) else ""
         page.add(
-            f"<div><dt>{short}, {long}</dt><dd>{words.number(fault.estimate, 5)} {unit}"
+            f"<div><dt>{short}, {long}</dt><dd>{words.number(fault.estimate, 5)}{spread} {unit}"
             f"<small>{doubt}{actual}healthy {fault.healthy:.4g} {unit}</small></dd></div>"
         )
     for name, reason in result.left_out.items():
