@@ -15,7 +15,3 @@ set(CMAKE_C_FLAGS_INIT "-mcpu=${EMA_CORTEX} -mthumb -mfloat-abi=hard -mfpu=${EMA
 # As few instructions as with -O2 and an eighth smaller; results are the same bits.
 set(CMAKE_C_FLAGS_RELEASE "-Os" CACHE STRING "Flags of a Release build")
 set(EMA_RELEASE_FLAGS_SET ON CACHE INTERNAL "The Release flags are this project's")
-
-set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
-set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
-set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)

@@ -172,6 +172,29 @@ def document(found: Measured) -> str:
     return "\n".join(lines)
 
 
+def summary(found: Measured) -> str:
+    """The few numbers that docs/FIRMWARE.md shows between its marks."""
+    per_ms = found.counts["identify_int16_200"] / found.counts["identify_int16_200_steps"]
+    rows = [["flash, all effects", f"{found.code / 1024:.1f} KiB, and {grouped(found.number('size_ema_actuator_t'))} bytes of configuration"],
+            ["RAM: session and its configuration", f"{grouped(found.number('size_ema_session_t') + found.number('size_ema_session_config_t'))} bytes"],
+            ["RAM: record", "4 bytes a row, 40 000 for 10 s at 1 kHz"],
+            ["stack, deepest call", f"{grouped(max(size for size, _ in found.stacks.values()))} bytes"],
+            ["`ema_session_feed`", f"{grouped(found.counts['session_feed_most'])} instructions"],
+            ["a slice of 200 model steps", f"{grouped(found.counts['slice_200_mean'])} instructions, at most {grouped(found.counts['slice_200_most'])}"],
+            ["1 ms of model time in the search", f"{grouped(per_ms)} instructions"],
+            ["a whole identification", f"{found.counts['identify_int16_200'] / 1e6:.0f} million instructions: "
+             f"{found.counts['identify_int16_200'] / CLOCK_HZ:.1f} s of a core that makes {CLOCK_HZ // 1_000_000} million a second"]]
+    return "\n".join(["| what | how much |", "|---|---|", *("| " + " | ".join(row) + " |" for row in rows)])
+
+
+def with_summary(page: str, found: Measured) -> str:
+    """The page with its numbers of today. Raises BudgetError when it has no place for them."""
+    parts = re.split(r"(?<=-->\n)(?:.*?\n)??(?=<!-- end of budgets -->)", page, maxsplit=1, flags=re.DOTALL)
+    if len(parts) != 2:
+        raise BudgetError("the page for firmware has no marks `budgets` and `end of budgets`: put them back")
+    return f"{parts[0]}{summary(found)}\n{parts[1]}"
+
+
 def problems_of(found: Measured, written: str) -> list[str]:
     """Targets missed without a reason or met with one, and the first line of the document that differs."""
     problems = [f"{target.text}: {grouped(target.measured)} {target.unit}, at most {grouped(target.limit)}: mend it, or state the reason in MISSED"
@@ -205,17 +228,25 @@ def main() -> int:
     parser.add_argument("--objects", type=Path, required=True, help="folder with the library's call graph")
     parser.add_argument("--include", type=Path, required=True, help="folder of the public headers")
     parser.add_argument("--write", action="store_true", help="write the document instead of comparing it")
+    parser.add_argument("--page", type=Path, required=True, help="docs/FIRMWARE.md, which shows a few of the numbers")
     parser.add_argument("document", type=Path)
     given = parser.parse_args()
     try:
         found = measure(given)
+        page = given.page.read_text(encoding="utf-8")
+        fresh_page = with_summary(page, found)
     except (BudgetError, stack.StackError, FileNotFoundError, ValueError, KeyError) as error:
         print(f"budgets: {error}", file=sys.stderr)
         return 1
     if given.write:
         given.document.write_text(document(found), encoding="utf-8")
-        print(f"{given.document.name} written")
-    problems = problems_of(found, given.document.read_text(encoding="utf-8") if given.document.is_file() else "")
+        given.page.write_text(fresh_page, encoding="utf-8")
+        page = fresh_page
+        print(f"{given.document.name} and {given.page.name} written")
+    written = given.document.read_text(encoding="utf-8") if given.document.is_file() else ""
+    problems = problems_of(found, written)
+    if page != fresh_page and f"Built by gcc {found.compiler} " in written:
+        problems.append(f"{given.page.name}: its numbers are not those of today: write them by the build's target `budgets`")
     for problem in problems:
         print(f"budgets: {problem}", file=sys.stderr)
     print(f"budgets: {len(found.targets())} targets, {sum(target.met for target in found.targets())} met, {len(found.stacks)} public functions")

@@ -74,6 +74,7 @@ def main() -> int:
     parser.add_argument("--board", required=True, help="QEMU's name of the machine")
     parser.add_argument("--unity", action="store_true", help="the program must have run tests, all of them well")
     parser.add_argument("--shift", type=int, help="an instruction takes 2^N ns of emulated time")
+    parser.add_argument("--expect", type=int, help="succeed when the program ends with this code, and fail otherwise")
     parser.add_argument("--timeout", type=float, default=600.0, help="seconds")
     parser.add_argument("program", type=Path)
     parser.add_argument("arguments", nargs="*")
@@ -89,6 +90,9 @@ def main() -> int:
         if problem:
             print(f"{given.program.name}: {problem}", file=sys.stderr)
             return 1
+    if given.expect is not None:
+        print(f"{given.program.name} ended with {result.exit_code}")
+        return 0 if result.exit_code == given.expect else 1
     return result.exit_code
 
 

@@ -153,6 +153,15 @@ class Budgets(unittest.TestCase):
         small = budgets.Measured("12.2.1", measured().counts, 20_000, measured().stacks)
         self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
 
+    def test_the_page(self) -> None:
+        page = "before\n<!-- budgets: x -->\n<!-- end of budgets -->\nafter\n"
+        once = budgets.with_summary(page, measured())
+        self.assertRegex(once, r"(?s)^before\n<!-- budgets: x -->\n\| what .*29\.3 KiB.*\|\n<!-- end of budgets -->\nafter\n$")
+        self.assertEqual(budgets.with_summary(once, measured()), once)
+        self.assertNotEqual(budgets.with_summary(once, measured(slice_200_most=301)), once)
+        with self.assertRaisesRegex(budgets.BudgetError, "no marks"):
+            budgets.with_summary("before\nafter\n", measured())
+
     def test_counting_that_stopped(self) -> None:
         for output in ("", "session_feed_mean 300\n", f"session_feed_mean 0\n{budgets.COUNTED_ALL}\n"):
             with self.subTest(output), self.assertRaises(budgets.BudgetError):

@@ -29,7 +29,7 @@ static struct {
     volatile ema_status_t fed;
     ema_session_t session;
     ema_session_config_t config;
-    int16_t record[2U * ACE_ROWS];
+    _Alignas(ema_real) int16_t record[2U * ACE_ROWS];
 } ace;
 
 /* PI with back-calculation: the control law of the actuator's file. */
