@@ -14,6 +14,12 @@ foreach(level base effects blocks plant signal search ident session)
     list(APPEND EMA_SOURCE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/src/${level}")
 endforeach()
 
+# Without an operating system nothing is moved, and a table of addresses would only cost flash.
+set(ema_relocatable ON)
+if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    set(ema_relocatable OFF)
+endif()
+
 foreach(target ema ema64)
     add_library(${target} STATIC ${EMA_SOURCES} ${EMA_OWN_SOURCES})
     add_library(EMA::${target} ALIAS ${target})
@@ -22,7 +28,7 @@ foreach(target ema ema64)
         PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
         PRIVATE ${EMA_SOURCE_DIRS})
     # The desktop libraries contain these objects, and show only their own functions.
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ${EMA_HOST} C_VISIBILITY_PRESET hidden)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ${ema_relocatable} C_VISIBILITY_PRESET hidden)
     if(EMA_OWN_FOLDER)
         target_compile_definitions(${target} PUBLIC "$<BUILD_INTERFACE:EMA_OWN_EFFECTS=\"${EMA_OWN_FOLDER}/own_effects.def\">"
                                    "$<INSTALL_INTERFACE:EMA_OWN_EFFECTS=\"ema/own_effects.def\">")

@@ -1,8 +1,13 @@
 #include "ema_counter.h"
 
-#define TIMER0_CONTROL (*(volatile uint32_t*)0x40000000U)
-#define TIMER0_VALUE (*(volatile uint32_t*)0x40000004U)
-#define TIMER0_RELOAD (*(volatile uint32_t*)0x40000008U)
+#ifdef EMA_BOARD_AN505
+#define TIMER0 0x50000000U
+#else
+#define TIMER0 0x40000000U
+#endif
+#define TIMER0_CONTROL (*(volatile uint32_t*)TIMER0)
+#define TIMER0_VALUE (*(volatile uint32_t*)(TIMER0 + 4U))
+#define TIMER0_RELOAD (*(volatile uint32_t*)(TIMER0 + 8U))
 #define TIMER0_ENABLE 1U
 
 void ema_counter_start(void)

@@ -27,7 +27,7 @@ class Run:
     exit_code: int
 
 
-def run(board: str, program: Path, arguments: list[str], *, shift: int | None = None, timeout_s: float = 600.0) -> Run:
+def run(board: str, program: Path, arguments: list[str], *, shift: int | None = None, timeout_s: float = 1700.0) -> Run:
     """Starts `program` on `board` with its arguments. With `shift`, each instruction takes 2^shift ns of the emulated time and the run is the same every time.
 
     Raises FileNotFoundError with what to do when QEMU or the program is missing.
@@ -75,7 +75,7 @@ def main() -> int:
     parser.add_argument("--unity", action="store_true", help="the program must have run tests, all of them well")
     parser.add_argument("--shift", type=int, help="an instruction takes 2^N ns of emulated time")
     parser.add_argument("--expect", type=int, help="succeed when the program ends with this code, and fail otherwise")
-    parser.add_argument("--timeout", type=float, default=600.0, help="seconds")
+    parser.add_argument("--timeout", type=float, default=1700.0, help="seconds")
     parser.add_argument("program", type=Path)
     parser.add_argument("arguments", nargs="*")
     given = parser.parse_args()
