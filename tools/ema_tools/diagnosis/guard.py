@@ -21,6 +21,7 @@ from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.answer import size_text
 from ema_tools.diagnosis.candidates import FAULTS, candidates, penalty
 from ema_tools.diagnosis.evidence import Evidence, repeat_residuals, simulate_channels, view
+from ema_tools.diagnosis.gate import judge
 from ema_tools.diagnosis.gathering import common_channels, gather, same_command
 from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT
 from ema_tools.diagnosis.spread import Spread
@@ -45,6 +46,8 @@ _ALIKE = 9.0
 # The share of the excess over sensor noise that a named effect must take off; with more than the second left the answer is that something is missing, not what.
 _LEAST_SHARE = 0.05
 _UNEXPLAINED = 0.1
+# A named effect's size differs from none by so many standard errors.
+_LEAST_ERRORS = 2.0
 # A model whose residual stays below this many times the noise in every signal lacks nothing that matters.
 _PLAIN = 1.1
 # Of a record without noise: what integration and rounding leave, relative to the signal.
@@ -54,7 +57,7 @@ _NOISELESS = 2e-4
 @dataclass(frozen=True)
 class Guarded:
     """What the guard says. `verdict`: adequate, missing or unknown; `effects`: the class of the missing effect, itself first; `values`, `std`: of that effect;
-    `faults`: CSJ and BLK beside it by name; `against`: healthy repeats that it was compared with; `skipped`: why nothing was sought."""
+    `faults`: CSJ and BLK beside it by name; `against`: healthy repeats that it was compared with; `skipped`: why nothing was sought; `there`: the model holds the effect, at another size."""
 
     verdict: str
     effects: tuple[str, ...]
@@ -64,15 +67,19 @@ class Guarded:
     against: int
     skipped: str
     wall_s: float
+    there: bool = False
 
     def words(self) -> str:
         """The missing effect in words, for a list of reasons."""
+        if self.verdict == "unknown" and self.skipped:
+            return f"nothing can be told from this record: {self.skipped}"
         if self.verdict == "unknown":
             return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
         size = next(iter(self.values))
+        missing = "is not in the model at this size" if self.there else "is missing from the model"
         alike = f", which looks like {', '.join(self.effects[1:])} on this record" if self.effects[1:] else ""
         return (
-            f"{self.effects[0]} ({row_of(size).field} {size_text(size, self.values[size], self.std.get(size))}) is missing from the model{alike}: "
+            f"{self.effects[0]} ({row_of(size).field} {size_text(size, self.values[size], self.std.get(size))}) {missing}{alike}: "
             f"ema add ACTUATOR {self.effects[0]} --fit REC {'--healthy REC ...' if self.against else '--known'} -o NEW.toml puts it in"
         )
 
@@ -259,6 +266,9 @@ def _named(known: _Known, base: _Fit) -> tuple[str, _Fit | None, tuple[str, ...]
     if not fits:
         return "unknown", None, ()
     best = fits[0]
+    size, zero = next((name, row_of(name).nominal) for name in best.values if name.startswith(f"effects.{best.effect}."))
+    if abs(best.values[size] - zero) < _LEAST_ERRORS * best.std.get(size, 0.0):
+        return "unknown", None, ()
     unit = max(1.0, best.cost / numbers)  # where the misfit that is left is more than noise, it is the yardstick
     if base.cost - best.cost - penalty([best.effect]) < max(LEAST_LIMIT * unit, _LEAST_SHARE * excess):
         return "unknown", None, ()
@@ -288,6 +298,13 @@ def _live(*records: Record) -> tuple[str, ...]:
     return tuple(name for name in common_channels(records) if all(np.ptp(one.recorded(name)) > 0.0 for one in records))
 
 
+def _blocked(actuator: Actuator, record: Record) -> str:
+    """Why no answer from a record means anything, by the gate; empty where it may answer. Sensors that are not connected are left out."""
+    live = _live(record)
+    gate = judge(actuator, replace(record, **{name: None for name in common_channels([record]) if name not in live and name != "position_mm"}))
+    return next((f"{one.text}: {one.next}" for one in gate.remarks if one.severity == "blocks"), "")
+
+
 def known_machine(actuator: Actuator, record: Record) -> Evidence:
     """Evidence of a record of a machine that is as `actuator` says, of which only grease and winding scatter from run to run; CSJ and BLK are left to be fitted."""
     return replace(gather(actuator, record, channels=_live(record)), spread=spreads.from_run_to_run({name: std for name, std in _SCATTER.items() if actuator[name] > 0.0}))
@@ -301,6 +318,9 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     begun = time.perf_counter()
     same = [other for other in healthy if same_command(record, other)]
     repeats = same if len(same) > 1 else []
+    blocked = _blocked(actuator, record)
+    if blocked:
+        return Guarded("unknown", (), {}, {}, {}, len(repeats), blocked, time.perf_counter() - begun)
     known = _Known(gather(actuator, record, repeats, _live(record, *repeats)) if repeats else known_machine(actuator, record))
     base = known.base(estimates)
     faults = {name: base.values[name] for name in known.faults}
@@ -312,4 +332,4 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
         return Guarded(verdict, (), {}, {}, {}, len(repeats), "", time.perf_counter() - begun)
     own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
     beside = {name: best.values[name] for name in known.faults}
-    return Guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, beside, len(repeats), "", time.perf_counter() - begun)
+    return Guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)
