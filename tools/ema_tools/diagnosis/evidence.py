@@ -7,7 +7,7 @@ not as free parameters, so that a change of the same parameter beyond it can sti
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -108,6 +108,19 @@ class View:
 
     def _without(self, tall: Reals) -> Reals:
         return np.asarray(tall - self._basis @ (self._basis.T @ tall))
+
+    def beside(self, vectors: Sequence[Reals]) -> View:
+        """The same with further `vectors` [n] taken off: what may move freely besides, such as the values of effects that are fitted again with every new one."""
+        kept = [vector for vector in vectors if float(vector @ vector) > 0.0]
+        if not kept:
+            return self
+        more, _ = np.linalg.qr(np.column_stack(kept))
+        wider = replace(self, _basis=np.column_stack([self._basis, more]))
+        return replace(wider, residual=wider.taken_off(self.residual))
+
+    def taken_off(self, vector: Reals) -> Reals:
+        """A vector [n] of an earlier view with what this one takes off taken off."""
+        return self._without(vector)
 
     def signature(self, changes: Mapping[str, float]) -> Reals:
         """What `changes` beside the view's own values make of the model, [n]. Raises InputError when the model refuses them."""

@@ -13,6 +13,7 @@ from ema_tools.diagnosis.candidates import FAULTS, penalty
 from ema_tools.diagnosis.evidence import View, settled
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
+from ema_tools.parallel import each
 
 _RUNS = 8
 # A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard deviations of noise.
@@ -140,6 +141,22 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
     at_bound = tuple(name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
     values |= kept
     return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, covariance, at_bound, view, 2.0 * float(found.cost))
+
+
+def slopes(view: View, fit: Fit) -> list[Reals]:
+    """What small changes of the fitted values make of the view, vectors [n]: the directions in which they give way to a further effect."""
+    rows = {name: row_of(name) for name in fit.fitted}
+
+    def moved(name: str) -> Reals:
+        value, row = fit.values[name], rows[name]
+        step = _JACOBIAN_STEPS[0] * _scale_of(name, value)
+        there = value + step if value + step <= row.upper else value - step
+        try:
+            return view.signature({name: there})
+        except InputError:
+            return np.zeros_like(view.residual)
+
+    return each(moved, list(rows))
 
 
 def _on_bound(name: str, value: float, lower: float, upper: float, nominal: float) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_tools.diagnosis.candidates import Signature, promising, signatures
 from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, repeat_residuals, settled
-from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, polished, refit, without_effect
+from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, polished, refit, slopes, without_effect
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.parallel import each
 
@@ -27,8 +27,9 @@ _REPEAT_MARGIN = 1.5
 # A healthy machine's standing effects are worth having in the model only when they are large against what repeats leave, and against each other.
 _STANDING_LIMIT = 100.0
 _STANDING_SHARE = 0.05
-# An effect must also take off this share of the excess that it found.
+# An effect must also take off this share of the excess that was found, or most of what is left where more is left than noise can leave.
 _LEAST_SHARE = 0.02
+_MOST_OF_REST = 0.5
 # Fits whose costs differ by less than this cannot be told apart: three standard deviations.
 _ALIKE = 9.0
 # A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another effect.
@@ -163,7 +164,9 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             least = needed(found, place, cost)
         else:
             least = needed((), place, cost)
-            found = signatures(here, held, promising(here, every, least))
+            # what is fitted already is fitted again with each new effect: it takes its share of what they explain
+            seen = here.beside(slopes(here, steps[-1]))
+            found = signatures(seen, held, promising(seen, every, least))
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
         finalists = _finalists(found) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
@@ -199,27 +202,30 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     excess = max(before - floor, 1e-9)
     doubt = _MODEL_ERROR**2 * max(raw_cost(evidence) - floor, 0.0)
     limit = LEAST_LIMIT
+    noise = 6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size))
 
     def needed(found: Sequence[Signature], place: int, cost: float) -> float:
         nonlocal limit
         if place == 0:
             limit = _limit_of(repeats, found)
-        return max(_needed(limit, excess, cost, floor, evidence), doubt if place else 0.0)
+        return max(_needed(limit, excess, cost, floor, noise, evidence), doubt if place else 0.0)
 
     path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None))
     best = path.steps[-1] if path.steps else None
     cost = best.cost if best is not None else before
     unexplained = max(cost - floor, 0.0) / excess
-    strange = cost - floor > max(6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size)), 2.0 * doubt)
+    strange = cost - floor > max(noise, 2.0 * doubt)
     verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, path.steps, verdict, doubt, before)
     return Diagnosis(verdict, best, named, path.rounds, path.steps, before, cost, floor, unexplained, limit)
 
 
-def _needed(limit: float, excess: float, cost: float, floor: float, evidence: Evidence) -> float:
-    """What an effect must take off: the limit, a share of the excess; without repeats, in units of the misfit that is left."""
+def _needed(limit: float, excess: float, cost: float, floor: float, noise: float, evidence: Evidence) -> float:
+    """What an effect must take off: the limit, a share of the excess or most of a rest that is no `noise`; without repeats, in units of the misfit that is left."""
     inflated = limit if evidence.relative else limit * max(1.0, cost / floor)
-    return max(inflated if evidence.relative else min(inflated, 0.05 * excess + limit), _LEAST_SHARE * excess)
+    rest = cost - floor
+    share = min(_LEAST_SHARE * excess, _MOST_OF_REST * rest) if rest > noise else _LEAST_SHARE * excess
+    return max(inflated if evidence.relative else min(inflated, 0.05 * excess + limit), share)
 
 
 def _polished(fits: tuple[Fit, ...], evidence: Evidence) -> tuple[Fit, ...]:
