@@ -1,0 +1,84 @@
+"""docs/WALK_THROUGH.md tells the truth: its commands, their output, its pictures."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from demo_run import demo_run
+from shown_output import blocks, missing_from
+
+from ema_tools.definitions import library_folder
+from ema_tools.errors import InputError
+from ema_tools.report.pictures import write_pictures
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENT = ROOT / "docs" / "WALK_THROUGH.md"
+
+
+def _steps() -> list[tuple[str, str]]:
+    """Commands with the output shown below them, empty where there is none."""
+    found: list[tuple[str, str]] = []
+    for block in blocks(DOCUMENT):
+        if block.startswith("build/"):
+            found += [(line, "") for line in block.splitlines()]
+        else:
+            found[-1] = (found[-1][0], block)
+    return found
+
+
+@pytest.fixture(scope="module")
+def output(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What every command really prints, in the order of the document; what they write goes to a folder of its own."""
+    folder = tmp_path_factory.mktemp("walk")
+    build = library_folder().parent
+    printed = {}
+    for command, _ in _steps():
+        typed = re.sub(r"build/(\w+\.(?:json|toml|h))", rf"{folder}/\1", command).replace("docs walk", f"{folder} walk").replace("build/", f"{build}/")
+        done = subprocess.run(["bash", "-c", typed], cwd=ROOT, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, f"{command}\n{done.stderr}"
+        printed[command] = done.stdout.replace(str(folder), "build")
+    return printed
+
+
+def test_output_is_what_the_commands_print(output: dict[str, str]) -> None:
+    wrong = {command: missing for command, shown in _steps() if shown and (missing := missing_from(shown, output[command]))}
+    assert wrong == {}
+    assert sum(bool(shown) for _, shown in _steps()) == 7
+
+
+def test_words_and_numbers_are_held_against_the_output() -> None:
+    real = "missing is stribeck_friction (rise 0.2993 +- 0.0019); floor 0.864\nfound in 0.05 s at 1.3e-15"
+    assert missing_from("missing is\nstribeck_friction (rise 0.2994 … floor 0.863 found in 0.07 s", real) == ""
+    assert missing_from("1.3e-15", real) == ""
+    for shown in ("missing is presliding", "(rise 0.3993", "+- 0.0031", "floor 0.864 … stribeck_friction", "floor 0.864 in", "at 1.3e-12"):
+        assert missing_from(shown, real) != "", shown
+
+
+def test_pictures_are_those_of_the_demo(tmp_path: Path) -> None:
+    """Words alike, every drawn number within a pixel or two."""
+    made = write_pictures(demo_run()[0] / "diagnose.json", tmp_path, "walk")
+    assert {path.name for path in made} == set(re.findall(r"\((walk_\w+\.svg)\)", DOCUMENT.read_text(encoding="utf-8")))
+    for path in made:
+        new, shipped = (file.read_text(encoding="utf-8") for file in (path, DOCUMENT.with_name(path.name)))
+        say = f"{path.name}: run build/venv/bin/python -m ema_tools.report.pictures build/demo/diagnose.json docs walk"
+        number = r"-?\d+\.?\d*"
+        assert re.sub(number, "#", new) == re.sub(number, "#", shipped), say
+        for one, other in zip(re.findall(number, new), re.findall(number, shipped), strict=True):
+            assert float(one) == pytest.approx(float(other), rel=0.02, abs=2.0), say
+
+
+def test_a_result_that_cannot_be_drawn_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"case_a\.json: no diagnosis with curves before and after"):
+        write_pictures(demo_run()[0] / "case_a.json", tmp_path, "x")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_links_and_truth_stand_in_the_document() -> None:
+    text = DOCUMENT.read_text(encoding="utf-8")
+    for link in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
+        assert (DOCUMENT.parent / link).is_file(), link
