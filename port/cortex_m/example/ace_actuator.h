@@ -147,7 +147,7 @@ static const ema_actuator_t EMA_ACTUATOR = {
             .rise = EMA_R(0.0), /* 0 */
         },
         .concave_viscous = {
-            .drag_Nm_per_sqrt_rad_s = EMA_R(0.0), /* 0 rad/s */
+            .drag_Nm_per_sqrt_rad_s = EMA_R(0.0), /* 0 Nm/sqrt(rad/s) */
         },
         .quadratic_viscous = {
             .drag_Nm_s2_per_rad2 = EMA_R(0.0), /* 0 Nm s2/rad2 */
