@@ -71,6 +71,21 @@ typedef struct {
     ema_real cost;
 } ema_annealer_point_t;
 
+/* Elements of the lower triangle of a symmetric matrix. */
+#define EMA_ANNEALER_TRIANGLE(size) (((size) * ((size) + 1U)) / 2U)
+
+/* Unknowns of the quadratic: 15 when it is full in 4 dimensions, 17 when it is separable in 8. */
+#define EMA_ANNEALER_UNKNOWNS_MAX 17U
+
+/* The quadratic through the best points, and the memory of its fit: it means nothing between two candidates. */
+typedef struct {
+    ema_real scale[EMA_ANNEALER_DIMENSION_MAX];   /* z = (x - best) / scale */
+    ema_real lowest[EMA_ANNEALER_DIMENSION_MAX];  /* z of the quadratic's minimum */
+    ema_real factor[EMA_ANNEALER_TRIANGLE(EMA_ANNEALER_DIMENSION_MAX)]; /* Cholesky factor of its curvature in z */
+    ema_real normal[EMA_ANNEALER_TRIANGLE(EMA_ANNEALER_UNKNOWNS_MAX)];  /* equations of the fit */
+    ema_real right[EMA_ANNEALER_UNKNOWNS_MAX];
+} ema_quadratic_t;
+
 /* A plain value: a copy is a checkpoint. */
 typedef struct {
     ema_annealer_config_t config;
@@ -79,6 +94,7 @@ typedef struct {
     ema_annealer_point_t best;
     ema_annealer_point_t candidate;
     ema_annealer_point_t points[EMA_ANNEALER_POINTS_MAX];
+    ema_quadratic_t quadratic;
     ema_real step[EMA_ANNEALER_DIMENSION_MAX];
     ema_real temperature;
     ema_real limit;            /* cost above which the candidate is not wanted */

@@ -171,18 +171,26 @@ typedef uint64_t ema_effect_set_t;
 typedef uint32_t ema_effect_set_t;
 #endif
 
-/* Which effects act while the model runs, one set per site. */
+/* Where an effect acts. */
+typedef enum {
+    EMA_SITE_PARAMETER = 0,
+    EMA_SITE_FRICTION = 1,
+    EMA_SITE_TORQUE = 2,
+    EMA_SITE_LOAD = 3,
+    EMA_SITE_VOLTAGE = 4,
+    EMA_SITE_MOTOR = 5,
+    EMA_SITE_PRESLIDING = 6,
+    EMA_SITE_TRANSMISSION = 7,
+    EMA_SITE_READING = 8
+} ema_effect_site_t;
+
+#define EMA_SITE_COUNT 9U
+
+/* Which effects act while the model runs. */
 typedef struct {
-    ema_effect_set_t torque;
-    ema_effect_set_t friction;
-    ema_effect_set_t load;
-    ema_effect_set_t voltage;
-    ema_effect_set_t motor;
-    ema_effect_set_t presliding;
-    ema_effect_set_t transmission;
-    ema_effect_set_t reading;
-    ema_effect_set_t tables; /* all learned tables, wherever they act */
-    bool any;                /* one that acts on the motion */
+    ema_effect_set_t at[EMA_SITE_COUNT]; /* by ema_effect_site_t; those at site PARAMETER do not act while it runs */
+    ema_effect_set_t tables;             /* all learned tables, wherever they act */
+    bool any;                            /* one that acts on the motion */
 } ema_active_t;
 
 /* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables stay where they lie. */

@@ -45,10 +45,11 @@ typedef struct {
     bool determined;                  /* false: the record does not tell the parameters apart, std is not set */
 } ema_sensitivity_result_t;
 
-/* Prepares the runs of `actuator` (at the estimate) with `count` values `ids` moved by `delta`, against `record`. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for an empty
+/* Prepares the runs of `actuator` (at the estimate) with `count` values `ids` moved by `delta`, against `record`. Each value is moved in `actuator` itself and
+ * put back. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for an empty
  * record; EMA_ERR_RANGE for a count beyond EMA_IDENTIFIED_MAX, an unknown id or one of a learned table, a negative weight or one on a channel that is not recorded; nothing changed. Those of
  * ema_model_init, also for a moved value outside its range; `self` is then not to be used. */
-ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
+ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
                                    const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm);
 
 /* From now on all runs read their learned tables from `actuator`: see ema_model_learned. Cost: constant. */

@@ -97,8 +97,11 @@ typedef struct {
     const ema_session_config_t* config;
     ema_record_t record;
     ema_annealer_t annealer;
-    ema_objective_t run;       /* the model run of the search */
-    ema_sensitivity_t weighing; /* the model runs at the end */
+    ema_actuator_t actuator;   /* with the identified values where the present run has them */
+    union {                    /* one after the other */
+        ema_objective_t run;   /* the model run of the search */
+        ema_sensitivity_t weighing; /* the model runs at the end */
+    };
     ema_real start_mm;
     ema_real healthy_cost;
     uint64_t model_steps;

@@ -22,7 +22,8 @@ extern "C" {
     X(EMA_ERR_ORDER, 8, "the call does not fit the session's phase")                                               \
     X(EMA_ERR_SHORT, 9, "the record is too short to identify from")                                                \
     X(EMA_ERR_BOUNDS, 10, "a lower bound is not below its upper bound")                                            \
-    X(EMA_ERR_DIVERGED, 11, "the model's state left the finite numbers")
+    X(EMA_ERR_DIVERGED, 11, "the model's state left the finite numbers")                                           \
+    X(EMA_ERR_ABSENT, 12, "the actuator has an effect that this build leaves out")
 
 typedef enum {
 #define EMA_STATUS_ENUM(name, value, text) name = (value),

@@ -1,27 +1,13 @@
-/* Defaults, ranges and access by index, all read from the two lists. */
-#include "ema/ema_actuator.h"
+/* Ranges and access by index, read from the two lists. */
+#include "ema_bounds.h"
 
 #include <string.h>
 
+#include "ema_effect_rows.h"
 #include "ema_math.h"
 
-static const ema_range_t ema_ranges[] = {
-#define EMA_PARAM(section, field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
-#include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
-#define EMA_P(field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {(ema_real)(nominal), (ema_real)(lower), (ema_real)(upper)},
-#include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
-};
+/* Rows of bounds that a learned table has: gain, axis, first, last, and one for its nodes, which are all alike. */
+#define EMA_TABLE_BOUNDS 5U
 
 /* Distances between the nodes of a learned table. */
 #define EMA_TABLE_SPANS EMA_R(15.0)
@@ -29,9 +15,72 @@ static const ema_range_t ema_ranges[] = {
 /* The length of a periodic axis as a file may round it. */
 #define EMA_PERIOD_ROUNDED EMA_R(1.00001)
 
-#define EMA_RANGE_COUNT (sizeof(ema_ranges) / sizeof(ema_ranges[0]))
+/* Bounds of the parameters, of the effects that this build holds, and of the options. */
+static const ema_bounds_t ema_bounds[] = {
+#define EMA_PARAM(section, field, nominal, lower, upper, text) {EMA_R(lower), EMA_R(upper)},
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
+#include "ema/ema_params.def"
+#undef EMA_PARAM
+#undef EMA_OPTION
+#define EMA_TABLE_NODES(lower, upper, text) EMA_P(nodes, 0.0, lower, upper, text)
+#define EMA_P(field, nominal, lower, upper, text) {EMA_R(lower), EMA_R(upper)},
+#define EMA_BOUNDS_1(...) __VA_ARGS__
+#define EMA_BOUNDS_0(...)
+#define EMA_BOUNDS_JOIN(held) EMA_BOUNDS_##held
+#define EMA_BOUNDS_OF(held) EMA_BOUNDS_JOIN(held)
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_BOUNDS_OF(EMA_HELD(name))(parameters)
+#include "ema/ema_effects.def"
+#undef EMA_EFFECT
+#undef EMA_P
+#define EMA_PARAM(section, field, nominal, lower, upper, text)
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {(ema_real)(lower), (ema_real)(upper)},
+#include "ema/ema_params.def"
+#undef EMA_PARAM
+#undef EMA_OPTION
+};
 
-_Static_assert(EMA_RANGE_COUNT == (EMA_VALUE_COUNT + EMA_OPTION_COUNT), "one range per value and option");
+/* How many of them an effect has. */
+#define EMA_BOUNDS_COUNT(held, site, values) \
+    ((held) ? ((((uint32_t)(site) & (uint32_t)EMA_SITE_IS_TABLE) != 0U) ? EMA_TABLE_BOUNDS : (uint32_t)(values)) : 0U)
+
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+    +EMA_BOUNDS_COUNT(EMA_HAS_##name != 0, EMA_SITE_##site, sizeof(ema_effect_##name##_t) / sizeof(ema_real))
+_Static_assert((sizeof(ema_bounds) / sizeof(ema_bounds[0])) == (EMA_PARAM_COUNT + EMA_OPTION_COUNT
+#include "ema/ema_effects.def"
+                                                                ),
+               "the nodes of a table share one row of bounds");
+#undef EMA_EFFECT
+
+static bool ema_row_is_table(const ema_effect_row_t* row)
+{
+    return (row->site & (uint8_t)EMA_SITE_IS_TABLE) != 0U;
+}
+
+static uint32_t ema_row_bounds(const ema_effect_row_t* row)
+{
+    return EMA_BOUNDS_COUNT(row->held, row->site, row->values);
+}
+
+bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
+{
+    size_t first = EMA_PARAM_COUNT;
+    size_t at = EMA_PARAM_COUNT;
+    bool found = id < first;
+    if (found) {
+        *bounds = ema_bounds[id];
+    }
+    for (uint32_t k = 0; !found && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
+        const uint32_t count = ema_row_bounds(&ema_effect_rows[k]);
+        const size_t place = id - first;
+        if ((place < (size_t)ema_effect_rows[k].values) && (count > 0U)) {
+            *bounds = ema_bounds[at + ((place < (size_t)count) ? place : ((size_t)count - 1U))];
+            found = true;
+        }
+        first += ema_effect_rows[k].values;
+        at += count;
+    }
+    return found;
+}
 
 /* The structures are flat vectors of one type, so an index is an offset. */
 static ema_real* ema_value_at(ema_actuator_t* actuator, size_t id)
@@ -45,44 +94,52 @@ static ema_real* ema_value_at(ema_actuator_t* actuator, size_t id)
     return (ema_real*)(void*)(base + (place * sizeof(ema_real)));
 }
 
-static int32_t* ema_option_at(ema_actuator_t* actuator, size_t index)
+/* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest. Says why it stopped. */
+static size_t ema_values_within(const ema_real* value, size_t count, const ema_bounds_t* bounds, size_t rows, ema_status_t* status)
 {
-    return (int32_t*)(void*)((unsigned char*)&actuator->options + (index * sizeof(int32_t)));
+    size_t good = 0U;
+    while ((*status == EMA_OK) && (good < count)) {
+        const ema_bounds_t* const range = &bounds[(good < rows) ? good : (rows - 1U)];
+        if (!ema_is_finite(value[good])) {
+            *status = EMA_ERR_NOT_FINITE;
+        } else if ((value[good] < range->lower) || (value[good] > range->upper)) {
+            *status = EMA_ERR_RANGE;
+        } else {
+            ++good;
+        }
+    }
+    return good;
 }
 
-const ema_range_t* ema_actuator_range(size_t id)
+/* The values and options, one after the other; `id` is the first bad one's. */
+static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
 {
-    return (id < EMA_RANGE_COUNT) ? &ema_ranges[id] : NULL;
+    ema_status_t status = EMA_OK;
+    const ema_real* value = (const ema_real*)(const void*)&actuator->params;
+    const ema_bounds_t* bounds = ema_bounds;
+    *id = ema_values_within(value, EMA_PARAM_COUNT, bounds, EMA_PARAM_COUNT, &status);
+    bounds += EMA_PARAM_COUNT;
+    value = (const ema_real*)(const void*)&actuator->effects;
+    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
+        const ema_effect_row_t* const row = &ema_effect_rows[k];
+        const uint32_t count = ema_row_bounds(row);
+        if (count > 0U) {
+            *id += ema_values_within(value, row->values, bounds, count, &status);
+        } else if (*value != EMA_R(0.0)) {
+            status = EMA_ERR_ABSENT;
+        } else {
+            *id += row->values;
+        }
+        value += row->values;
+        bounds += count;
+    }
+    const int32_t* const option = (const int32_t*)(const void*)&actuator->options;
+    for (uint32_t k = 0; (status == EMA_OK) && (k < EMA_OPTION_COUNT); ++k) {
+        const ema_real number = (ema_real)option[k];
+        *id += ema_values_within(&number, 1U, &bounds[k], 1U, &status);
+    }
+    return status;
 }
-
-ema_status_t ema_actuator_defaults(ema_actuator_t* actuator)
-{
-    if (actuator == NULL) {
-        return EMA_ERR_NULL;
-    }
-    for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {
-        *ema_value_at(actuator, id) = ema_ranges[id].nominal;
-    }
-    for (size_t index = 0; index < EMA_OPTION_COUNT; ++index) {
-        *ema_option_at(actuator, index) = (int32_t)ema_ranges[EMA_VALUE_COUNT + index].nominal;
-    }
-    return EMA_OK;
-}
-
-/* The sites whose effects are learned tables: all other rows of the list expand to nothing. */
-#define EMA_TABLES_PARAMETER(name)
-#define EMA_TABLES_FRICTION(name)
-#define EMA_TABLES_TORQUE(name)
-#define EMA_TABLES_LOAD(name)
-#define EMA_TABLES_VOLTAGE(name)
-#define EMA_TABLES_MOTOR(name)
-#define EMA_TABLES_PRESLIDING(name)
-#define EMA_TABLES_TRANSMISSION(name)
-#define EMA_TABLES_FRICTION_TABLE(name) EMA_TABLES(name)
-#define EMA_TABLES_TORQUE_TABLE(name) EMA_TABLES(name)
-#define EMA_TABLES_VOLTAGE_TABLE(name) EMA_TABLES(name)
-#define EMA_TABLES_READING_TABLE(name) EMA_TABLES(name)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_TABLES_##site(name)
 
 /* Periods of the axes position in the lead and angle in the turn; zero for the others. */
 static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)
@@ -92,45 +149,56 @@ static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)
 }
 
 /* What ranges alone do not tell of a table that acts; `offender` is the place of the bad value in it. */
-static ema_status_t ema_table_check(ema_real axis, ema_real first, ema_real last, ema_real period, size_t axis_id, size_t* offender)
+static ema_status_t ema_table_check(const ema_real* table, const ema_params_t* params, size_t* offender)
 {
+    const ema_real axis = table[1];
+    const ema_real first = table[2];
+    const ema_real last = table[3];
+    const ema_real period = ema_axis_period(params, axis);
     ema_status_t status = EMA_OK;
     /* a range so short that its inverse overflows is none */
     if (!(first < last) || !ema_is_finite(EMA_TABLE_SPANS / (last - first))) {
         status = EMA_ERR_BOUNDS;
-        *offender = axis_id + 1U;
+        *offender = 2U;
     } else if (axis != ema_floor(axis)) {
         status = EMA_ERR_RANGE;
-        *offender = axis_id;
+        *offender = 1U;
     } else if ((period > EMA_R(0.0)) && ((last - first) > (period * EMA_PERIOD_ROUNDED))) {
         status = EMA_ERR_RANGE;
-        *offender = axis_id + 2U;
+        *offender = 3U;
     } else {
         /* a table that can be read */
     }
     return status;
 }
 
-static ema_status_t ema_tables_check(const ema_actuator_t* actuator, size_t* offender)
+/* Tables that act; `id` is the first bad value's. */
+static ema_status_t ema_tables_check(const ema_actuator_t* actuator, size_t* id)
 {
     ema_status_t status = EMA_OK;
-#define EMA_TABLES(name)                                                                                                                          \
-    if ((status == EMA_OK) && (actuator->effects.name.gain != EMA_R(0.0))) {                                                                      \
-        status = ema_table_check(actuator->effects.name.axis, actuator->effects.name.first, actuator->effects.name.last,                          \
-                                 ema_axis_period(&actuator->params, actuator->effects.name.axis), (size_t)EMA_EFFECT_VALUE_ID(name, axis), offender); \
+    const ema_real* value = (const ema_real*)(const void*)&actuator->effects;
+    size_t first = EMA_PARAM_COUNT;
+    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
+        if (ema_row_is_table(&ema_effect_rows[k]) && (*value != EMA_R(0.0))) {
+            size_t place = 0U;
+            status = ema_table_check(value, &actuator->params, &place);
+            *id = first + place;
+        }
+        value += ema_effect_rows[k].values;
+        first += ema_effect_rows[k].values;
     }
-#include "ema/ema_effects.def"
-#undef EMA_TABLES
     return status;
 }
 
 bool ema_actuator_is_learned(ema_value_id_t id)
 {
     bool learned = false;
-#define EMA_TABLES(name) learned = learned || ((id >= EMA_EFFECT_VALUE_ID(name, gain)) && (id <= EMA_EFFECT_VALUE_ID(name, node_15)));
-#include "ema/ema_effects.def"
-#undef EMA_TABLES
-#undef EMA_EFFECT
+    size_t first = EMA_PARAM_COUNT;
+    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+        const size_t next = first + ema_effect_rows[k].values;
+        learned = learned || (ema_row_is_table(&ema_effect_rows[k]) && ((size_t)id >= first) && ((size_t)id < next));
+        first = next;
+    }
     return learned;
 }
 
@@ -139,26 +207,9 @@ ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender
     if (actuator == NULL) {
         return EMA_ERR_NULL;
     }
-    ema_status_t status = EMA_OK;
-    size_t id = 0;
-    while ((status == EMA_OK) && (id < EMA_RANGE_COUNT)) {
-        ema_real value = EMA_R(0.0);
-        if (id < EMA_VALUE_COUNT) {
-            (void)ema_actuator_get(actuator, (ema_value_id_t)id, &value);
-        } else {
-            int32_t option;
-            (void)memcpy(&option, (const unsigned char*)&actuator->options + ((id - EMA_VALUE_COUNT) * sizeof option), sizeof option);
-            value = (ema_real)option;
-        }
-        if (!ema_is_finite(value)) {
-            status = EMA_ERR_NOT_FINITE;
-        } else if ((value < ema_ranges[id].lower) || (value > ema_ranges[id].upper)) {
-            status = EMA_ERR_RANGE;
-        } else {
-            ++id;
-        }
-    }
-    if (status == EMA_OK) {
+    size_t id = 0U;
+    ema_status_t status = ema_ranges_check(actuator, &id);
+    if ((status == EMA_OK) && (EMA_TABLES_HELD != 0)) {
         status = ema_tables_check(actuator, &id);
     }
     if ((status != EMA_OK) && (offender != NULL)) {

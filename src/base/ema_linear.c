@@ -2,44 +2,50 @@
 
 #include "ema_math.h"
 
-bool ema_cholesky(ema_real* matrix, uint32_t size, uint32_t stride)
+bool ema_cholesky(ema_real* matrix, uint32_t size)
 {
+    ema_real* row = matrix;
     for (uint32_t i = 0; i < size; ++i) {
-        const ema_real diagonal = matrix[(i * stride) + i];
+        const ema_real diagonal = row[i];
+        const ema_real* above = matrix;
         for (uint32_t j = 0; j <= i; ++j) {
-            ema_real sum = matrix[(i * stride) + j];
+            ema_real sum = row[j];
             for (uint32_t k = 0; k < j; ++k) {
-                sum -= matrix[(i * stride) + k] * matrix[(j * stride) + k];
+                sum -= row[k] * above[k];
             }
             if (i == j) {
                 if (!(sum > (EMA_PIVOT_SHARE * diagonal))) {
                     return false;
                 }
-                matrix[(i * stride) + i] = ema_sqrt(sum);
+                row[i] = ema_sqrt(sum);
             } else {
-                matrix[(i * stride) + j] = sum / matrix[(j * stride) + j];
+                row[j] = sum / above[j];
             }
+            above += j + 1U;
         }
+        row += i + 1U;
     }
     return true;
 }
 
-void ema_solve_lower(const ema_real* factor, uint32_t size, uint32_t stride, ema_real* b)
+void ema_solve_lower(const ema_real* factor, uint32_t size, ema_real* b)
 {
+    const ema_real* row = factor;
     for (uint32_t i = 0; i < size; ++i) {
         for (uint32_t k = 0; k < i; ++k) {
-            b[i] -= factor[(i * stride) + k] * b[k];
+            b[i] -= row[k] * b[k];
         }
-        b[i] /= factor[(i * stride) + i];
+        b[i] /= row[i];
+        row += i + 1U;
     }
 }
 
-void ema_solve_upper(const ema_real* factor, uint32_t size, uint32_t stride, ema_real* b)
+void ema_solve_upper(const ema_real* factor, uint32_t size, ema_real* b)
 {
     for (uint32_t i = size; i > 0U; --i) {
         for (uint32_t k = i; k < size; ++k) {
-            b[i - 1U] -= factor[(k * stride) + (i - 1U)] * b[k];
+            b[i - 1U] -= factor[EMA_TRIANGLE(k) + (i - 1U)] * b[k];
         }
-        b[i - 1U] /= factor[((i - 1U) * stride) + (i - 1U)];
+        b[i - 1U] /= factor[EMA_TRIANGLE(i - 1U) + (i - 1U)];
     }
 }

@@ -112,6 +112,22 @@ static ema_real ema_sin_quarter(ema_real x)
     return x * sum;
 }
 
+ema_real ema_real_of(uint64_t whole)
+{
+#if EMA_REAL64
+    return (ema_real)whole;
+#else
+    /* the target converts 32 bits: of what is cut off below them it matters only whether there is any */
+    uint64_t kept = whole;
+    int32_t cut = 0;
+    while ((kept >> 32U) != 0U) {
+        kept = (kept >> 6U) | (((kept & 63U) != 0U) ? 1U : 0U);
+        cut += 6;
+    }
+    return (ema_real)(uint32_t)kept * ema_power_of_two(cut);
+#endif
+}
+
 ema_real ema_sin_turn64(uint64_t phase)
 {
     /* fold the second and third quarter back, so that the series sees at most a quarter turn */
@@ -124,7 +140,8 @@ ema_real ema_sin_turn64(uint64_t phase)
     } else {
         /* already within a quarter turn */
     }
-    return ema_sin_quarter((ema_real)signed_phase * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18)));
+    const ema_real size = ema_real_of((uint64_t)((signed_phase < 0) ? -signed_phase : signed_phase));
+    return ema_sin_quarter(((signed_phase < 0) ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18)));
 }
 
 uint64_t ema_turn64(ema_real x)
@@ -132,10 +149,10 @@ uint64_t ema_turn64(ema_real x)
     const ema_real part = x - ema_floor(x);
     /* in two halves: a single conversion of a number close to 1 could round up to 2^64 */
     const ema_real scaled = part * EMA_R(4294967296.0);
-    const uint64_t high = (scaled < EMA_R(4294967295.0)) ? (uint64_t)scaled : UINT64_C(4294967295);
+    const uint32_t high = (scaled < EMA_R(4294967295.0)) ? (uint32_t)scaled : UINT32_MAX;
     const ema_real rest = scaled - (ema_real)high;
-    const uint64_t low = (uint64_t)(ema_clamp(rest, EMA_R(0.0), EMA_R(0.99999994)) * EMA_R(4294967296.0));
-    return (high << 32U) | low;
+    const uint32_t low = (uint32_t)(ema_clamp(rest, EMA_R(0.0), EMA_R(0.99999994)) * EMA_R(4294967296.0));
+    return ((uint64_t)high << 32U) | low;
 }
 
 ema_real ema_sin(ema_real x)

@@ -71,6 +71,9 @@ ema_real ema_log(ema_real x);
 ema_real ema_sin(ema_real x);
 ema_real ema_cos(ema_real x);
 
+/* A whole number as a real, rounded once as a conversion rounds it; the target has no instruction for more than 32 bits. */
+ema_real ema_real_of(uint64_t whole);
+
 /* Sine of a phase in turns, given as a fraction of 2^64. Absolute error under 2 epsilon. */
 ema_real ema_sin_turn64(uint64_t phase);
 

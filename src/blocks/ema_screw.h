@@ -13,6 +13,21 @@ static inline ema_real ema_screw_level(const ema_screw_t* screw, ema_real level_
     return level_Nm * (EMA_R(1.0) + (direction * screw->asymmetry));
 }
 
+/* The same without moving it, from the output `play_mm`. */
+static inline ema_real ema_screw_play_at(const ema_screw_t* screw, ema_real play_mm, ema_real input_mm)
+{
+    const ema_real gap_mm = input_mm - play_mm;
+    ema_real output_mm = play_mm;
+    if (gap_mm > screw->half_play_mm) {
+        output_mm = input_mm - screw->half_play_mm;
+    } else if (gap_mm < -screw->half_play_mm) {
+        output_mm = input_mm + screw->half_play_mm;
+    } else {
+        /* inside the play the rod rests */
+    }
+    return output_mm;
+}
+
 /* Output of the play for the motor position `input_mm`: stays while inside, then follows at half its width. */
 static inline void ema_screw_play(const ema_screw_t* screw, ema_state_t* state, ema_real input_mm)
 {

@@ -3,17 +3,12 @@
 #include "ema_math.h"
 #include "ema_table.h"
 
-/* Bit of an effect in the sets of ema_active_t, and the place of its state. */
-enum {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_INDEX_##name,
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
-    EMA_INDEX_COUNT
-};
-
 _Static_assert(EMA_INDEX_COUNT <= 8 * (int)sizeof(ema_effect_set_t), "a set of effects has a bit for each");
 
 #define EMA_BIT(name) ((ema_effect_set_t)1 << (uint32_t)EMA_INDEX_##name)
+
+/* Whether an effect acts in this run; known beforehand of one that this build leaves out, so that nothing of it is compiled. */
+#define EMA_RUNS(set, name) ((EMA_HAS_##name != 0) && (((set) & EMA_BIT(name)) != 0U))
 
 /* The places of effects with state, one after the other. */
 typedef struct {
@@ -29,35 +24,28 @@ typedef struct {
 
 ema_active_t ema_effects_active(const ema_effects_t* effects)
 {
-    ema_active_t active = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, false};
-#define EMA_SET_PARAMETER(bit)
-#define EMA_SET_FRICTION(bit) active.friction |= (bit);
-#define EMA_SET_TORQUE(bit) active.torque |= (bit);
-#define EMA_SET_LOAD(bit) active.load |= (bit);
-#define EMA_SET_VOLTAGE(bit) active.voltage |= (bit);
-#define EMA_SET_MOTOR(bit) active.motor |= (bit);
-#define EMA_SET_PRESLIDING(bit) active.presliding |= (bit);
-#define EMA_SET_TRANSMISSION(bit) active.transmission |= (bit);
-#define EMA_SET_TABLE(site, bit) \
-    active.tables |= (bit);      \
-    active.site |= (bit);
-#define EMA_SET_FRICTION_TABLE(bit) EMA_SET_TABLE(friction, bit)
-#define EMA_SET_TORQUE_TABLE(bit) EMA_SET_TABLE(torque, bit)
-#define EMA_SET_VOLTAGE_TABLE(bit) EMA_SET_TABLE(voltage, bit)
-#define EMA_SET_READING_TABLE(bit) EMA_SET_TABLE(reading, bit)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
-    if (EMA_SIZE(effects, name) != EMA_R(0.0)) {                                            \
-        EMA_SET_##site(EMA_BIT(name))                                                       \
+    ema_active_t active = {{0U}, 0U, false};
+    const ema_real* size = (const ema_real*)(const void*)effects;
+    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+        const ema_effect_row_t* const row = &ema_effect_rows[k];
+        if (*size != EMA_R(0.0)) {
+            const uint32_t site = row->site & (uint32_t)EMA_SITE_MASK;
+            const ema_effect_set_t bit = (ema_effect_set_t)1 << k;
+            active.at[site] |= bit;
+            active.tables |= (row->site != site) ? bit : 0U;
+            active.any = active.any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
+        }
+        size += row->values;
     }
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
-    active.any = (active.friction | active.torque | active.load | active.voltage | active.motor | active.presliding | active.transmission) != 0U;
     return active;
 }
 
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 {
-#define EMA_HOLD(name) plant->effects.name = effects->name;
+#define EMA_HOLD(name)                         \
+    if (EMA_HAS_##name != 0) {                 \
+        plant->effects.name = effects->name;   \
+    }
 #define EMA_HOLD_PARAMETER(name)
 #define EMA_HOLD_FRICTION(name) EMA_HOLD(name)
 #define EMA_HOLD_TORQUE(name) EMA_HOLD(name)
@@ -80,19 +68,20 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 uint32_t ema_effects_substeps(const ema_effects_t* effects)
 {
     uint32_t most = 1U;
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
-    if ((EMA_SIZE(effects, name) != EMA_R(0.0)) && ((substeps##U) > most)) {                \
-        most = substeps##U;                                                                 \
+    const ema_real* size = (const ema_real*)(const void*)effects;
+    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+        if ((*size != EMA_R(0.0)) && ((uint32_t)ema_effect_rows[k].substeps > most)) {
+            most = ema_effect_rows[k].substeps;
+        }
+        size += ema_effect_rows[k].values;
     }
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
     return most;
 }
 
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 {
 #define EMA_ADJUST(name)                                             \
-    if (EMA_SIZE(effects, name) != EMA_R(0.0)) {                     \
+    if ((EMA_HAS_##name != 0) && (EMA_SIZE(effects, name) != EMA_R(0.0))) { \
         ema_effect_##name##_adjust(&effects->name, params);          \
     }
 #define EMA_ADJUST_PARAMETER(name) EMA_ADJUST(name)
@@ -122,11 +111,11 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 {
     ema_real change_Nm = EMA_R(0.0);
 #define EMA_CALL_FRICTION(name)                                                          \
-    if ((plant->active.friction & EMA_BIT(name)) != 0U) {                                \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) { \
         change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);            \
     }
 #define EMA_CALL_FRICTION_TABLE(name)                                                    \
-    if ((plant->active.friction & EMA_BIT(name)) != 0U) {                                \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) { \
         change_Nm += ema_effect_##name(&plant->learned->name, site, level_Nm);           \
     }
 #define EMA_CALL_PARAMETER(name)
@@ -154,11 +143,11 @@ ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 #undef EMA_CALL_TORQUE
 #undef EMA_CALL_TORQUE_TABLE
 #define EMA_CALL_TORQUE(name)                                              \
-    if ((plant->active.torque & EMA_BIT(name)) != 0U) {                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) { \
         torque_Nm += ema_effect_##name(&plant->effects.name, site);        \
     }
 #define EMA_CALL_TORQUE_TABLE(name)                                        \
-    if ((plant->active.torque & EMA_BIT(name)) != 0U) {                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) { \
         torque_Nm += ema_effect_##name(&plant->learned->name, site);       \
     }
 #include "ema/ema_effects.def"
@@ -174,7 +163,7 @@ ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
     ema_real load_Nm = EMA_R(0.0);
 #undef EMA_CALL_LOAD
 #define EMA_CALL_LOAD(name)                                              \
-    if ((plant->active.load & EMA_BIT(name)) != 0U) {                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_LOAD], name)) { \
         load_Nm += ema_effect_##name(&plant->effects.name, site);        \
     }
 #include "ema/ema_effects.def"
@@ -189,11 +178,11 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 #undef EMA_CALL_VOLTAGE
 #undef EMA_CALL_VOLTAGE_TABLE
 #define EMA_CALL_VOLTAGE(name)                                              \
-    if ((plant->active.voltage & EMA_BIT(name)) != 0U) {                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) { \
         voltage_V += ema_effect_##name(&plant->effects.name, site);         \
     }
 #define EMA_CALL_VOLTAGE_TABLE(name)                                        \
-    if ((plant->active.voltage & EMA_BIT(name)) != 0U) {                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) { \
         voltage_V += ema_effect_##name(&plant->learned->name, site);        \
     }
 #include "ema/ema_effects.def"
@@ -209,7 +198,7 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
     ema_real change = EMA_R(0.0);
 #undef EMA_CALL_MOTOR
 #define EMA_CALL_MOTOR(name)                                             \
-    if ((plant->active.motor & EMA_BIT(name)) != 0U) {                   \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_MOTOR], name)) { \
         change += ema_effect_##name(&plant->effects.name, site);         \
     }
 #include "ema/ema_effects.def"
@@ -223,7 +212,7 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
     ema_real reading_mm = EMA_R(0.0);
 #undef EMA_CALL_READING_TABLE
 #define EMA_CALL_READING_TABLE(name)                                        \
-    if ((plant->active.reading & EMA_BIT(name)) != 0U) {                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) { \
         reading_mm += ema_effect_##name(&plant->learned->name, site);       \
     }
 #include "ema/ema_effects.def"
@@ -240,7 +229,7 @@ ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, con
 #undef EMA_CALL_VOLTAGE_TABLE
 #undef EMA_CALL_READING_TABLE
 #define EMA_OUTSIDE(name, site)                                                                                        \
-    if ((plant->active.tables & EMA_BIT(name)) != 0U) {                                                            \
+    if (EMA_RUNS(plant->active.tables, name)) { \
         outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(&plant->learned->name), site), outside_ratio);      \
     }
 #define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, shaft)
@@ -264,7 +253,7 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
     ema_real share = EMA_R(0.0);
 #undef EMA_CALL_PRESLIDING
 #define EMA_CALL_PRESLIDING(name)                                                                        \
-    if ((plant->active.presliding & EMA_BIT(name)) != 0U) {                                              \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) { \
         share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);       \
     }
 #include "ema/ema_effects.def"
@@ -275,7 +264,7 @@ void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_re
 {
 #undef EMA_CALL_PRESLIDING
 #define EMA_CALL_PRESLIDING(name)                                   \
-    if ((plant->active.presliding & EMA_BIT(name)) != 0U) {         \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) { \
         memory[EMA_MEMORY_PLACE(name)] = share;                     \
     }
 #include "ema/ema_effects.def"
@@ -288,7 +277,7 @@ ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission
     ema_rod_t rod = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
 #undef EMA_CALL_TRANSMISSION
 #define EMA_CALL_TRANSMISSION(name)                                                                  \
-    if ((plant->active.transmission & EMA_BIT(name)) != 0U) {                                        \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_TRANSMISSION], name)) { \
         rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);        \
     }
 #include "ema/ema_effects.def"

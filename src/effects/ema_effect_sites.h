@@ -4,7 +4,7 @@
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
 
-#include "ema/ema_plant.h"
+#include "ema_effect_rows.h"
 
 /* What an effect may look at, all at the same instant. */
 typedef struct {
@@ -68,6 +68,23 @@ uint32_t ema_effects_substeps(const ema_effects_t* effects);
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
 /* Gives the plant the sets of active effects and the values that they look at while it runs. */
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
+
+/* Whether effects act at a site of this plant; constant where the build has none there. */
+static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
+{
+    return ((((uint32_t)EMA_SITES_HELD >> (uint32_t)site) & 1U) != 0U) && (plant->active.at[site] != 0U);
+}
+
+/* Whether any acts on the motion, and whether a learned table acts. */
+static inline bool ema_acts_on_motion(const ema_plant_t* plant)
+{
+    return (((uint32_t)EMA_SITES_HELD & ~((1U << (uint32_t)EMA_SITE_PARAMETER) | (1U << (uint32_t)EMA_SITE_READING))) != 0U) && plant->active.any;
+}
+
+static inline bool ema_acts_by_table(const ema_plant_t* plant)
+{
+    return (EMA_TABLES_HELD != 0) && (plant->active.tables != 0U);
+}
 
 /* While it runs: the sum over the active effects of a site. */
 ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm);

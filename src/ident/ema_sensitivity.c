@@ -8,7 +8,7 @@
 /* A residual that repeats itself entirely would make the standard errors infinite. */
 #define EMA_CORRELATION_MAX EMA_R(0.999)
 
-ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
+ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
                                    const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm)
 {
     if ((self == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL) || (ids == NULL) || (delta == NULL)) {
@@ -38,15 +38,12 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, const ema_actuator_t
     }
     ema_status_t status = ema_model_init(&self->model[0], actuator, start_mm);
     for (uint32_t k = 0; (status == EMA_OK) && (k < count); ++k) {
-        ema_actuator_t beside = *actuator;
         ema_real value = EMA_R(0.0);
         (void)ema_actuator_get(actuator, ids[k], &value);
-        (void)ema_actuator_set(&beside, ids[k], value + delta[k]);
+        (void)ema_actuator_set(actuator, ids[k], value + delta[k]);
         self->delta[k] = delta[k];
-        status = ema_model_init(&self->model[1U + k], &beside, start_mm);
-        if (status == EMA_OK) {
-            ema_model_learned(&self->model[1U + k], actuator);
-        }
+        status = ema_model_init(&self->model[1U + k], actuator, start_mm);
+        (void)ema_actuator_set(actuator, ids[k], value);
     }
     return status;
 }
@@ -100,7 +97,8 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
         if ((self->next_model == 0U) && ((self->step_in_row == 0U) || (self->record->command != NULL))) {
             self->command_mm = ema_record_command(self->record, self->row, model->state.step);
         }
-        const ema_output_t output = ema_tick(&model->plant, &model->state, self->command_mm);
+        ema_output_t output;
+        ema_tick(&model->plant, &model->state, self->command_mm, &output);
         if (self->step_in_row == 0U) {
             self->row_output[self->next_model] = output;
         }
@@ -131,7 +129,7 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     result->outside_ratio = self->model[0].state.outside_ratio;
 
     /* unit diagonal: the parameters have different units */
-    ema_real factor[EMA_IDENTIFIED_MAX * EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+    ema_real factor[EMA_TRIANGLE(EMA_IDENTIFIED_MAX)];
     ema_real length[EMA_IDENTIFIED_MAX];
     result->determined = true;
     for (uint32_t i = 0; i < count; ++i) {
@@ -140,10 +138,10 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     }
     for (uint32_t i = 0; result->determined && (i < count); ++i) {
         for (uint32_t j = 0; j <= i; ++j) {
-            factor[(i * EMA_IDENTIFIED_MAX) + j] = self->normal[i][j] / (length[i] * length[j]);
+            factor[EMA_TRIANGLE(i) + j] = self->normal[i][j] / (length[i] * length[j]);
         }
     }
-    result->determined = result->determined && ema_cholesky(factor, count, EMA_IDENTIFIED_MAX);
+    result->determined = result->determined && ema_cholesky(factor, count);
 
     const ema_real widen = ema_clamp(result->residual_correlation, EMA_R(0.0), EMA_CORRELATION_MAX);
     const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));
@@ -153,8 +151,8 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
         result->std[i] = EMA_R(0.0);
         if (result->determined) {
             column[i] = EMA_R(1.0);
-            ema_solve_lower(factor, count, EMA_IDENTIFIED_MAX, column);
-            ema_solve_upper(factor, count, EMA_IDENTIFIED_MAX, column);
+            ema_solve_lower(factor, count, column);
+            ema_solve_upper(factor, count, column);
             result->std[i] = ema_sqrt(column[i] * variance) / length[i];
         }
     }

@@ -4,6 +4,10 @@
 #include "ema_gearbox.h"
 #include "ema_motor.h"
 #include "ema_series.h"
+#include "ema_drive.h"
+#include "ema_encoder.h"
+#include "ema_pid.h"
+#include "ema_screw.h"
 #include "ema_tick.h"
 
 /* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
@@ -15,42 +19,66 @@
 /* Back-calculation gain times control period from which on the integrator swings up. */
 #define EMA_ANTI_WINDUP_MAX EMA_R(2.0)
 
-static ema_circuit_t ema_circuit_of(ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
+/* One electrical law without its responses. */
+static void ema_circuit_set(ema_circuit_t* circuit, ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
 {
-    ema_circuit_t circuit = {0};
+    const ema_circuit_t none = {0};
+    *circuit = none;
     if (time_constant_s > EMA_R(0.0)) {
-        circuit.rate_current = EMA_R(-1.0) / time_constant_s;
-        circuit.rate_voltage = gain / time_constant_s;
+        circuit->rate_current = EMA_R(-1.0) / time_constant_s;
+        circuit->rate_voltage = gain / time_constant_s;
     } else {
-        circuit.algebraic = true;
-        circuit.rate_voltage = gain;
+        circuit->algebraic = true;
+        circuit->rate_voltage = gain;
     }
-    circuit.rate_speed = -speed_per_input * circuit.rate_voltage;
-    return circuit;
+    circuit->rate_speed = -speed_per_input * circuit->rate_voltage;
 }
 
-/* Sum of the rates of the linear plant: a bound of its fastest motion. */
-static ema_real ema_fastest_per_s(const ema_plant_t* plant, const ema_circuit_t* circuit)
+/* Sum of the rates of the linear plant with that law: a bound of its fastest motion. */
+static ema_real ema_fastest_per_s(const ema_params_t* params, ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
 {
-    const ema_real drag = plant->screw.viscous_Nm_s_per_rad * plant->screw.inverse_inertia_per_kgm2;
-    const ema_real coupling = ema_abs(plant->motor.torque_constant_Nm_per_A * circuit->rate_speed) * plant->screw.inverse_inertia_per_kgm2;
-    return circuit->algebraic ? (drag + coupling) : (drag + ema_sqrt(coupling) - circuit->rate_current);
+    const bool lags = time_constant_s > EMA_R(0.0);
+    const ema_real inverse_inertia_per_kgm2 = EMA_R(1.0) / params->inertia_kgm2;
+    const ema_real drag = params->viscous_Nm_s_per_rad * inverse_inertia_per_kgm2;
+    const ema_real rate_speed = -speed_per_input * (lags ? (gain / time_constant_s) : gain);
+    const ema_real coupling = ema_abs(params->torque_constant_Nm_per_A * rate_speed) * inverse_inertia_per_kgm2;
+    return lags ? (drag + ema_sqrt(coupling) - (EMA_R(-1.0) / time_constant_s)) : (drag + coupling);
 }
 
-static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options, const ema_effects_t* effects)
+/* Integration steps in a model step that the plant itself needs. */
+static ema_real ema_substeps_needed(const ema_params_t* params, const ema_options_t* options)
 {
-    plant->motor_circuit = ema_circuit_of(params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
-    plant->current_loop = ema_circuit_of(params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
-    ema_real fastest_per_s = ema_fastest_per_s(plant, &plant->motor_circuit);
-    if (plant->drive.current_mode) {
-        const ema_real loop_per_s = ema_fastest_per_s(plant, &plant->current_loop);
+    ema_real fastest_per_s = ema_fastest_per_s(params, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    if (options->mode == 1) {
+        const ema_real loop_per_s = ema_fastest_per_s(params, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
         /* an ideal drive never applies the bus voltage itself */
-        fastest_per_s = (plant->drive.loop_s > EMA_R(0.0)) ? ema_max(fastest_per_s, loop_per_s) : loop_per_s;
+        fastest_per_s = (params->current_loop_s > EMA_R(0.0)) ? ema_max(fastest_per_s, loop_per_s) : loop_per_s;
     }
-    const ema_real needed = (fastest_per_s * params->step_s) / EMA_SERIES_REACH;
-    if (!(needed <= (ema_real)EMA_SUBSTEPS_MAX)) {
-        return EMA_ERR_STIFF;
+    return (fastest_per_s * params->step_s) / EMA_SERIES_REACH;
+}
+
+/* Why no model can be made of parameters as the effects leave them. */
+static ema_status_t ema_plant_check(const ema_params_t* params, const ema_options_t* options, ema_real inertia_kgm2, ema_real start_mm)
+{
+    ema_status_t status = EMA_OK;
+    if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
+        || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
+        || !((params->anti_windup_per_s * params->step_s * (ema_real)options->every_steps) < EMA_ANTI_WINDUP_MAX) || !(params->resistance_ohm > EMA_R(0.0))
+        || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
+        status = EMA_ERR_RANGE;
+    } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * inertia_kgm2))) {
+        status = EMA_ERR_INERTIA;
+    } else if (!(ema_substeps_needed(params, options) <= (ema_real)EMA_SUBSTEPS_MAX)) {
+        status = EMA_ERR_STIFF;
+    } else {
+        /* a plant that can be prepared */
     }
+    return status;
+}
+
+static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options, const ema_effects_t* effects)
+{
+    const ema_real needed = ema_substeps_needed(params, options);
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
     plant->tries_whole_step = plant->substeps == 1U;
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(effects);
@@ -58,85 +86,45 @@ static ema_status_t ema_motion_prepare(ema_plant_t* plant, const ema_params_t* p
         plant->substeps = wanted;
     }
     /* what lies behind a compliance moves by itself: forces that rise evenly do not vouch for it */
-    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && plant->active.any && (plant->active.transmission == 0U);
+    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && ema_acts_on_motion(plant) && !ema_acts(plant, EMA_SITE_TRANSMISSION);
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
     plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
     plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
+    ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    ema_circuit_set(&plant->current_loop, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
     plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
-    ema_circuit_prepare(&plant->motor_circuit, plant, plant->substep_s);
-    ema_circuit_prepare(&plant->current_loop, plant, plant->substep_s);
-    ema_circuit_prepare(&plant->whole_step, plant, plant->step_s);
-    return EMA_OK;
 }
 
+/* The blocks, without the responses of the circuits. On an error the plant is unchanged. */
 static ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* actuator, ema_real start_mm)
 {
-    ema_status_t status = ema_actuator_check(actuator, NULL);
+    ema_params_t params = actuator->params;
+    ema_effects_adjust(&actuator->effects, &params);
+    const ema_status_t status = ema_plant_check(&params, &actuator->options, actuator->params.inertia_kgm2, start_mm);
     if (status == EMA_OK) {
-        ema_params_t adjusted = actuator->params;
-        ema_effects_adjust(&actuator->effects, &adjusted);
-        const ema_params_t* const params = &adjusted;
-        if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
-            || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
-            || !((params->anti_windup_per_s * params->step_s * (ema_real)actuator->options.every_steps) < EMA_ANTI_WINDUP_MAX)
-            || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
-            status = EMA_ERR_RANGE;
-        } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * actuator->params.inertia_kgm2))) {
-            status = EMA_ERR_INERTIA;
-        } else {
-            plant->start_mm = start_mm;
-            ema_effects_hold(plant, &actuator->effects);
-            ema_pid_prepare(&plant->pid, params, &actuator->options);
-            ema_drive_prepare(&plant->drive, params, &actuator->options);
-            ema_motor_prepare(&plant->motor, params);
-            ema_gearbox_prepare(&plant->gearbox, params);
-            ema_screw_prepare(&plant->screw, &plant->gearbox, params);
-            ema_encoder_prepare(&plant->encoder, params, &actuator->options);
-            status = ema_motion_prepare(plant, params, &actuator->options, &actuator->effects);
-        }
+        plant->start_mm = start_mm;
+        ema_effects_hold(plant, &actuator->effects);
+        ema_pid_prepare(&plant->pid, &params, &actuator->options);
+        ema_drive_prepare(&plant->drive, &params, &actuator->options);
+        ema_motor_prepare(&plant->motor, &params);
+        ema_gearbox_prepare(&plant->gearbox, &params);
+        ema_screw_prepare(&plant->screw, &plant->gearbox, &params);
+        ema_encoder_prepare(&plant->encoder, &params, &actuator->options);
+        ema_motion_prepare(plant, &params, &actuator->options, &actuator->effects);
     }
     return status;
 }
 
-/* The state as learned tables see it, at the motor's or at the rod's position. */
-static ema_site_t ema_tick_site(const ema_plant_t* plant, const ema_state_t* state, ema_real position_mm)
+/* The responses that this plant's drive and effects use. */
+static void ema_circuits_prepare(ema_plant_t* plant)
 {
-    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, position_mm, state->current_A, EMA_R(0.0)};
-    return site;
-}
-
-ema_real ema_tick_learned(const ema_plant_t* plant, ema_state_t* state)
-{
-    const ema_site_t shaft = ema_tick_site(plant, state, state->motor_mm);
-    const ema_site_t rod = ema_tick_site(plant, state, state->rod_mm);
-    state->outside_ratio = ema_max(ema_site_outside(plant, &shaft, &rod), state->outside_ratio);
-    return ema_site_reading(plant, &rod);
-}
-
-/* What was asked `age` steps ago. */
-static ema_drive_output_t ema_tick_asked(const ema_plant_t* plant, const ema_state_t* state, uint32_t age)
-{
-    const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
-    return ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
-}
-
-ema_drive_output_t ema_tick_late(const ema_plant_t* plant, ema_state_t* state, ema_real output)
-{
-    state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
-    const bool parted = plant->drive.delay_part > EMA_R(0.0);
-    return ema_tick_asked(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U));
-}
-
-void ema_tick_delayed(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* first)
-{
-    if (plant->drive.delay_part > EMA_R(0.0)) {
-        ema_motion_part(plant, state, first, plant->drive.delay_part);
-        const ema_drive_output_t second = ema_tick_asked(plant, state, plant->drive.delay_steps);
-        ema_tick_current(plant, state, &second);
-        ema_motion_part(plant, state, &second, EMA_R(1.0) - plant->drive.delay_part);
-    } else {
-        ema_motion_part(plant, state, first, EMA_R(1.0));
+    ema_circuit_prepare(&plant->motor_circuit, plant, plant->substep_s);
+    if (plant->drive.current_mode) {
+        ema_circuit_prepare(&plant->current_loop, plant, plant->substep_s);
+    }
+    if (plant->tries_whole_step) {
+        ema_circuit_prepare(&plant->whole_step, plant, plant->step_s);
     }
 }
 
@@ -153,13 +141,13 @@ void ema_model_restart(ema_model_t* model)
     const ema_state_t rest = {0};
     ema_state_t* const state = &model->state;
     *state = rest;
-    state->motion = (plant->active.presliding != 0U) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
+    state->motion = ema_acts(plant, EMA_SITE_PRESLIDING) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
     state->angle_rad = plant->start_mm / plant->gearbox.lead_mm_per_rad;
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;
     state->rod_mm = plant->start_mm;
-    const ema_site_t site = ema_tick_site(plant, state, plant->start_mm);
-    const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm) + ((plant->active.reading != 0U) ? ema_site_reading(plant, &site) : EMA_R(0.0));
+    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, plant->start_mm, state->current_A, EMA_R(0.0)};
+    const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm) + (ema_acts(plant, EMA_SITE_READING) ? ema_site_reading(plant, &site) : EMA_R(0.0));
     const ema_real seen_mm = plant->encoder.at_rod ? rod_mm : plant->start_mm;
     for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
         state->delay_mm[k] = seen_mm;
@@ -174,10 +162,12 @@ ema_status_t ema_model_init(ema_model_t* model, const ema_actuator_t* actuator, 
     if (!ema_is_finite(start_mm)) {
         return EMA_ERR_NOT_FINITE;
     }
-    ema_plant_t plant;
-    const ema_status_t status = ema_plant_prepare(&plant, actuator, start_mm);
+    ema_status_t status = ema_actuator_check(actuator, NULL);
     if (status == EMA_OK) {
-        model->plant = plant;
+        status = ema_plant_prepare(&model->plant, actuator, start_mm);
+    }
+    if (status == EMA_OK) {
+        ema_circuits_prepare(&model->plant);
         ema_model_restart(model);
     }
     return status;
@@ -191,10 +181,8 @@ ema_status_t ema_model_step(ema_model_t* model, ema_real command_mm, ema_output_
     if (!ema_is_finite(command_mm)) {
         return EMA_ERR_NOT_FINITE;
     }
-    const ema_output_t row = ema_tick(&model->plant, &model->state, command_mm);
-    if (output != NULL) {
-        *output = row;
-    }
+    ema_output_t row;
+    ema_tick(&model->plant, &model->state, command_mm, (output != NULL) ? output : &row);
     /* the play and the limits of the output swallow NaN, so that rod and voltage alone do not tell */
     const ema_state_t* const state = &model->state;
     const bool finite = ema_is_finite(state->current_A) && ema_is_finite(state->speed_rad_s) && ema_is_finite(state->motor_mm) && ema_is_finite(state->rod_mm)

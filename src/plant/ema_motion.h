@@ -7,6 +7,7 @@
 #define EMA_MOTION_H
 
 #include "ema_drive.h"
+#include "ema_effect_sites.h"
 #include "ema_screw.h"
 
 /* An integration step, or a part of one, with effects or with events, which are located inside it. */
@@ -61,11 +62,11 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
 /* What the drive applies over a whole model step. */
 static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    if (plant->tries_whole_step && ema_motion_whole(plant, state, applied)) {
+    if (ema_acts_on_motion(plant) && plant->tries_whole_step && ema_motion_whole(plant, state, applied)) {
         return;
     }
     for (uint32_t k = 0; k < plant->substeps; ++k) {
-        if (plant->active.any || !ema_motion_plain(plant, state, applied)) {
+        if (ema_acts_on_motion(plant) || !ema_motion_plain(plant, state, applied)) {
             ema_motion_located(plant, state, applied, plant->substep_s);
         }
     }
@@ -76,7 +77,7 @@ static inline void ema_motion_arrive(const ema_plant_t* plant, ema_state_t* stat
 {
     state->motor_mm = (plant->gearbox.lead_mm_per_rad * state->angle_rad) + (plant->gearbox.lead_mm_per_rad * state->angle_low_rad);
     ema_screw_play(&plant->screw, state, state->motor_mm);
-    if (plant->active.transmission == 0U) {
+    if (!ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         state->rod_mm = state->play_mm;
     }
 }

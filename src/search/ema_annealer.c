@@ -73,13 +73,13 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
     ema_random_t* const random = &annealer->random;
     const ema_real source = ema_random_uniform(random);
     const bool scouting = annealer->info.evaluations <= (EMA_SCOUTS_PER_DIMENSION * dimension);
-    ema_quadratic_t quadratic;
+    ema_quadratic_t* const quadratic = &annealer->quadratic;
     annealer->walked = false;
     if (scouting) {
         for (uint32_t i = 0; i < dimension; ++i) {
             annealer->candidate.x[i] = ema_random_uniform(random);
         }
-    } else if (!((source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(&quadratic, annealer))) {
+    } else if (!((source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(quadratic, annealer))) {
         const uint32_t i = annealer->coordinate;
         const bool jump = ema_random_uniform(random) < EMA_JUMP_SHARE;
         const ema_real draw = jump ? ema_random_uniform(random) : (annealer->current.x[i] + (annealer->step[i] * ema_random_normal(random)));
@@ -87,7 +87,7 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
         annealer->candidate.x[i] = ema_reflect(draw);
         annealer->walked = !jump;
     } else {
-        ema_quadratic_draw(&quadratic, annealer, random, annealer->candidate.x);
+        ema_quadratic_draw(quadratic, annealer, random, annealer->candidate.x);
         for (uint32_t i = 0; i < dimension; ++i) {
             annealer->candidate.x[i] = ema_clamp(annealer->candidate.x[i], EMA_R(0.0), EMA_R(1.0));
         }

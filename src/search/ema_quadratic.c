@@ -3,8 +3,6 @@
 #include "ema_linear.h"
 #include "ema_math.h"
 
-/* Full quadratic in 4 dimensions: 15 unknowns; separable in 8: 17. */
-#define EMA_UNKNOWNS_MAX 17U
 #define EMA_FULL_DIMENSION_MAX 4U
 
 /* Tries to bend a saddle into a bowl: none, then 1 % of the largest curvature times 5 each time. */
@@ -46,19 +44,23 @@ static bool ema_curvature_factor(ema_quadratic_t* quadratic, uint32_t dimension)
     ema_real most = EMA_R(0.0);
     for (uint32_t i = 0; i < dimension; ++i) {
         for (uint32_t j = 0; j <= i; ++j) {
-            most = ema_max(most, ema_abs(quadratic->factor[i][j]));
+            most = ema_max(most, ema_abs(quadratic->factor[EMA_TRIANGLE(i) + j]));
         }
     }
     ema_real lift = EMA_R(0.0);
     bool bowl = false;
     for (uint32_t k = 0; (k < EMA_LIFTS) && !bowl; ++k) {
-        ema_quadratic_t trial = *quadratic;
-        for (uint32_t i = 0; i < dimension; ++i) {
-            trial.factor[i][i] += lift;
+        /* the equations are solved by now: their memory takes the trial */
+        ema_real* const trial = quadratic->normal;
+        for (uint32_t i = 0; i < EMA_TRIANGLE(dimension); ++i) {
+            trial[i] = quadratic->factor[i];
         }
-        bowl = ema_cholesky(&trial.factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX);
-        if (bowl) {
-            *quadratic = trial;
+        for (uint32_t i = 0; i < dimension; ++i) {
+            trial[EMA_TRIANGLE(i) + i] += lift;
+        }
+        bowl = ema_cholesky(trial, dimension);
+        for (uint32_t i = 0; bowl && (i < EMA_TRIANGLE(dimension)); ++i) {
+            quadratic->factor[i] = trial[i];
         }
         lift = (k == 0U) ? (EMA_R(0.01) * most) : (EMA_R(5.0) * lift);
     }
@@ -91,11 +93,17 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
         return false;
     }
 
-    ema_real normal[EMA_UNKNOWNS_MAX * EMA_UNKNOWNS_MAX] = {EMA_R(0.0)};
-    ema_real right[EMA_UNKNOWNS_MAX] = {EMA_R(0.0)};
+    ema_real* const normal = quadratic->normal;
+    ema_real* const right = quadratic->right;
+    for (uint32_t a = 0; a < EMA_TRIANGLE(unknowns); ++a) {
+        normal[a] = EMA_R(0.0);
+    }
+    for (uint32_t a = 0; a < unknowns; ++a) {
+        right[a] = EMA_R(0.0);
+    }
     for (uint32_t p = 0; p < annealer->point_count; ++p) {
         ema_real z[EMA_ANNEALER_DIMENSION_MAX];
-        ema_real terms[EMA_UNKNOWNS_MAX];
+        ema_real terms[EMA_ANNEALER_UNKNOWNS_MAX];
         for (uint32_t i = 0; i < dimension; ++i) {
             z[i] = (annealer->points[p].x[i] - best->x[i]) / quadratic->scale[i];
         }
@@ -103,30 +111,30 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
         const ema_real above = (annealer->points[p].cost - best->cost) / spread;
         const ema_real weight = EMA_R(1.0) / (above + EMA_WEIGHT_FLOOR);
         const ema_real square = weight * weight;
+        ema_real* element = normal;
         for (uint32_t a = 0; a < unknowns; ++a) {
             right[a] += square * terms[a] * above;
             for (uint32_t b = 0; b <= a; ++b) {
-                normal[(a * EMA_UNKNOWNS_MAX) + b] += square * terms[a] * terms[b];
+                *element += square * terms[a] * terms[b];
+                ++element;
             }
         }
     }
-    if (!ema_cholesky(normal, unknowns, EMA_UNKNOWNS_MAX)) {
+    if (!ema_cholesky(normal, unknowns)) {
         return false;
     }
-    ema_solve_lower(normal, unknowns, EMA_UNKNOWNS_MAX, right);
-    ema_solve_upper(normal, unknowns, EMA_UNKNOWNS_MAX, right);
+    ema_solve_lower(normal, unknowns, right);
+    ema_solve_upper(normal, unknowns, right);
 
     /* curvature in units of the cost */
     uint32_t at = 1U + dimension;
-    for (uint32_t i = 0; i < dimension; ++i) {
-        for (uint32_t j = 0; j < dimension; ++j) {
-            quadratic->factor[i][j] = EMA_R(0.0);
-        }
+    for (uint32_t i = 0; i < EMA_TRIANGLE(dimension); ++i) {
+        quadratic->factor[i] = EMA_R(0.0);
     }
     for (uint32_t i = 0; i < dimension; ++i) {
         const uint32_t last = (dimension <= EMA_FULL_DIMENSION_MAX) ? dimension : (i + 1U);
         for (uint32_t j = i; j < last; ++j) {
-            quadratic->factor[j][i] = right[at] * spread * ((i == j) ? EMA_R(2.0) : EMA_R(1.0));
+            quadratic->factor[EMA_TRIANGLE(j) + i] = right[at] * spread * ((i == j) ? EMA_R(2.0) : EMA_R(1.0));
             ++at;
         }
     }
@@ -136,8 +144,8 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     for (uint32_t i = 0; i < dimension; ++i) {
         quadratic->lowest[i] = -right[1U + i] * spread;
     }
-    ema_solve_lower(&quadratic->factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX, quadratic->lowest);
-    ema_solve_upper(&quadratic->factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX, quadratic->lowest);
+    ema_solve_lower(quadratic->factor, dimension, quadratic->lowest);
+    ema_solve_upper(quadratic->factor, dimension, quadratic->lowest);
     /* a minimum beyond the reach is approached along its direction */
     ema_real far = EMA_REACH;
     for (uint32_t i = 0; i < dimension; ++i) {
@@ -157,7 +165,7 @@ void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* 
     for (uint32_t i = 0; i < dimension; ++i) {
         z[i] = width * ema_random_normal(random);
     }
-    ema_solve_upper(&quadratic->factor[0][0], dimension, EMA_ANNEALER_DIMENSION_MAX, z);
+    ema_solve_upper(quadratic->factor, dimension, z);
     for (uint32_t i = 0; i < dimension; ++i) {
         /* a draw wider than the points themselves would leave the region where the quadratic holds */
         const ema_real away = quadratic->lowest[i] + ema_clamp(z[i], -EMA_REACH, EMA_REACH);

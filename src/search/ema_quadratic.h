@@ -4,16 +4,10 @@
 
 #include "ema/ema_annealer.h"
 
-typedef struct {
-    ema_real scale[EMA_ANNEALER_DIMENSION_MAX];   /* z = (x - best) / scale */
-    ema_real lowest[EMA_ANNEALER_DIMENSION_MAX];  /* z of the quadratic's minimum */
-    ema_real factor[EMA_ANNEALER_DIMENSION_MAX][EMA_ANNEALER_DIMENSION_MAX]; /* Cholesky factor of its curvature in z */
-} ema_quadratic_t;
-
 /* Number of unknowns in `dimension` dimensions; a fit wants somewhat more points. */
 uint32_t ema_quadratic_unknowns(uint32_t dimension);
 
-/* Fits; false when the points do not determine a quadratic with a minimum near them. Cost: one Cholesky solution. */
+/* Fits; `quadratic` may be the annealer's own. False when the points do not determine a quadratic with a minimum near them. Cost: one Cholesky solution. */
 bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* annealer);
 
 /* Draws from exp(-quadratic / temperature): normal around the minimum. Writes `dimension` numbers, not yet inside the box. */

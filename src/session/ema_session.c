@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "ema_bounds.h"
 #include "ema_math.h"
 #include "ema_verdict.h"
 
@@ -50,15 +51,19 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
     return EMA_OK;
 }
 
-/* The actuator with the identified values at a point of the unit box. */
-static ema_actuator_t ema_actuator_at(const ema_session_config_t* config, const ema_real* x)
+/* Value of an identified parameter at the coordinate `x` of the unit box. */
+static ema_real ema_identified_at(const ema_identified_t* identified, ema_real x)
 {
-    ema_actuator_t actuator = *config->actuator;
-    for (uint32_t i = 0; i < config->identified_count; ++i) {
-        const ema_identified_t* const identified = &config->identified[i];
-        (void)ema_actuator_set(&actuator, identified->id, identified->lower + (x[i] * (identified->upper - identified->lower)));
+    return identified->lower + (x * (identified->upper - identified->lower));
+}
+
+/* Moves the session's actuator to a point of the unit box. */
+static void ema_actuator_move(ema_session_t* session, const ema_real* x)
+{
+    for (uint32_t i = 0; i < session->config->identified_count; ++i) {
+        const ema_identified_t* const identified = &session->config->identified[i];
+        (void)ema_actuator_set(&session->actuator, identified->id, ema_identified_at(identified, x[i]));
     }
-    return actuator;
 }
 
 static ema_status_t ema_identified_check(const ema_session_config_t* config, ema_annealer_config_t* annealer)
@@ -76,8 +81,8 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         if (ema_actuator_is_learned(identified->id) || (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK)) {
             return EMA_ERR_RANGE;
         }
-        const ema_range_t* const range = ema_actuator_range(identified->id);
-        if ((identified->lower < range->lower) || (identified->upper > range->upper)) {
+        ema_bounds_t bounds;
+        if (!ema_bounds_of(identified->id, &bounds) || (identified->lower < bounds.lower) || (identified->upper > bounds.upper)) {
             return EMA_ERR_RANGE;
         }
         if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0)) || !(identified->min_shift_percent >= EMA_R(0.0))) {
@@ -142,10 +147,14 @@ static ema_real ema_start_of(const ema_session_t* session)
 static ema_status_t ema_search_start(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
-    const ema_actuator_t candidate = session->healthy_done ? ema_actuator_at(config, ema_annealer_candidate(&session->annealer)) : *config->actuator;
+    if (session->healthy_done) {
+        ema_actuator_move(session, ema_annealer_candidate(&session->annealer));
+    } else {
+        session->actuator = *config->actuator;
+    }
     const ema_real limit = (config->abandon && session->healthy_done) ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX) : EMA_COST_MAX;
-    ema_status_t status = ema_objective_start(&session->run, &candidate, &session->record, config->weight, session->start_mm, limit);
-    /* the candidate ends here, its tables are the configuration's */
+    ema_status_t status = ema_objective_start(&session->run, &session->actuator, &session->record, config->weight, session->start_mm, limit);
+    /* tables are read where the configuration lies, so that a copy of the session does not depend on its original */
     ema_model_learned(&session->run.model, config->actuator);
     if ((status != EMA_OK) && session->healthy_done) {
         /* bounds can hold values of which no model can be made, too stiff ones for instance: they cost the most, and the search goes on */
@@ -159,22 +168,21 @@ static ema_status_t ema_search_start(ema_session_t* session)
 static ema_status_t ema_weighing_start(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
-    const ema_actuator_t estimate = ema_actuator_at(config, session->annealer.best.x);
+    ema_actuator_move(session, session->annealer.best.x);
     ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
     ema_real delta[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         const ema_identified_t* const identified = &config->identified[i];
         ema_real healthy = EMA_R(0.0);
-        ema_real value = EMA_R(0.0);
+        const ema_real value = ema_identified_at(identified, session->annealer.best.x[i]);
         ids[i] = identified->id;
         (void)ema_actuator_get(config->actuator, identified->id, &healthy);
-        (void)ema_actuator_get(&estimate, identified->id, &value);
         delta[i] = EMA_DELTA_SHARE * ema_abs(healthy);
         if ((value + delta[i]) > identified->upper) {
             delta[i] = -delta[i];
         }
     }
-    const ema_status_t status = ema_sensitivity_start(&session->weighing, &estimate, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+    const ema_status_t status = ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
     if (status == EMA_OK) {
         ema_sensitivity_learned(&session->weighing, config->actuator);
     }
@@ -213,8 +221,13 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
     }
     ema_status_t status = EMA_OK;
     /* a copy of a session reads its own record, not the original's */
-    session->run.record = &session->record;
-    session->weighing.record = &session->record;
+    if (session->phase == EMA_PHASE_SEARCHING) {
+        session->run.record = &session->record;
+    } else if (session->phase == EMA_PHASE_WEIGHING) {
+        session->weighing.record = &session->record;
+    } else {
+        /* nothing runs */
+    }
     if (session->phase == EMA_PHASE_FEEDING) {
         if (session->record.count < EMA_ROWS_MIN) {
             return EMA_ERR_SHORT;
@@ -270,13 +283,12 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         ema_sensitivity_result(&session->weighing, &weighed);
     }
     result->identified_count = config->identified_count;
-    const ema_actuator_t best = ema_actuator_at(config, session->annealer.best.x);
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         ema_estimate_t* const estimate = &result->identified[i];
         const ema_real x = session->annealer.best.x[i];
         ema_real healthy = EMA_R(1.0);
         (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
-        (void)ema_actuator_get(&best, config->identified[i].id, &estimate->estimate);
+        estimate->estimate = ema_identified_at(&config->identified[i], x);
         estimate->std = weighed.std[i];
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));

@@ -26,7 +26,7 @@ static ema_real ema_multisine_sum(const ema_command_t* command, uint64_t phase)
 /* Triangle of peak 1 with zero at phase 0, from a phase in fractions of 2^64; `steep` > 1 clips it to a trapezoid. */
 static ema_real ema_ramp_wave(uint64_t phase, ema_real steep)
 {
-    const ema_real turn = (ema_real)(phase >> 32U) / EMA_R(4294967296.0);
+    const ema_real turn = (ema_real)(uint32_t)(phase >> 32U) / EMA_R(4294967296.0);
     ema_real value = EMA_R(4.0) * turn;
     if (turn > EMA_R(0.75)) {
         value = (EMA_R(4.0) * turn) - EMA_R(4.0);
@@ -42,7 +42,7 @@ static ema_real ema_ramp_wave(uint64_t phase, ema_real steep)
 static uint64_t ema_rate64(ema_real rate)
 {
     const ema_real scaled = rate * EMA_R(1048576.0);
-    return ((uint64_t)ema_floor(scaled) << 44U) | (ema_turn64(scaled) >> 20U);
+    return ((uint64_t)(uint32_t)ema_floor(scaled) << 44U) | (ema_turn64(scaled) >> 20U);
 }
 
 static bool ema_in_range(ema_real value, ema_real lower, ema_real upper)

@@ -123,8 +123,9 @@ static void test_effects_add_up_over_sites(void)
     actuator.effects.inverter_dead_time.drop_V = EMA_R(0.1);
     actuator.effects.spring_load.stiffness_Nm_per_mm = EMA_R(0.1);
     const ema_active_t active = ema_effects_active(&actuator.effects);
-    TEST_ASSERT_TRUE((active.friction != 0U) && (active.torque != 0U) && (active.voltage != 0U) && (active.load != 0U) && active.any);
-    TEST_ASSERT_EQUAL_UINT32(0U, active.transmission);
+    TEST_ASSERT_TRUE((active.at[EMA_SITE_FRICTION] != 0U) && (active.at[EMA_SITE_TORQUE] != 0U) && (active.at[EMA_SITE_VOLTAGE] != 0U)
+                     && (active.at[EMA_SITE_LOAD] != 0U) && active.any);
+    TEST_ASSERT_EQUAL_UINT32(0U, active.at[EMA_SITE_TRANSMISSION]);
     actuator = ema_rig_actuator();
     actuator.effects.constant_load.torque_Nm = EMA_R(0.1);
     TEST_ASSERT_FALSE(ema_effects_active(&actuator.effects).any);

@@ -154,6 +154,26 @@ static void test_sine_of_a_phase_is_within_2_epsilon(void)
     assert_worst(worst, 2.0, __LINE__);
 }
 
+static void test_whole_numbers_are_rounded_as_a_conversion_rounds_them(void)
+{
+    uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
+    for (uint32_t width = 0; width < 62U; ++width) {
+        const uint64_t top = UINT64_C(1) << width;
+        /* the first bit that a float of this width cannot hold: ties go to the even neighbour */
+        const uint64_t half = top >> 24U;
+        for (uint32_t trial = 0; trial < 500U; ++trial) {
+            bits = (bits * UINT64_C(6364136223846793005)) + 1U;
+            const uint64_t any = top | (bits >> (63U - width) >> 1U);
+            const uint64_t tie = (half > 0U) ? ((any & ~((2U * half) - 1U)) | half) : any;
+            const uint64_t tried[4] = {any, tie, tie + 1U, tie - 1U};
+            for (uint32_t k = 0; k < 4U; ++k) {
+                TEST_ASSERT_TRUE(ema_real_of(tried[k]) == (ema_real)tried[k]);
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(ema_real_of(UINT64_C(1) << 62U) == EMA_R(4.611686018427387904e18));
+}
+
 static void test_sine_of_quarter_turns(void)
 {
     const uint64_t quarter = UINT64_C(1) << 62U;
@@ -304,6 +324,7 @@ int main(void)
     RUN_TEST(test_cosine_is_within_2_epsilon_times_its_angle);
     RUN_TEST(test_sine_special_values);
     RUN_TEST(test_sine_of_a_phase_is_within_2_epsilon);
+    RUN_TEST(test_whole_numbers_are_rounded_as_a_conversion_rounds_them);
     RUN_TEST(test_sine_of_quarter_turns);
     RUN_TEST(test_sine_of_a_phase_is_odd);
     RUN_TEST(test_part_of_a_turn);

@@ -1,4 +1,5 @@
 /* The quadratic through a search's best points: exact on quadratics, refused where none has a minimum, drawn from as Boltzmann says. */
+#include "ema_linear.h"
 #include "ema_quadratic.h"
 
 #include <math.h>
@@ -85,12 +86,17 @@ static double lowest_x(uint32_t i)
     return (double)annealer.best.x[i] + ((double)quadratic.scale[i] * (double)quadratic.lowest[i]);
 }
 
+static ema_real factor_at(uint32_t i, uint32_t j)
+{
+    return quadratic.factor[EMA_TRIANGLE(i) + j];
+}
+
 /* Curvature in x from the factor in z. */
 static double curvature_x(uint32_t i, uint32_t j)
 {
     double sum = 0.0;
     for (uint32_t k = 0; k <= ((i < j) ? i : j); ++k) {
-        sum += (double)quadratic.factor[i][k] * (double)quadratic.factor[j][k];
+        sum += (double)factor_at(i, k) * (double)factor_at(j, k);
     }
     return sum / ((double)quadratic.scale[i] * (double)quadratic.scale[j]);
 }
@@ -242,7 +248,7 @@ static void test_saddle_is_bent_into_a_bowl(void)
     scatter(&saddle, 0.5, 0.2, 14U);
     TEST_ASSERT_TRUE(ema_quadratic_fit(&quadratic, &annealer));
     for (uint32_t i = 0; i < 2U; ++i) {
-        TEST_ASSERT_TRUE(quadratic.factor[i][i] > EMA_R(0.0));
+        TEST_ASSERT_TRUE(factor_at(i, i) > EMA_R(0.0));
         TEST_ASSERT_TRUE(fabs((double)quadratic.lowest[i]) <= (REACH * (1.0 + (4.0 * EMA_EPS))));
     }
     /* bent up no more than it takes: the curvature that was there is at least kept, and less than doubled */
@@ -280,8 +286,8 @@ static void test_costs_as_large_as_a_diverged_run_do_no_harm(void)
     TEST_ASSERT_TRUE(ema_quadratic_fit(&quadratic, &annealer));
     for (uint32_t i = 0; i < 2U; ++i) {
         TEST_ASSERT_TRUE(fabs((double)quadratic.lowest[i]) <= REACH);
-        TEST_ASSERT_TRUE(quadratic.factor[i][i] > EMA_R(0.0));
-        TEST_ASSERT_TRUE(isfinite((double)quadratic.factor[i][i]));
+        TEST_ASSERT_TRUE(factor_at(i, i) > EMA_R(0.0));
+        TEST_ASSERT_TRUE(isfinite((double)factor_at(i, i)));
     }
 }
 

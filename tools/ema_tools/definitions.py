@@ -281,7 +281,8 @@ class _Reader:
         if len(names) != len(call.arguments):
             raise DefinitionError(f"{self._path.name}, row {call.row}: {call.name} needs {len(names)} arguments: see its #define")
         given = dict(zip(names, call.arguments, strict=True))
-        return [_Call(inner.name, call.row, tuple(given.get(argument, argument) for argument in inner.arguments)) for inner in body]
+        replaced = (_Call(inner.name, call.row, tuple(given.get(argument, argument) for argument in inner.arguments)) for inner in body)
+        return [expanded for inner in replaced for expanded in self._expanded(inner)]
 
     def _peek(self) -> tuple[str, str, int]:
         return self._tokens[self._place]

@@ -1,0 +1,216 @@
+#include "ema_events.h"
+
+#include "ema_math.h"
+#include "ema_motor.h"
+#include "ema_screw.h"
+#include "ema_series.h"
+
+/* A start at zero speed is on the root itself: the next root is sought from here on. */
+#define EMA_ROOT_FROM EMA_R(0.0625)
+
+ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, const ema_regime_t* was)
+{
+    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
+    const ema_real limit_A = plant->drive.current_limit_A;
+    ema_real current_A = state->current_A;
+    if (circuit->algebraic) {
+        const ema_real free_A = (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
+        current_A = ema_clamp(free_A, -limit_A, limit_A);
+        regime.held = (current_A != free_A) || ((last->kind == EMA_EVENT_CURRENT) && (ema_abs(last->value) == limit_A));
+    } else {
+        regime.rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
+        regime.held = ((current_A >= limit_A) && (regime.rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (regime.rate < EMA_R(0.0)));
+    }
+    regime.held = regime.held && (last->kind != EMA_EVENT_RELEASE);
+    const ema_real size_A = ema_abs(current_A);
+    bool saturated = (size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && ((regime.rate * current_A) > EMA_R(0.0)));
+    if ((last->kind == EMA_EVENT_CURRENT) && (ema_abs(last->value) == plant->torque_limit_A)) {
+        saturated = was->saturated_Nm == EMA_R(0.0);
+    }
+    if (saturated) {
+        regime.saturated_Nm = (current_A > EMA_R(0.0)) ? plant->motor.torque_limit_Nm : -plant->motor.torque_limit_Nm;
+    }
+    return regime;
+}
+
+static void ema_located_build(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment,
+                              ema_series_t* series)
+{
+    const bool saturated = regime->saturated_Nm != EMA_R(0.0);
+    ema_span_t span;
+    span.current_A = state->current_A;
+    span.speed_rad_s = state->speed_rad_s;
+    span.input = segment->forces.input;
+    span.input_rise = segment->input_rise;
+    span.torque_Nm = segment->forces.torque_Nm + regime->saturated_Nm;
+    span.torque_rise_Nm = segment->torque_rise_Nm;
+    span.span_s = span_s;
+    span.torque_gain_Nm_per_A = saturated ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;
+    span.at_rest = state->motion == 0;
+    span.current_held = regime->held;
+    if (span.current_held && circuit->algebraic) {
+        span.current_A = ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * span.input), -plant->drive.current_limit_A, plant->drive.current_limit_A);
+    }
+    ema_series_build(series, plant, circuit, &span);
+    segment->end.current_A = ema_series_at(series->current_A, EMA_R(1.0));
+    segment->end.speed_rad_s = ema_series_at(series->speed_rad_s, EMA_R(1.0));
+    segment->end.angle_rad = state->angle_rad + ema_series_at(series->angle_rad, EMA_R(1.0));
+    /* at rest the terms of the speed are free to hold those of the torque, which say when the shaft breaks away */
+    if (span.at_rest) {
+        for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
+            series->speed_rad_s[k] = span.torque_gain_Nm_per_A * series->current_A[k];
+        }
+        series->speed_rad_s[0] += span.torque_Nm;
+        series->speed_rad_s[1] += span.torque_rise_Nm;
+    }
+}
+
+/* Takes the earlier of the known event and the crossing of `bound` by a series that has crossed it at the end of the span. */
+static void ema_event_take(ema_event_t* event, ema_event_kind_t kind, ema_real* terms, ema_real bound, ema_real from)
+{
+    const ema_real keep = terms[0];
+    terms[0] = keep - bound;
+    const ema_real at = ema_series_root(terms, from);
+    terms[0] = keep;
+    if ((event->kind == EMA_EVENT_NONE) || (at < event->at)) {
+        event->kind = kind;
+        event->at = at;
+        event->value = bound;
+    }
+}
+
+/* Crossings of +-bound by the current, from inside or from outside. */
+static void ema_event_current(ema_event_t* event, const ema_segment_t* segment, ema_series_t* series, ema_real bound_A, bool outside)
+{
+    const ema_real end_A = segment->end.current_A;
+    const ema_real start_A = series->current_A[0];
+    if (outside) {
+        const ema_real side_A = (start_A > EMA_R(0.0)) ? bound_A : -bound_A;
+        if ((end_A * side_A) < (bound_A * bound_A)) {
+            ema_event_take(event, EMA_EVENT_CURRENT, series->current_A, side_A, EMA_R(0.0));
+        }
+    } else if (ema_abs(end_A) > bound_A) {
+        const ema_real side_A = (end_A > EMA_R(0.0)) ? bound_A : -bound_A;
+        const ema_real from = (start_A == side_A) ? EMA_ROOT_FROM : EMA_R(0.0);
+        const ema_real from_A = ema_series_at(series->current_A, from);
+        if ((end_A > EMA_R(0.0)) ? (from_A < side_A) : (from_A > side_A)) {
+            ema_event_take(event, EMA_EVENT_CURRENT, series->current_A, side_A, from);
+        }
+    } else {
+        /* stays inside */
+    }
+}
+
+/* A held current is let go when the circuit on its own would bring it inward. */
+static void ema_event_release(ema_event_t* event, const ema_circuit_t* circuit, const ema_state_t* state, const ema_segment_t* segment, const ema_series_t* series)
+{
+    ema_real terms[EMA_SERIES_TERMS + 1U];
+    for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
+        terms[k] = (state->motion == 0) ? EMA_R(0.0) : (circuit->rate_speed * series->speed_rad_s[k]);
+    }
+    const ema_real held_A = series->current_A[0];
+    terms[0] += (circuit->rate_current * held_A) + (circuit->rate_voltage * segment->forces.input);
+    terms[1] += circuit->rate_voltage * segment->input_rise;
+    if (circuit->algebraic) {
+        terms[0] -= held_A;
+    }
+    if (((ema_series_at(terms, EMA_R(1.0)) * held_A) < EMA_R(0.0)) && ((terms[0] * held_A) > EMA_R(0.0))) {
+        ema_event_take(event, EMA_EVENT_RELEASE, terms, EMA_R(0.0), EMA_R(0.0));
+    }
+}
+
+static void ema_event_at_rest(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, const ema_segment_t* segment, ema_series_t* series)
+{
+    const ema_forces_t* const forces = &segment->forces;
+    ema_real* const torque_Nm = series->speed_rad_s;
+    /* a current that follows the voltage at once can break away at the very start */
+    const ema_motion_t at_start = ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm[0], forces->level_forward_Nm, forces->level_backward_Nm);
+    const ema_motion_t at_end = ema_screw_break_away(&plant->screw, state->angle_rad, ema_series_at(torque_Nm, EMA_R(1.0)), forces->level_forward_Nm, forces->level_backward_Nm);
+    if (at_start != EMA_MOTION_STUCK) {
+        event->kind = (at_start == EMA_MOTION_FORWARD) ? EMA_EVENT_FORWARD : EMA_EVENT_BACKWARD;
+        event->at = EMA_R(0.0);
+    } else if (at_end == EMA_MOTION_FORWARD) {
+        ema_event_take(event, EMA_EVENT_FORWARD, torque_Nm, forces->level_forward_Nm, EMA_R(0.0));
+    } else if (at_end == EMA_MOTION_BACKWARD) {
+        ema_event_take(event, EMA_EVENT_BACKWARD, torque_Nm, -forces->level_backward_Nm, EMA_R(0.0));
+    } else {
+        /* held over the whole span */
+    }
+}
+
+/* The speed reaches zero. */
+static void ema_event_reversal(ema_event_t* event, const ema_state_t* state, const ema_segment_t* segment, ema_series_t* series)
+{
+    const ema_real direction = (ema_real)state->motion;
+    ema_real* const speed_rad_s = series->speed_rad_s;
+    const ema_real from = (state->speed_rad_s == EMA_R(0.0)) ? EMA_ROOT_FROM : EMA_R(0.0);
+    if (!((direction * segment->end.speed_rad_s) > EMA_R(0.0))) {
+        if ((direction * ema_series_at(speed_rad_s, from)) > EMA_R(0.0)) {
+            ema_event_take(event, EMA_EVENT_REST, speed_rad_s, EMA_R(0.0), from);
+        } else if ((event->kind == EMA_EVENT_NONE) || (from < event->at)) {
+            event->kind = EMA_EVENT_REST;
+            event->at = from;
+        } else {
+            /* something else comes first */
+        }
+    }
+}
+
+/* An end of travel that the shaft moves towards. */
+static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, const ema_segment_t* segment, ema_series_t* series)
+{
+    const ema_real end_rad = segment->end.angle_rad;
+    ema_real stop_rad = EMA_R(0.0);
+    bool reached = false;
+    if ((end_rad >= plant->screw.stop_upper_rad) && (end_rad > state->angle_rad)) {
+        stop_rad = plant->screw.stop_upper_rad;
+        reached = true;
+    } else if ((end_rad <= plant->screw.stop_lower_rad) && (end_rad < state->angle_rad)) {
+        stop_rad = plant->screw.stop_lower_rad;
+        reached = true;
+    } else {
+        /* inside the travel */
+    }
+    if (reached) {
+        const ema_real before = event->at;
+        ema_event_take(event, EMA_EVENT_STOP, series->angle_rad, stop_rad - state->angle_rad, EMA_R(0.0));
+        if (event->at != before) {
+            event->value = stop_rad;
+        }
+    }
+}
+
+void ema_segment_end(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment)
+{
+    ema_series_t series;
+    ema_located_build(plant, circuit, state, regime, span_s, segment, &series);
+}
+
+void ema_event_find(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment,
+                    ema_event_t* event)
+{
+    ema_series_t series;
+    ema_located_build(plant, circuit, state, regime, span_s, segment, &series);
+    event->kind = EMA_EVENT_NONE;
+    event->at = EMA_R(1.0);
+    event->value = EMA_R(0.0);
+    if (regime->held) {
+        ema_event_release(event, circuit, state, segment, &series);
+    } else {
+        ema_event_current(event, segment, &series, plant->drive.current_limit_A, false);
+        ema_event_current(event, segment, &series, plant->torque_limit_A, regime->saturated_Nm != EMA_R(0.0));
+    }
+    event->speed_rad_s = state->speed_rad_s;
+    event->turn_rad = EMA_R(0.0);
+    if (state->motion == 0) {
+        ema_event_at_rest(event, plant, state, segment, &series);
+    } else {
+        if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
+            ema_event_reversal(event, state, segment, &series);
+        }
+        ema_event_stop(event, plant, state, segment, &series);
+        event->speed_rad_s = ema_series_at(series.speed_rad_s, event->at);
+        event->turn_rad = ema_series_at(series.angle_rad, event->at);
+    }
+    event->current_A = ema_series_at(series.current_A, event->at);
+}
