@@ -86,7 +86,7 @@ const ema_range_t* ema_actuator_range(size_t id);
 /* Sets the reference actuator without effects. Errors: EMA_ERR_NULL. Cost: one copy per value. */
 ema_status_t ema_actuator_defaults(ema_actuator_t* actuator);
 
-/* Checks every value and option against its range, and every table that acts: EMA_ERR_RANGE for an axis that is none of the five or a range longer than a
+/* Checks every value and option against its range, every effect that is not zero for being in this build (EMA_ERR_ABSENT), and every table that acts: EMA_ERR_RANGE for an axis that is none of the five or a range longer than a
  * periodic axis, EMA_ERR_BOUNDS when `first` is not below `last`. On these and on EMA_ERR_NOT_FINITE, `offender` (may be NULL) is the id of the first bad
  * value. EMA_ERR_NULL. Cost: two comparisons per value. */
 ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender);

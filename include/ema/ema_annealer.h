@@ -120,7 +120,7 @@ const ema_real* ema_annealer_candidate(const ema_annealer_t* annealer);
 ema_real ema_annealer_limit(const ema_annealer_t* annealer);
 
 /* Takes the candidate's cost, decides, and prepares the next candidate. Does nothing once the search has ended.
- * Cost: at most one least-squares fit of 17 unknowns to 36 points. */
+ * Cost: at most one least-squares fit of 17 unknowns to 36 points, in the annealer's own memory. */
 void ema_annealer_tell(ema_annealer_t* annealer, ema_real cost);
 
 /* Whether and why the search ended. */

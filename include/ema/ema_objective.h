@@ -24,7 +24,9 @@ typedef enum {
 typedef struct {
     ema_model_t model;
     const ema_record_t* record;
-    ema_real weight[EMA_CHANNEL_COUNT];
+    ema_real weight[EMA_CHANNEL_COUNT];   /* of the channels in use */
+    uint8_t channel[EMA_CHANNEL_COUNT];   /* which these are */
+    uint32_t channels;
     uint32_t every_steps;  /* model steps between two rows */
     uint32_t row;
     uint32_t step_in_row;

@@ -76,6 +76,8 @@ typedef struct {
     ema_real from_torque_rise;
 } ema_response_t;
 
+#define EMA_RESPONSES 6U
+
 /* One electrical law: lag di/dt = a_i i + a_w w + a_v v, or algebraic i = a_w w + a_v v. */
 typedef struct {
     bool algebraic;

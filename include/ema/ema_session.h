@@ -6,7 +6,7 @@
  *     ema_session_result(&session, &result);
  *
  * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 8 KiB and 4 bytes a row of command and rod position
- * as int16. The deepest call, preparing the runs at the end, takes about 3 KiB of stack in float32. It is a plain value apart from the
+ * as int16. The deepest call, a model step that locates an event, takes under 1 KiB of stack in float32: docs/BUDGETS.md. It is a plain value apart from the
  * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
  */
 #ifndef EMA_SESSION_H
@@ -115,7 +115,7 @@ typedef struct {
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record);
 
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init; EMA_ERR_BOUNDS; EMA_ERR_RANGE for a
- * number of parameters, an id (a learned table's value is none), bounds wider than the parameter's own range, or a healthy value outside its bounds. */
+ * number of parameters, an id (a value of a learned table, or of an effect that the build leaves out, is none), bounds wider than the parameter's own range, or a healthy value outside its bounds. */
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
 /* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of ema_record_append. */

@@ -69,7 +69,7 @@ bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
     if (found) {
         *bounds = ema_bounds[id];
     }
-    for (uint32_t k = 0; !found && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
+    for (uint32_t k = 0; !found && EMA_ROW_HELD(k); ++k) {
         const uint32_t count = ema_row_bounds(&ema_effect_rows[k]);
         const size_t place = id - first;
         if ((place < (size_t)ema_effect_rows[k].values) && (count > 0U)) {
@@ -178,7 +178,7 @@ static ema_status_t ema_tables_check(const ema_actuator_t* actuator, size_t* id)
     ema_status_t status = EMA_OK;
     const ema_real* value = (const ema_real*)(const void*)&actuator->effects;
     size_t first = EMA_PARAM_COUNT;
-    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
+    for (uint32_t k = 0; (status == EMA_OK) && EMA_ROW_TABLE(k); ++k) {
         if (ema_row_is_table(&ema_effect_rows[k]) && (*value != EMA_R(0.0))) {
             size_t place = 0U;
             status = ema_table_check(value, &actuator->params, &place);
@@ -194,7 +194,7 @@ bool ema_actuator_is_learned(ema_value_id_t id)
 {
     bool learned = false;
     size_t first = EMA_PARAM_COUNT;
-    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+    for (uint32_t k = 0; EMA_ROW_TABLE(k); ++k) {
         const size_t next = first + ema_effect_rows[k].values;
         learned = learned || (ema_row_is_table(&ema_effect_rows[k]) && ((size_t)id >= first) && ((size_t)id < next));
         first = next;

@@ -65,6 +65,10 @@ enum {
 #undef EMA_EFFECT
 };
 
+/* Whether row `k` is still one to look at: none is when the build holds no effect, or no table. */
+#define EMA_ROW_HELD(k) ((EMA_SITES_HELD != 0) && ((k) < (uint32_t)EMA_INDEX_COUNT))
+#define EMA_ROW_TABLE(k) ((EMA_TABLES_HELD != 0) && ((k) < (uint32_t)EMA_INDEX_COUNT))
+
 typedef struct {
     uint8_t values;   /* how many numbers it has; the first is its size */
     uint8_t site;     /* an ema_effect_site_t, with EMA_SITE_IS_TABLE for a learned table */

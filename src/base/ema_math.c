@@ -31,13 +31,16 @@ typedef uint32_t ema_bits_t;
 #define EMA_LN2_LOW (-2.12194440e-4f)
 #endif
 
-/* One over k: a product is many times faster than a quotient, and the series have slack for its rounding. */
-static const ema_real ema_inverse[] = {
+const ema_real ema_inverse[EMA_INVERSE_COUNT] = {
     EMA_R(0.0),                 EMA_R(1.0),                 EMA_R(0.5),                 EMA_R(0.3333333333333333),  EMA_R(0.25),
     EMA_R(0.2),                 EMA_R(0.16666666666666666), EMA_R(0.14285714285714285), EMA_R(0.125),               EMA_R(0.1111111111111111),
     EMA_R(0.1),                 EMA_R(0.09090909090909091), EMA_R(0.08333333333333333), EMA_R(0.07692307692307693), EMA_R(0.07142857142857142),
     EMA_R(0.06666666666666667), EMA_R(0.0625),              EMA_R(0.058823529411764705), EMA_R(0.05555555555555555), EMA_R(0.05263157894736842),
-    EMA_R(0.05),                EMA_R(0.047619047619047616)};
+    EMA_R(0.05),                EMA_R(0.047619047619047616),
+#if EMA_REAL64
+    0.045454545454545456, 0.043478260869565216, 0.041666666666666664,
+#endif
+};
 
 #define EMA_QUARTER_RAD EMA_R(1.5707963267948966)
 
@@ -48,6 +51,11 @@ static ema_real ema_power_of_two(int32_t k)
     ema_real value;
     (void)memcpy(&value, &bits, sizeof value);
     return value;
+}
+
+ema_real ema_clamp(ema_real x, ema_real lower, ema_real upper)
+{
+    return ema_min(ema_max(x, lower), upper);
 }
 
 ema_real ema_floor(ema_real x)
@@ -131,17 +139,14 @@ ema_real ema_real_of(uint64_t whole)
 ema_real ema_sin_turn64(uint64_t phase)
 {
     /* fold the second and third quarter back, so that the series sees at most a quarter turn */
-    int64_t signed_phase = (phase < (UINT64_C(1) << 63U)) ? (int64_t)phase : -(int64_t)(~phase) - 1;
-    const int64_t quarter = INT64_C(1) << 62U;
-    if (signed_phase > quarter) {
-        signed_phase = (INT64_MAX - signed_phase) + 1;
-    } else if (signed_phase < -quarter) {
-        signed_phase = -((INT64_MAX + signed_phase) + 1);
-    } else {
-        /* already within a quarter turn */
+    const uint64_t half = UINT64_C(1) << 63U;
+    const bool negative = phase > half;
+    uint64_t whole = negative ? (UINT64_C(0) - phase) : phase;
+    if (whole > (half / 2U)) {
+        whole = half - whole;
     }
-    const ema_real size = ema_real_of((uint64_t)((signed_phase < 0) ? -signed_phase : signed_phase));
-    return ema_sin_quarter(((signed_phase < 0) ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18)));
+    const ema_real size = ema_real_of(whole);
+    return ema_sin_quarter((negative ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18)));
 }
 
 uint64_t ema_turn64(ema_real x)

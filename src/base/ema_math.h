@@ -21,9 +21,14 @@ static inline bool ema_is_finite(ema_real x)
     return (x - x) == EMA_R(0.0);
 }
 
+/* Size of x: one instruction, no call. */
 static inline ema_real ema_abs(ema_real x)
 {
-    return (x < EMA_R(0.0)) ? -x : x;
+#if EMA_REAL64
+    return fabs(x);
+#else
+    return fabsf(x);
+#endif
 }
 
 static inline ema_real ema_min(ema_real a, ema_real b)
@@ -36,10 +41,15 @@ static inline ema_real ema_max(ema_real a, ema_real b)
     return (a > b) ? a : b;
 }
 
-static inline ema_real ema_clamp(ema_real x, ema_real lower, ema_real upper)
-{
-    return ema_min(ema_max(x, lower), upper);
-}
+ema_real ema_clamp(ema_real x, ema_real lower, ema_real upper);
+
+/* One over k for the series: a product is many times faster than a quotient, and they have slack for its rounding. */
+#if EMA_REAL64
+#define EMA_INVERSE_COUNT 25U
+#else
+#define EMA_INVERSE_COUNT 22U
+#endif
+extern const ema_real ema_inverse[EMA_INVERSE_COUNT];
 
 /* Square root, correctly rounded on every machine by IEEE 754; x >= 0. */
 static inline ema_real ema_sqrt(ema_real x)

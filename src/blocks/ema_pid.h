@@ -22,7 +22,7 @@ static inline ema_real ema_pid_step(const ema_pid_t* pid, ema_state_t* state, em
         return state->output;
     }
     const ema_real raw = (pid->kp_per_m * error_m) + state->integral;
-    const ema_real output = ema_clamp(raw, -pid->output_limit, pid->output_limit);
+    const ema_real output = ema_min(ema_max(raw, -pid->output_limit), pid->output_limit);
     state->integral += pid->period_s * ((pid->ki_per_m_s * error_m) + (pid->anti_windup_per_s * (output - raw)));
     state->output = output;
     return output;

@@ -1,5 +1,7 @@
 #include "ema_effect_sites.h"
 
+#include <string.h>
+
 #include "ema_math.h"
 #include "ema_table.h"
 
@@ -26,7 +28,7 @@ ema_active_t ema_effects_active(const ema_effects_t* effects)
 {
     ema_active_t active = {{0U}, 0U, false};
     const ema_real* size = (const ema_real*)(const void*)effects;
-    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+    for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
         if (*size != EMA_R(0.0)) {
             const uint32_t site = row->site & (uint32_t)EMA_SITE_MASK;
@@ -42,25 +44,16 @@ ema_active_t ema_effects_active(const ema_effects_t* effects)
 
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 {
-#define EMA_HOLD(name)                         \
-    if (EMA_HAS_##name != 0) {                 \
-        plant->effects.name = effects->name;   \
+    const ema_real* value = (const ema_real*)(const void*)effects;
+    ema_real* held = (ema_real*)(void*)&plant->effects;
+    for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
+        const ema_effect_row_t* const row = &ema_effect_rows[k];
+        if ((row->site != (uint8_t)EMA_SITE_PARAMETER) && ((row->site & (uint8_t)EMA_SITE_IS_TABLE) == 0U)) {
+            (void)memcpy(held, value, row->values * sizeof(ema_real));
+            held += row->values;
+        }
+        value += row->values;
     }
-#define EMA_HOLD_PARAMETER(name)
-#define EMA_HOLD_FRICTION(name) EMA_HOLD(name)
-#define EMA_HOLD_TORQUE(name) EMA_HOLD(name)
-#define EMA_HOLD_LOAD(name) EMA_HOLD(name)
-#define EMA_HOLD_VOLTAGE(name) EMA_HOLD(name)
-#define EMA_HOLD_MOTOR(name) EMA_HOLD(name)
-#define EMA_HOLD_PRESLIDING(name) EMA_HOLD(name)
-#define EMA_HOLD_TRANSMISSION(name) EMA_HOLD(name)
-#define EMA_HOLD_FRICTION_TABLE(name)
-#define EMA_HOLD_TORQUE_TABLE(name)
-#define EMA_HOLD_VOLTAGE_TABLE(name)
-#define EMA_HOLD_READING_TABLE(name)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_HOLD_##site(name)
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
     plant->active = ema_effects_active(effects);
     plant->learned = (plant->active.tables != 0U) ? effects : NULL;
 }
@@ -69,7 +62,7 @@ uint32_t ema_effects_substeps(const ema_effects_t* effects)
 {
     uint32_t most = 1U;
     const ema_real* size = (const ema_real*)(const void*)effects;
-    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+    for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         if ((*size != EMA_R(0.0)) && ((uint32_t)ema_effect_rows[k].substeps > most)) {
             most = ema_effect_rows[k].substeps;
         }
@@ -246,6 +239,21 @@ ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, con
 #define EMA_CALL_VOLTAGE_TABLE(name)
 #define EMA_CALL_READING_TABLE(name)
     return outside_ratio;
+}
+
+/* The state as learned tables see it, at the motor's or at the rod's position. */
+static ema_site_t ema_state_site(const ema_plant_t* plant, const ema_state_t* state, ema_real position_mm)
+{
+    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, position_mm, state->current_A, EMA_R(0.0)};
+    return site;
+}
+
+ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state)
+{
+    const ema_site_t shaft = ema_state_site(plant, state, state->motor_mm);
+    const ema_site_t rod = ema_state_site(plant, state, state->rod_mm);
+    state->outside_ratio = ema_max(ema_site_outside(plant, &shaft, &rod), state->outside_ratio);
+    return ema_site_reading(plant, &rod);
 }
 
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad)

@@ -101,6 +101,8 @@ void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_re
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
 /* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at `rod`. */
 ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod);
+/* What learned tables add to the rod sensor's reading at this state; keeps in it how far tables are used outside the range that they were seen in. */
+ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state);
 ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory);
 
 #endif

@@ -23,8 +23,13 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
         objective->record = record;
         objective->every_steps = (uint32_t)actuator->options.record_every_steps;
         objective->period_s = actuator->params.step_s * (ema_real)objective->every_steps;
+        objective->channels = 0U;
         for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-            objective->weight[channel] = weight[channel];
+            if (weight[channel] > EMA_R(0.0)) {
+                objective->weight[objective->channels] = weight[channel];
+                objective->channel[objective->channels] = (uint8_t)channel;
+                ++objective->channels;
+            }
         }
         objective->row = 0U;
         objective->step_in_row = 0U;
@@ -41,13 +46,11 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
 static inline ema_real ema_objective_row(const ema_objective_t* objective, const ema_output_t* simulated)
 {
     const ema_record_t* const record = objective->record;
-    const ema_real values[EMA_CHANNEL_COUNT] = {simulated->position_mm, simulated->motor_position_mm, simulated->current_A, simulated->voltage_V};
     ema_real sum = EMA_R(0.0);
-    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        if (objective->weight[channel] > EMA_R(0.0)) {
-            const ema_real error = ema_record_value(record, objective->row, (uint32_t)record->place[channel]) - values[channel];
-            sum += objective->weight[channel] * (error * error);
-        }
+    for (uint32_t k = 0; k < objective->channels; ++k) {
+        const uint32_t channel = objective->channel[k];
+        const ema_real error = ema_record_value(record, objective->row, (uint32_t)record->place[channel]) - ema_output_channel(simulated, channel);
+        sum += objective->weight[k] * (error * error);
     }
     return sum;
 }

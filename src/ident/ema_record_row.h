@@ -2,6 +2,7 @@
 #ifndef EMA_RECORD_ROW_H
 #define EMA_RECORD_ROW_H
 
+#include "ema/ema_plant.h"
 #include "ema/ema_record.h"
 
 /* Value at place `place` of row `row`. */
@@ -9,6 +10,12 @@ static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row
 {
     const size_t at = ((size_t)row * record->stride) + place;
     return (record->format == EMA_RECORD_INT16) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place]) : ((const ema_real*)record->buffer)[at];
+}
+
+/* What a run shows on a channel: the first values of a row are in the order of the channels. */
+static inline ema_real ema_output_channel(const ema_output_t* output, uint32_t channel)
+{
+    return (&output->position_mm)[channel];
 }
 
 /* Command of model step `step` in row `row`. */

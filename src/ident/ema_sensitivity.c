@@ -48,12 +48,6 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
     return status;
 }
 
-static ema_real ema_channel_of(const ema_output_t* output, uint32_t channel)
-{
-    const ema_real values[EMA_CHANNEL_COUNT] = {output->position_mm, output->motor_position_mm, output->current_A, output->voltage_V};
-    return values[channel];
-}
-
 void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actuator)
 {
     for (uint32_t k = 0; k <= self->parameters; ++k) {
@@ -70,12 +64,12 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
     self->position_last_mm = residual_mm;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         if (self->weight[channel] > EMA_R(0.0)) {
-            const ema_real base = ema_channel_of(&self->row_output[0], channel);
+            const ema_real base = ema_output_channel(&self->row_output[0], channel);
             const ema_real residual = ema_record_value(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
             ema_real slope[EMA_IDENTIFIED_MAX];
             self->weighted_square += self->weight[channel] * residual * residual;
             for (uint32_t i = 0; i < self->parameters; ++i) {
-                slope[i] = (ema_channel_of(&self->row_output[1U + i], channel) - base) / self->delta[i];
+                slope[i] = (ema_output_channel(&self->row_output[1U + i], channel) - base) / self->delta[i];
                 for (uint32_t j = 0; j <= i; ++j) {
                     self->normal[i][j] += self->weight[channel] * slope[i] * slope[j];
                 }
@@ -97,11 +91,8 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
         if ((self->next_model == 0U) && ((self->step_in_row == 0U) || (self->record->command != NULL))) {
             self->command_mm = ema_record_command(self->record, self->row, model->state.step);
         }
-        ema_output_t output;
-        ema_tick(&model->plant, &model->state, self->command_mm, &output);
-        if (self->step_in_row == 0U) {
-            self->row_output[self->next_model] = output;
-        }
+        /* between rows nothing reads them */
+        ema_tick(&model->plant, &model->state, self->command_mm, &self->row_output[self->next_model]);
         ++made;
         ++self->next_model;
         if (self->next_model > self->parameters) {

@@ -33,8 +33,9 @@ ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circui
     return regime;
 }
 
+/* The segment as a series, its end, and the terms of its angle. */
 static void ema_located_build(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment,
-                              ema_series_t* series)
+                              ema_series_t* series, ema_real* terms)
 {
     const bool saturated = regime->saturated_Nm != EMA_R(0.0);
     ema_span_t span;
@@ -54,7 +55,8 @@ static void ema_located_build(const ema_plant_t* plant, const ema_circuit_t* cir
     ema_series_build(series, plant, circuit, &span);
     segment->end.current_A = ema_series_at(series->current_A, EMA_R(1.0));
     segment->end.speed_rad_s = ema_series_at(series->speed_rad_s, EMA_R(1.0));
-    segment->end.angle_rad = state->angle_rad + ema_series_at(series->angle_rad, EMA_R(1.0));
+    ema_series_angle(series, span_s, terms);
+    segment->end.angle_rad = state->angle_rad + ema_series_at(terms, EMA_R(1.0));
     /* at rest the terms of the speed are free to hold those of the torque, which say when the shaft breaks away */
     if (span.at_rest) {
         for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
@@ -102,9 +104,9 @@ static void ema_event_current(ema_event_t* event, const ema_segment_t* segment, 
 }
 
 /* A held current is let go when the circuit on its own would bring it inward. */
-static void ema_event_release(ema_event_t* event, const ema_circuit_t* circuit, const ema_state_t* state, const ema_segment_t* segment, const ema_series_t* series)
+static void ema_event_release(ema_event_t* event, const ema_circuit_t* circuit, const ema_state_t* state, const ema_segment_t* segment, const ema_series_t* series,
+                              ema_real* terms)
 {
-    ema_real terms[EMA_SERIES_TERMS + 1U];
     for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
         terms[k] = (state->motion == 0) ? EMA_R(0.0) : (circuit->rate_speed * series->speed_rad_s[k]);
     }
@@ -157,7 +159,7 @@ static void ema_event_reversal(ema_event_t* event, const ema_state_t* state, con
 }
 
 /* An end of travel that the shaft moves towards. */
-static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, const ema_segment_t* segment, ema_series_t* series)
+static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, const ema_segment_t* segment, ema_real* angle_terms)
 {
     const ema_real end_rad = segment->end.angle_rad;
     ema_real stop_rad = EMA_R(0.0);
@@ -173,7 +175,7 @@ static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const e
     }
     if (reached) {
         const ema_real before = event->at;
-        ema_event_take(event, EMA_EVENT_STOP, series->angle_rad, stop_rad - state->angle_rad, EMA_R(0.0));
+        ema_event_take(event, EMA_EVENT_STOP, angle_terms, stop_rad - state->angle_rad, EMA_R(0.0));
         if (event->at != before) {
             event->value = stop_rad;
         }
@@ -183,19 +185,22 @@ static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const e
 void ema_segment_end(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment)
 {
     ema_series_t series;
-    ema_located_build(plant, circuit, state, regime, span_s, segment, &series);
+    ema_real terms[EMA_SERIES_TERMS + 1U];
+    ema_located_build(plant, circuit, state, regime, span_s, segment, &series, terms);
 }
 
 void ema_event_find(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment,
                     ema_event_t* event)
 {
     ema_series_t series;
-    ema_located_build(plant, circuit, state, regime, span_s, segment, &series);
+    ema_real terms[EMA_SERIES_TERMS + 1U];
+    ema_located_build(plant, circuit, state, regime, span_s, segment, &series, terms);
     event->kind = EMA_EVENT_NONE;
     event->at = EMA_R(1.0);
     event->value = EMA_R(0.0);
     if (regime->held) {
-        ema_event_release(event, circuit, state, segment, &series);
+        ema_event_release(event, circuit, state, segment, &series, terms);
+        ema_series_angle(&series, span_s, terms);
     } else {
         ema_event_current(event, segment, &series, plant->drive.current_limit_A, false);
         ema_event_current(event, segment, &series, plant->torque_limit_A, regime->saturated_Nm != EMA_R(0.0));
@@ -208,9 +213,9 @@ void ema_event_find(const ema_plant_t* plant, const ema_circuit_t* circuit, cons
         if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
             ema_event_reversal(event, state, segment, &series);
         }
-        ema_event_stop(event, plant, state, segment, &series);
+        ema_event_stop(event, plant, state, segment, terms);
         event->speed_rad_s = ema_series_at(series.speed_rad_s, event->at);
-        event->turn_rad = ema_series_at(series.angle_rad, event->at);
+        event->turn_rad = ema_series_at(terms, event->at);
     }
     event->current_A = ema_series_at(series.current_A, event->at);
 }

@@ -5,31 +5,7 @@
 #ifndef EMA_EVENTS_H
 #define EMA_EVENTS_H
 
-#include "ema/ema_plant.h"
-
-/* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
-typedef struct {
-    ema_real input;             /* of the circuit */
-    ema_real torque_Nm;
-    ema_real level_forward_Nm;  /* dry friction at rest against each direction */
-    ema_real level_backward_Nm;
-} ema_forces_t;
-
-/* A point of the motion. */
-typedef struct {
-    ema_real current_A;
-    ema_real speed_rad_s;
-    ema_real angle_rad;
-} ema_point_t;
-
-/* A span of the motion without events: what its ends are. */
-typedef struct {
-    ema_point_t start;
-    ema_point_t end;
-    ema_forces_t forces;      /* at the start */
-    ema_real input_rise;
-    ema_real torque_rise_Nm;
-} ema_segment_t;
+#include "ema_forces.h"
 
 typedef enum {
     EMA_EVENT_NONE,

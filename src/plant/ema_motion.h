@@ -13,11 +13,14 @@
 /* An integration step, or a part of one, with effects or with events, which are located inside it. */
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s);
 
+/* The same with its events alone: ema_located.c. */
+void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s);
+
+/* Turns the shaft; an elastic contact follows. */
+void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad);
+
 /* A whole model step in one integration step, with effects; false, and nothing changed, when something happens in it or the effects change too much for it. */
 bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied);
-
-/* The share `part` of a model step, in as many integration steps as a whole one. */
-void ema_motion_part(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real part);
 
 static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s, ema_real input, ema_real torque_Nm)
 {

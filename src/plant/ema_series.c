@@ -5,27 +5,17 @@
 /* Bracketing steps of the root search; Illinois' rule gains a digit or more in each. */
 #define EMA_ROOT_STEPS 14U
 
-static const ema_real ema_share[EMA_SERIES_TERMS] = {
-    EMA_R(1.0), EMA_R(0.5), EMA_R(0.3333333333333333), EMA_R(0.25), EMA_R(0.2), EMA_R(0.16666666666666666), EMA_R(0.14285714285714285), EMA_R(0.125),
-    EMA_R(0.1111111111111111), EMA_R(0.1), EMA_R(0.09090909090909091), EMA_R(0.08333333333333333), EMA_R(0.07692307692307693), EMA_R(0.07142857142857142),
-#if EMA_REAL64
-    EMA_R(0.06666666666666667), EMA_R(0.0625), EMA_R(0.058823529411764705), EMA_R(0.05555555555555555), EMA_R(0.05263157894736842), EMA_R(0.05),
-    EMA_R(0.047619047619047616), EMA_R(0.045454545454545456), EMA_R(0.043478260869565216), EMA_R(0.041666666666666664),
-#endif
-};
-
 void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_span_t* span)
 {
     const bool follows = circuit->algebraic && !span->current_held;
     series->speed_rad_s[0] = span->speed_rad_s;
-    series->angle_rad[0] = EMA_R(0.0);
     series->current_A[0] = follows ? ((circuit->rate_speed * span->speed_rad_s) + (circuit->rate_voltage * span->input)) : span->current_A;
     ema_real input = span->input;
     ema_real torque_Nm = span->torque_Nm;
     ema_real input_next = span->input_rise;
     ema_real torque_next_Nm = span->torque_rise_Nm;
     for (uint32_t k = 0; k < EMA_SERIES_TERMS; ++k) {
-        const ema_real share_s = span->span_s * ema_share[k];
+        const ema_real share_s = span->span_s * ema_inverse[k + 1U];
         const ema_real current_A = series->current_A[k];
         const ema_real speed_rad_s = series->speed_rad_s[k];
         ema_real acceleration_rad_s2 = EMA_R(0.0);
@@ -33,7 +23,6 @@ void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_
             acceleration_rad_s2 = ((span->torque_gain_Nm_per_A * current_A) - (plant->screw.viscous_Nm_s_per_rad * speed_rad_s) + torque_Nm)
                                   * plant->screw.inverse_inertia_per_kgm2;
         }
-        series->angle_rad[k + 1U] = share_s * speed_rad_s;
         series->speed_rad_s[k + 1U] = share_s * acceleration_rad_s2;
         if (span->current_held) {
             series->current_A[k + 1U] = EMA_R(0.0);
@@ -46,6 +35,14 @@ void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_
         torque_Nm = torque_next_Nm;
         input_next = EMA_R(0.0);
         torque_next_Nm = EMA_R(0.0);
+    }
+}
+
+void ema_series_angle(const ema_series_t* series, ema_real span_s, ema_real* terms)
+{
+    terms[0] = EMA_R(0.0);
+    for (uint32_t k = 0; k < EMA_SERIES_TERMS; ++k) {
+        terms[k + 1U] = (span_s * ema_inverse[k + 1U]) * series->speed_rad_s[k];
     }
 }
 
@@ -91,49 +88,36 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
     return root;
 }
 
-/* Response to one unit input over one integration step. */
-static void ema_circuit_column(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_span_t* span, ema_real* current, ema_real* speed, ema_real* angle)
+/* Responses at the end of the span, `column` of those of current, speed and angle. */
+static void ema_circuit_column(const ema_plant_t* plant, ema_circuit_t* circuit, const ema_span_t* span, uint32_t column)
 {
     ema_series_t series;
+    ema_real terms[EMA_SERIES_TERMS + 1U];
     ema_series_build(&series, plant, circuit, span);
-    *current = ema_series_at(series.current_A, EMA_R(1.0));
-    *speed = ema_series_at(series.speed_rad_s, EMA_R(1.0));
-    *angle = ema_series_at(series.angle_rad, EMA_R(1.0));
+    ema_series_angle(&series, span->span_s, terms);
+    (&circuit->current.from_current)[column] = ema_series_at(series.current_A, EMA_R(1.0));
+    (&circuit->speed.from_current)[column] = ema_series_at(series.speed_rad_s, EMA_R(1.0));
+    (&circuit->angle.from_current)[column] = ema_series_at(terms, EMA_R(1.0));
 }
 
 void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_real span_s)
 {
     const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), span_s, plant->motor.torque_constant_Nm_per_A, false, false};
-    ema_response_t* const current = &circuit->current;
-    ema_response_t* const speed = &circuit->speed;
-    ema_response_t* const angle = &circuit->angle;
+    /* at rest first: its responses, to current, voltage and rise of the voltage, are kept aside before those of the motion take their places */
     ema_span_t span = none;
-    span.current_A = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &current->from_current, &speed->from_current, &angle->from_current);
-    span = none;
-    span.speed_rad_s = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &current->from_speed, &speed->from_speed, &angle->from_speed);
-    span = none;
-    span.input = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &current->from_voltage, &speed->from_voltage, &angle->from_voltage);
-    span = none;
-    span.torque_Nm = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &current->from_torque, &speed->from_torque, &angle->from_torque);
-    span = none;
-    span.input_rise = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &current->from_voltage_rise, &speed->from_voltage_rise, &angle->from_voltage_rise);
-    span = none;
-    span.torque_rise_Nm = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &current->from_torque_rise, &speed->from_torque_rise, &angle->from_torque_rise);
-    ema_real unused;
-    span = none;
     span.at_rest = true;
-    span.current_A = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &circuit->stuck_from_current, &unused, &unused);
-    span.current_A = EMA_R(0.0);
-    span.input = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &circuit->stuck_from_voltage, &unused, &unused);
-    span.input = EMA_R(0.0);
-    span.input_rise = EMA_R(1.0);
-    ema_circuit_column(plant, circuit, &span, &circuit->stuck_from_voltage_rise, &unused, &unused);
+    for (uint32_t column = 0; column < EMA_RESPONSES; column += 2U) {
+        (&span.current_A)[column] = EMA_R(1.0);
+        ema_circuit_column(plant, circuit, &span, column);
+        (&span.current_A)[column] = EMA_R(0.0);
+    }
+    circuit->stuck_from_current = circuit->current.from_current;
+    circuit->stuck_from_voltage = circuit->current.from_voltage;
+    circuit->stuck_from_voltage_rise = circuit->current.from_voltage_rise;
+    span.at_rest = false;
+    for (uint32_t column = 0; column < EMA_RESPONSES; ++column) {
+        (&span.current_A)[column] = EMA_R(1.0);
+        ema_circuit_column(plant, circuit, &span, column);
+        (&span.current_A)[column] = EMA_R(0.0);
+    }
 }

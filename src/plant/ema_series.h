@@ -18,15 +18,15 @@
 typedef struct {
     ema_real current_A[EMA_SERIES_TERMS + 1U];
     ema_real speed_rad_s[EMA_SERIES_TERMS + 1U];
-    ema_real angle_rad[EMA_SERIES_TERMS + 1U]; /* from the start of the span */
 } ema_series_t;
 
+/* What moves current and speed over a span; the first six in the order of ema_response_t. */
 typedef struct {
     ema_real current_A;
     ema_real speed_rad_s;
     ema_real input;        /* of the circuit: V or A */
-    ema_real input_rise;   /* over the span */
     ema_real torque_Nm;    /* on the shaft beside the motor's */
+    ema_real input_rise;   /* over the span */
     ema_real torque_rise_Nm;
     ema_real span_s;
     ema_real torque_gain_Nm_per_A; /* of the current; zero while the motor's torque is saturated */
@@ -35,6 +35,9 @@ typedef struct {
 } ema_span_t;
 
 void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_span_t* span);
+
+/* Terms of the angle from the start of the span, into EMA_SERIES_TERMS + 1 places. */
+void ema_series_angle(const ema_series_t* series, ema_real span_s, ema_real* terms);
 
 /* Value at the fraction `at` of the span. */
 ema_real ema_series_at(const ema_real* terms, ema_real at);

@@ -1,0 +1,122 @@
+#include "ema_forces.h"
+
+#include "ema_effect_sites.h"
+#include "ema_gearbox.h"
+#include "ema_math.h"
+#include "ema_motor.h"
+#include "ema_screw.h"
+
+static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm, ema_real direction)
+{
+    const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, direction);
+    ema_real total_Nm = own_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
+    if (ema_acts(plant, EMA_SITE_FRICTION)) {
+        total_Nm += ema_site_friction(plant, site, own_Nm);
+    }
+    return ema_max(total_Nm, EMA_R(0.0));
+}
+
+/* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at rest. */
+static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, const ema_site_t* site, ema_real load_Nm)
+{
+    if (!ema_acts(plant, EMA_SITE_PRESLIDING)) {
+        const ema_real direction = (ema_real)state->motion;
+        return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
+    }
+    const ema_real share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
+    return -share * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
+}
+
+/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion. */
+static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
+{
+    ema_real speed = speed_rad_s;
+    if (motion == (int32_t)EMA_MOTION_STUCK) {
+        speed = EMA_R(0.0);
+    } else if (motion == (int32_t)EMA_MOTION_FORWARD) {
+        speed = ema_max(speed_rad_s, EMA_R(0.0));
+    } else if (motion == (int32_t)EMA_MOTION_BACKWARD) {
+        speed = ema_min(speed_rad_s, EMA_R(0.0));
+    } else {
+        /* an elastic contact has no direction to keep */
+    }
+    return speed;
+}
+
+void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, const ema_point_t* point, ema_forces_t* forces)
+{
+    const ema_site_t site = {plant,
+                             ema_force_speed(state->motion, point->speed_rad_s),
+                             point->angle_rad,
+                             plant->gearbox.lead_mm_per_rad * point->angle_rad,
+                             point->current_A,
+                             applied->current_loop ? applied->voltage_V : applied->input};
+    forces->input = applied->input;
+    forces->level_forward_Nm = EMA_R(0.0);
+    forces->level_backward_Nm = EMA_R(0.0);
+    if (!applied->current_loop && ema_acts(plant, EMA_SITE_VOLTAGE)) {
+        forces->input += ema_site_voltage(plant, &site);
+    }
+    ema_real load_Nm = plant->screw.load_torque_Nm;
+    if (ema_acts(plant, EMA_SITE_LOAD)) {
+        load_Nm += ema_site_load(plant, &site);
+    }
+    forces->torque_Nm = -load_Nm;
+    if (ema_acts(plant, EMA_SITE_TORQUE)) {
+        forces->torque_Nm += ema_site_torque(plant, &site);
+    }
+    if (ema_acts(plant, EMA_SITE_MOTOR)) {
+        const ema_real change = ema_site_motor(plant, &site);
+        const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
+        /* the limit holds for the torque with its change */
+        forces->torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
+        forces->input -= applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+    }
+    if ((state->motion == (int32_t)EMA_MOTION_STUCK) && !ema_acts(plant, EMA_SITE_PRESLIDING)) {
+        forces->level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
+        forces->level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
+    } else {
+        forces->torque_Nm += ema_sliding_friction(plant, state, &site, load_Nm);
+    }
+}
+
+static ema_rod_t ema_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm, ema_real span_s)
+{
+    ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        memory[k] = state->effect_memory[k];
+    }
+    const ema_transmission_t step = {state->play_mm, play_end_mm, span_s, plant->gearbox.lead_mm_per_rad};
+    return ema_site_transmission(plant, &step, memory);
+}
+
+void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
+{
+    segment->start.current_A = state->current_A;
+    segment->start.speed_rad_s = state->speed_rad_s;
+    segment->start.angle_rad = state->angle_rad;
+    segment->end = segment->start;
+    ema_forces_at(plant, state, applied, &segment->start, &segment->forces);
+    segment->input_rise = EMA_R(0.0);
+    segment->torque_rise_Nm = EMA_R(0.0);
+    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        segment->forces.torque_Nm += ema_transmission_trial(plant, state, state->play_mm, span_s).reaction_start_Nm;
+    }
+}
+
+void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
+{
+    ema_forces_t forces;
+    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        ema_forces_at(plant, state, applied, &segment->start, &forces);
+        const ema_real play_end_mm = ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
+        const ema_rod_t rod = ema_transmission_trial(plant, state, play_end_mm, span_s);
+        segment->forces.torque_Nm = forces.torque_Nm + rod.reaction_start_Nm;
+        ema_forces_at(plant, state, applied, &segment->end, &forces);
+        segment->torque_rise_Nm = (forces.torque_Nm + rod.reaction_end_Nm) - segment->forces.torque_Nm;
+    } else {
+        ema_forces_at(plant, state, applied, &segment->end, &forces);
+        segment->torque_rise_Nm = forces.torque_Nm - segment->forces.torque_Nm;
+    }
+    segment->input_rise = forces.input - segment->forces.input;
+}

@@ -1,0 +1,33 @@
+#include "ema_late.h"
+
+#include "ema_motion.h"
+
+/* What was asked `age` steps ago. */
+static ema_drive_output_t ema_late_asked(const ema_plant_t* plant, const ema_state_t* state, uint32_t age)
+{
+    const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
+    return ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
+}
+
+ema_drive_output_t ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_real output)
+{
+    state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
+    const bool parted = plant->drive.delay_part > EMA_R(0.0);
+    return ema_late_asked(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U));
+}
+
+void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_drive_output_t* applied)
+{
+    const bool parted = plant->drive.delay_part > EMA_R(0.0);
+    ema_real span_s = parted ? (plant->drive.delay_part * plant->substep_s) : plant->substep_s;
+    for (uint32_t turn = parted ? 0U : 1U; turn < 2U; ++turn) {
+        for (uint32_t k = 0; k < plant->substeps; ++k) {
+            ema_motion_located(plant, state, applied, span_s);
+        }
+        if (turn == 0U) {
+            span_s = (EMA_R(1.0) - plant->drive.delay_part) * plant->substep_s;
+            *applied = ema_late_asked(plant, state, plant->drive.delay_steps);
+            ema_drive_current(plant, state, applied);
+        }
+    }
+}

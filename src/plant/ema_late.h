@@ -1,0 +1,23 @@
+/* A drive that passes its output on with a delay. */
+#ifndef EMA_LATE_H
+#define EMA_LATE_H
+
+#include "ema_drive.h"
+
+/* Current of a circuit without a time constant, from the instant on at which the drive applies its input. */
+static inline void ema_drive_current(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    if (circuit->algebraic) {
+        state->current_A = ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * applied->input), -plant->drive.current_limit_A,
+                                     plant->drive.current_limit_A);
+    }
+}
+
+/* Keeps the output, and what is applied at the start of the model step. */
+ema_drive_output_t ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_real output);
+
+/* The model step under it: first what was asked before, over its share, then what was asked later; each in as many integration steps as a whole one. */
+void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_drive_output_t* applied);
+
+#endif

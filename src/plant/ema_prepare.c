@@ -1,0 +1,115 @@
+#include "ema_prepare.h"
+
+#include "ema_drive.h"
+#include "ema_effect_sites.h"
+#include "ema_encoder.h"
+#include "ema_gearbox.h"
+#include "ema_motor.h"
+#include "ema_pid.h"
+#include "ema_screw.h"
+#include "ema_series.h"
+
+/* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
+#define EMA_SUBSTEPS_MAX 64U
+
+/* Samples of the parabola that reads the feedback's delay, beyond the whole steps. */
+#define EMA_DELAY_STEPS_MAX EMA_R(12.0)
+
+/* Back-calculation gain times control period from which on the integrator swings up. */
+#define EMA_ANTI_WINDUP_MAX EMA_R(2.0)
+
+/* One electrical law without its responses. */
+static void ema_circuit_set(ema_circuit_t* circuit, ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
+{
+    const ema_circuit_t none = {0};
+    *circuit = none;
+    if (time_constant_s > EMA_R(0.0)) {
+        circuit->rate_current = EMA_R(-1.0) / time_constant_s;
+        circuit->rate_voltage = gain / time_constant_s;
+    } else {
+        circuit->algebraic = true;
+        circuit->rate_voltage = gain;
+    }
+    circuit->rate_speed = -speed_per_input * circuit->rate_voltage;
+}
+
+/* Sum of the rates of the linear plant with that law: a bound of its fastest motion. */
+static ema_real ema_fastest_per_s(const ema_params_t* params, ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
+{
+    const bool lags = time_constant_s > EMA_R(0.0);
+    const ema_real inverse_inertia_per_kgm2 = EMA_R(1.0) / params->inertia_kgm2;
+    const ema_real drag = params->viscous_Nm_s_per_rad * inverse_inertia_per_kgm2;
+    const ema_real rate_speed = -speed_per_input * (lags ? (gain / time_constant_s) : gain);
+    const ema_real coupling = ema_abs(params->torque_constant_Nm_per_A * rate_speed) * inverse_inertia_per_kgm2;
+    return lags ? (drag + ema_sqrt(coupling) - (EMA_R(-1.0) / time_constant_s)) : (drag + coupling);
+}
+
+/* Integration steps in a model step that the plant itself needs. */
+static ema_real ema_substeps_needed(const ema_params_t* params, const ema_options_t* options)
+{
+    ema_real fastest_per_s = ema_fastest_per_s(params, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    if (options->mode == 1) {
+        const ema_real loop_per_s = ema_fastest_per_s(params, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
+        /* an ideal drive never applies the bus voltage itself */
+        fastest_per_s = (params->current_loop_s > EMA_R(0.0)) ? ema_max(fastest_per_s, loop_per_s) : loop_per_s;
+    }
+    return (fastest_per_s * params->step_s) / EMA_SERIES_REACH;
+}
+
+/* Why no model can be made of parameters as the effects leave them. */
+static ema_status_t ema_plant_check(const ema_params_t* params, const ema_options_t* options, ema_real inertia_kgm2, ema_real start_mm)
+{
+    ema_status_t status = EMA_OK;
+    if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
+        || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
+        || !((params->anti_windup_per_s * params->step_s * (ema_real)options->every_steps) < EMA_ANTI_WINDUP_MAX) || !(params->resistance_ohm > EMA_R(0.0))
+        || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
+        status = EMA_ERR_RANGE;
+    } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * inertia_kgm2))) {
+        status = EMA_ERR_INERTIA;
+    } else if (!(ema_substeps_needed(params, options) <= (ema_real)EMA_SUBSTEPS_MAX)) {
+        status = EMA_ERR_STIFF;
+    } else {
+        /* a plant that can be prepared */
+    }
+    return status;
+}
+
+static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options, const ema_effects_t* effects)
+{
+    const ema_real needed = ema_substeps_needed(params, options);
+    plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
+    plant->tries_whole_step = plant->substeps == 1U;
+    const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(effects);
+    if (plant->substeps < wanted) {
+        plant->substeps = wanted;
+    }
+    /* what lies behind a compliance moves by itself: forces that rise evenly do not vouch for it */
+    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && ema_acts_on_motion(plant) && !ema_acts(plant, EMA_SITE_TRANSMISSION);
+    plant->step_s = params->step_s;
+    plant->substep_s = params->step_s / (ema_real)plant->substeps;
+    plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
+    plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
+    ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    ema_circuit_set(&plant->current_loop, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
+    plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
+}
+
+ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* actuator, ema_real start_mm)
+{
+    ema_params_t params = actuator->params;
+    ema_effects_adjust(&actuator->effects, &params);
+    const ema_status_t status = ema_plant_check(&params, &actuator->options, actuator->params.inertia_kgm2, start_mm);
+    if (status == EMA_OK) {
+        plant->start_mm = start_mm;
+        ema_effects_hold(plant, &actuator->effects);
+        ema_pid_prepare(&plant->pid, &params, &actuator->options);
+        ema_drive_prepare(&plant->drive, &params, &actuator->options);
+        ema_motor_prepare(&plant->motor, &params);
+        ema_gearbox_prepare(&plant->gearbox, &params);
+        ema_screw_prepare(&plant->screw, &plant->gearbox, &params);
+        ema_encoder_prepare(&plant->encoder, &params, &actuator->options);
+        ema_motion_prepare(plant, &params, &actuator->options, &actuator->effects);
+    }
+    return status;
+}

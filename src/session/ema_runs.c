@@ -1,0 +1,112 @@
+#include "ema_runs.h"
+
+#include "ema_math.h"
+#include "ema_record_row.h"
+
+/* Step of the sensitivities, as a share of the healthy value: large against rounding, small against the parameter. */
+#define EMA_DELTA_SHARE EMA_R(0.01)
+
+/* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
+#define EMA_START_NOISE EMA_R(4.0)
+
+ema_real ema_identified_at(const ema_identified_t* identified, ema_real x)
+{
+    return identified->lower + (x * (identified->upper - identified->lower));
+}
+
+/* Moves the session's actuator to a point of the unit box. */
+static void ema_actuator_move(ema_session_t* session, const ema_real* x)
+{
+    for (uint32_t i = 0; i < session->config->identified_count; ++i) {
+        const ema_identified_t* const identified = &session->config->identified[i];
+        (void)ema_actuator_set(&session->actuator, identified->id, ema_identified_at(identified, x[i]));
+    }
+}
+
+/* Where the rod rests before the record: at the command when the first sample agrees with it within play and noise. */
+static ema_real ema_start_of(const ema_session_t* session)
+{
+    const ema_params_t* const params = &session->config->actuator->params;
+    const ema_record_t* const record = &session->record;
+    const ema_real command_mm = ema_record_command(record, 0U, 0U);
+    const ema_real position_mm = ema_record_value(record, 0U, (uint32_t)record->place[EMA_CHANNEL_POSITION]);
+    const ema_real apart_mm = ema_abs(position_mm - command_mm);
+    const ema_real doubt_mm = (EMA_R(0.5) * params->blk_upper_mm) + (EMA_START_NOISE * params->position_noise_mm);
+    return (apart_mm <= doubt_mm) ? command_mm : position_mm;
+}
+
+/* Starts the next model run of the search: first at the healthy values, then at the annealer's candidates. */
+static ema_status_t ema_search_start(ema_session_t* session)
+{
+    const ema_session_config_t* const config = session->config;
+    if (session->healthy_done) {
+        ema_actuator_move(session, ema_annealer_candidate(&session->annealer));
+    } else {
+        session->actuator = *config->actuator;
+    }
+    const ema_real limit = (config->abandon && session->healthy_done) ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX) : EMA_COST_MAX;
+    ema_status_t status = ema_objective_start(&session->run, &session->actuator, &session->record, config->weight, session->start_mm, limit);
+    /* tables are read where the configuration lies, so that a copy of the session does not depend on its original */
+    ema_model_learned(&session->run.model, config->actuator);
+    if ((status != EMA_OK) && session->healthy_done) {
+        /* bounds can hold values of which no model can be made, too stiff ones for instance: they cost the most, and the search goes on */
+        session->run.state = EMA_OBJECTIVE_DIVERGED;
+        session->run.sum = EMA_COST_MAX;
+        status = EMA_OK;
+    }
+    return status;
+}
+
+static ema_status_t ema_weighing_start(ema_session_t* session)
+{
+    const ema_session_config_t* const config = session->config;
+    ema_actuator_move(session, session->annealer.best.x);
+    ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
+    ema_real delta[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const ema_identified_t* const identified = &config->identified[i];
+        ema_real healthy = EMA_R(0.0);
+        const ema_real value = ema_identified_at(identified, session->annealer.best.x[i]);
+        ids[i] = identified->id;
+        (void)ema_actuator_get(config->actuator, identified->id, &healthy);
+        delta[i] = EMA_DELTA_SHARE * ema_abs(healthy);
+        if ((value + delta[i]) > identified->upper) {
+            delta[i] = -delta[i];
+        }
+    }
+    const ema_status_t status = ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+    if (status == EMA_OK) {
+        ema_sensitivity_learned(&session->weighing, config->actuator);
+    }
+    return status;
+}
+
+ema_status_t ema_runs_next(ema_session_t* session)
+{
+    const ema_real cost = ema_objective_value(&session->run);
+    ++session->evaluations;
+    if (!session->healthy_done) {
+        session->healthy_done = true;
+        session->healthy_cost = cost;
+        if (session->config->start_at_healthy) {
+            ema_annealer_tell(&session->annealer, cost);
+        }
+    } else {
+        ema_annealer_tell(&session->annealer, cost);
+    }
+    ema_status_t status = EMA_OK;
+    if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
+        status = ema_search_start(session);
+    } else {
+        /* an estimate beside which no model can be made is left unweighed: the result then says that the record does not determine it */
+        session->weighed = ema_weighing_start(session) == EMA_OK;
+        session->phase = session->weighed ? EMA_PHASE_WEIGHING : EMA_PHASE_DONE;
+    }
+    return status;
+}
+
+ema_status_t ema_runs_begin(ema_session_t* session)
+{
+    session->start_mm = ema_start_of(session);
+    return ema_search_start(session);
+}

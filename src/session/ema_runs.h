@@ -1,0 +1,16 @@
+/* The model runs of a session, one after the other: at the healthy values, at the annealer's candidates, and those that weigh the estimate. */
+#ifndef EMA_RUNS_H
+#define EMA_RUNS_H
+
+#include "ema/ema_session.h"
+
+/* Value of an identified parameter at the coordinate `x` of the unit box. */
+ema_real ema_identified_at(const ema_identified_t* identified, ema_real x);
+
+/* Starts the first run. Errors: those of ema_objective_start. */
+ema_status_t ema_runs_begin(ema_session_t* session);
+
+/* A model run has ended: its cost goes to the annealer, and the next run, or the weighing, begins. */
+ema_status_t ema_runs_next(ema_session_t* session);
+
+#endif
