@@ -123,7 +123,8 @@ ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample
 
 /* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go on);
  * those of ema_objective_start at the first call, which can then be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst.
- * Cost: `steps` model steps; ending a model run and preparing the next counts as 64 of them, whatever it took. Once done, a call does nothing. */
+ * Cost: `steps` model steps. Ending a model run and preparing the next counts as 160 of them, about what it takes, and is not divided: a slice that has less left leaves it to the
+ * next one, so that only a slice of fewer steps than that takes longer than they do. Once done, a call does nothing. */
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
 
 ema_phase_t ema_session_phase(const ema_session_t* session);

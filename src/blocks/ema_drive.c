@@ -33,3 +33,8 @@ ema_drive_output_t ema_drive_current_mode(const ema_drive_t* drive, const ema_mo
     applied.voltage_V = (drive->command_scale_V > EMA_R(0.0)) ? (output * drive->command_scale_V) : needed_V;
     return applied;
 }
+
+ema_drive_output_t ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s)
+{
+    return ema_drive_step(drive, motor, output, current_A, speed_rad_s);
+}

@@ -17,6 +17,9 @@ typedef struct {
 /* Current mode: the loop follows its reference while the bus voltage suffices, else the bus voltage is applied. */
 ema_drive_output_t ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s);
 
+/* The step below as a function, where it is not in the way of every model step. */
+ema_drive_output_t ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s);
+
 static inline ema_drive_output_t ema_drive_step(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s)
 {
     if (drive->current_mode) {

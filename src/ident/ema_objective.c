@@ -13,10 +13,8 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
     if (record->count < 1U) {
         return EMA_ERR_SHORT;
     }
-    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        if (!(weight[channel] >= EMA_R(0.0)) || ((weight[channel] > EMA_R(0.0)) && (record->place[channel] < 0))) {
-            return EMA_ERR_RANGE;
-        }
+    if (!ema_record_weights(record, weight)) {
+        return EMA_ERR_RANGE;
     }
     const ema_status_t status = ema_model_init(&objective->model, actuator, start_mm);
     if (status == EMA_OK) {

@@ -100,3 +100,12 @@ ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t 
     }
     return EMA_OK;
 }
+
+bool ema_record_weights(const ema_record_t* record, const ema_real* weight)
+{
+    bool valid = true;
+    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
+        valid = valid && ((weight[channel] == EMA_R(0.0)) || ((weight[channel] > EMA_R(0.0)) && (record->place[channel] >= 0)));
+    }
+    return valid;
+}

@@ -12,6 +12,9 @@ static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row
     return (record->format == EMA_RECORD_INT16) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place]) : ((const ema_real*)record->buffer)[at];
 }
 
+/* Whether the weights of the channels, by ema_channel_t, are none negative and on recorded channels alone. */
+bool ema_record_weights(const ema_record_t* record, const ema_real* weight);
+
 /* What a run shows on a channel: the first values of a row are in the order of the channels. */
 static inline ema_real ema_output_channel(const ema_output_t* output, uint32_t channel)
 {

@@ -21,10 +21,7 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
     for (uint32_t k = 0; valid && (k < count); ++k) {
         valid = ((size_t)ids[k] < EMA_VALUE_COUNT) && !ema_actuator_is_learned(ids[k]);
     }
-    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        valid = valid && (weight[channel] >= EMA_R(0.0)) && ((weight[channel] == EMA_R(0.0)) || (record->place[channel] >= 0));
-    }
-    if (!valid) {
+    if (!valid || !ema_record_weights(record, weight)) {
         return EMA_ERR_RANGE;
     }
     const ema_sensitivity_t fresh = {0};

@@ -8,29 +8,30 @@
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
-ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, const ema_regime_t* was)
+void ema_regime_update(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, ema_regime_t* regime)
 {
-    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
     const ema_real limit_A = plant->drive.current_limit_A;
+    const ema_real reached_A = (last->kind == EMA_EVENT_CURRENT) ? ema_abs(last->value) : EMA_R(-1.0);
     ema_real current_A = state->current_A;
+    ema_real rate = EMA_R(0.0);
     if (circuit->algebraic) {
         const ema_real free_A = (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
         current_A = ema_clamp(free_A, -limit_A, limit_A);
-        regime.held = (current_A != free_A) || ((last->kind == EMA_EVENT_CURRENT) && (ema_abs(last->value) == limit_A));
+        regime->held = (current_A != free_A) || (reached_A == limit_A);
     } else {
-        regime.rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
-        regime.held = ((current_A >= limit_A) && (regime.rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (regime.rate < EMA_R(0.0)));
+        rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
+        regime->held = ((current_A >= limit_A) && (rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (rate < EMA_R(0.0)));
     }
-    regime.held = regime.held && (last->kind != EMA_EVENT_RELEASE);
+    regime->held = regime->held && (last->kind != EMA_EVENT_RELEASE);
     const ema_real size_A = ema_abs(current_A);
-    bool saturated = (size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && ((regime.rate * current_A) > EMA_R(0.0)));
-    if ((last->kind == EMA_EVENT_CURRENT) && (ema_abs(last->value) == plant->torque_limit_A)) {
-        saturated = was->saturated_Nm == EMA_R(0.0);
+    bool saturated = (size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && ((rate * current_A) > EMA_R(0.0)));
+    if (reached_A == plant->torque_limit_A) {
+        saturated = regime->saturated_Nm == EMA_R(0.0);
     }
+    regime->saturated_Nm = EMA_R(0.0);
     if (saturated) {
-        regime.saturated_Nm = (current_A > EMA_R(0.0)) ? plant->motor.torque_limit_Nm : -plant->motor.torque_limit_Nm;
+        regime->saturated_Nm = (current_A > EMA_R(0.0)) ? plant->motor.torque_limit_Nm : -plant->motor.torque_limit_Nm;
     }
-    return regime;
 }
 
 /* The segment as a series, its end, and the terms of its angle. */

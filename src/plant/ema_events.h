@@ -29,12 +29,11 @@ typedef struct {
 /* What the current does over a segment that is located. */
 typedef struct {
     bool held;                 /* the drive holds it at its limit */
-    ema_real rate;             /* of the free circuit at the start, A/s */
     ema_real saturated_Nm;     /* motor torque while it is saturated, else zero */
 } ema_regime_t;
 
-/* `last` is what happened just before and `was` the regime until then: on a bound itself they decide, for rounding puts the current on either side. */
-ema_regime_t ema_regime_of(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, const ema_regime_t* was);
+/* What holds from now on. `last` is what happened just before, `regime` what held until then: on a bound itself they decide, for rounding puts the current on either side. */
+void ema_regime_update(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, ema_regime_t* regime);
 
 /* Where the segment would end if nothing happened in it. */
 void ema_segment_end(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment);

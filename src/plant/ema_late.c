@@ -6,7 +6,7 @@
 static ema_drive_output_t ema_late_asked(const ema_plant_t* plant, const ema_state_t* state, uint32_t age)
 {
     const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
-    return ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
+    return ema_drive_apply(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
 }
 
 ema_drive_output_t ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_real output)

@@ -70,10 +70,10 @@ void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, e
     bool done = false;
     ema_segment_t segment;
     ema_event_t event = {EMA_EVENT_NONE, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
-    ema_regime_t regime = {false, EMA_R(0.0), EMA_R(0.0)};
+    ema_regime_t regime = {false, EMA_R(0.0)};
     while (!done && (events < EMA_EVENTS_MAX)) {
         ema_segment_open(plant, state, applied, left_s, &segment);
-        regime = ema_regime_of(plant, circuit, state, segment.forces.input, &event, &regime);
+        ema_regime_update(plant, circuit, state, segment.forces.input, &event, &regime);
         if (ema_acts_on_motion(plant)) {
             ema_segment_end(plant, circuit, state, &regime, left_s, &segment);
             ema_segment_correct(plant, state, applied, left_s, &segment);

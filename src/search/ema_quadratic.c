@@ -19,16 +19,12 @@ uint32_t ema_quadratic_unknowns(uint32_t dimension)
     return (dimension <= EMA_FULL_DIMENSION_MAX) ? (((dimension + 1U) * (dimension + 2U)) / 2U) : ((2U * dimension) + 1U);
 }
 
-/* Terms of the quadratic at z: 1, z_i, then products. */
-static void ema_quadratic_terms(uint32_t dimension, const ema_real* z, ema_real* terms)
+/* Terms of the quadratic at z: 1, z_i, then products; z stands in its places already. */
+static void ema_quadratic_terms(uint32_t dimension, ema_real* terms)
 {
-    uint32_t at = 0U;
-    terms[at] = EMA_R(1.0);
-    ++at;
-    for (uint32_t i = 0; i < dimension; ++i) {
-        terms[at] = z[i];
-        ++at;
-    }
+    const ema_real* const z = &terms[1];
+    uint32_t at = 1U + dimension;
+    terms[0] = EMA_R(1.0);
     for (uint32_t i = 0; i < dimension; ++i) {
         const uint32_t last = (dimension <= EMA_FULL_DIMENSION_MAX) ? dimension : (i + 1U);
         for (uint32_t j = i; j < last; ++j) {
@@ -42,10 +38,8 @@ static void ema_quadratic_terms(uint32_t dimension, const ema_real* z, ema_real*
 static bool ema_curvature_factor(ema_quadratic_t* quadratic, uint32_t dimension)
 {
     ema_real most = EMA_R(0.0);
-    for (uint32_t i = 0; i < dimension; ++i) {
-        for (uint32_t j = 0; j <= i; ++j) {
-            most = ema_max(most, ema_abs(quadratic->factor[EMA_TRIANGLE(i) + j]));
-        }
+    for (uint32_t i = 0; i < EMA_TRIANGLE(dimension); ++i) {
+        most = ema_max(most, ema_abs(quadratic->factor[i]));
     }
     ema_real lift = EMA_R(0.0);
     bool bowl = false;
@@ -102,12 +96,11 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
         right[a] = EMA_R(0.0);
     }
     for (uint32_t p = 0; p < annealer->point_count; ++p) {
-        ema_real z[EMA_ANNEALER_DIMENSION_MAX];
         ema_real terms[EMA_ANNEALER_UNKNOWNS_MAX];
         for (uint32_t i = 0; i < dimension; ++i) {
-            z[i] = (annealer->points[p].x[i] - best->x[i]) / quadratic->scale[i];
+            terms[1U + i] = (annealer->points[p].x[i] - best->x[i]) / quadratic->scale[i];
         }
-        ema_quadratic_terms(dimension, z, terms);
+        ema_quadratic_terms(dimension, terms);
         const ema_real above = (annealer->points[p].cost - best->cost) / spread;
         const ema_real weight = EMA_R(1.0) / (above + EMA_WEIGHT_FLOOR);
         const ema_real square = weight * weight;

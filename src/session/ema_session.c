@@ -14,8 +14,8 @@
 #define EMA_FIRST_STEP EMA_R(0.2)
 #define EMA_STALL_PER_PARAMETER 20U
 
-/* What ending a model run and preparing the next costs, in model steps: a slice in which many short runs end does not grow. */
-#define EMA_RUN_STEPS 64U
+/* What ending a model run and preparing the next costs, in model steps without effects: a slice that has less left does not begin it. Measured on the target. */
+#define EMA_RUN_STEPS 160U
 
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record)
 {
@@ -142,9 +142,13 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         const uint32_t made = session->run.model.state.step - before;
         left -= made;
         session->model_steps += made;
-        if (state != EMA_OBJECTIVE_RUNNING) {
+        if ((state != EMA_OBJECTIVE_RUNNING) && ((left >= EMA_RUN_STEPS) || (left == steps))) {
             status = ema_runs_next(session);
             left = (left > EMA_RUN_STEPS) ? (left - EMA_RUN_STEPS) : 0U;
+        } else if (state != EMA_OBJECTIVE_RUNNING) {
+            left = 0U;
+        } else {
+            /* the run goes on */
         }
     }
     while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_WEIGHING)) {
