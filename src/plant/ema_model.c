@@ -63,6 +63,14 @@ ema_status_t ema_model_init(ema_model_t* model, const ema_actuator_t* actuator, 
     return status;
 }
 
+/* Speed of the rod: zero while it rests in the play. */
+static ema_real ema_rod_speed(const ema_plant_t* plant, const ema_state_t* state)
+{
+    const bool carried = ((ema_real)state->play_side * state->speed_rad_s) > EMA_R(0.0);
+    const ema_real speed_mm_s = carried ? (plant->gearbox.lead_mm_per_rad * state->speed_rad_s) : EMA_R(0.0);
+    return ema_acts(plant, EMA_SITE_TRANSMISSION) ? state->rod_speed_mm_s : speed_mm_s;
+}
+
 ema_status_t ema_model_step(ema_model_t* model, ema_real command_mm, ema_output_t* output)
 {
     if (model == NULL) {
@@ -72,7 +80,9 @@ ema_status_t ema_model_step(ema_model_t* model, ema_real command_mm, ema_output_
         return EMA_ERR_NOT_FINITE;
     }
     ema_output_t row;
-    ema_tick(&model->plant, &model->state, command_mm, (output != NULL) ? output : &row);
+    ema_output_t* const shown = (output != NULL) ? output : &row;
+    shown->speed_mm_s = ema_rod_speed(&model->plant, &model->state);
+    ema_tick(&model->plant, &model->state, command_mm, shown);
     /* the play and the limits of the output swallow NaN, so that rod and voltage alone do not tell */
     const ema_state_t* const state = &model->state;
     const bool finite = ema_is_finite(state->current_A) && ema_is_finite(state->speed_rad_s) && ema_is_finite(state->motor_mm) && ema_is_finite(state->rod_mm)

@@ -23,11 +23,6 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_real command_mm,
     }
     ema_drive_current(plant, state, &applied);
     row->current_A = state->current_A;
-    const bool carried = ((ema_real)state->play_side * state->speed_rad_s) > EMA_R(0.0);
-    row->speed_mm_s = carried ? (plant->gearbox.lead_mm_per_rad * state->speed_rad_s) : EMA_R(0.0);
-    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        row->speed_mm_s = state->rod_speed_mm_s;
-    }
     if (plant->drive.delayed) {
         ema_late_step(plant, state, &applied);
     } else {

@@ -4,7 +4,7 @@
 
 #include "ema/ema_plant.h"
 
-/* One model step with `command_mm` held over it; `row` is what it shows. */
+/* One model step with `command_mm` held over it; `row` is what it shows, except the rod's speed, which no objective looks at. */
 void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_real command_mm, ema_output_t* row);
 
 #endif
