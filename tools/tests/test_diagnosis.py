@@ -14,6 +14,7 @@ from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis.adding import add
 from ema_tools.diagnosis.answer import Answer, answer
 from ema_tools.diagnosis.candidates import FAULTS, candidates
+from ema_tools.diagnosis.confirming import Step, refuted
 from ema_tools.diagnosis.evidence import repeat_residuals, settled
 from ema_tools.diagnosis.fitting import effect_of
 from ema_tools.diagnosis.gathering import gather
@@ -130,6 +131,30 @@ def test_a_fault_is_named_as_the_fault_and_not_as_an_effect(healthy: list[Record
     assert [one.name for one in found.faults] == ["csj"]
     assert found.faults[0].values["screw.csj_Nm"] == pytest.approx(0.2, rel=0.02)
     assert effect_of("screw.csj_Nm") == "csj"
+
+
+@needs_numba
+def test_without_repeats_a_hot_winding_has_the_doubt_of_the_resistance_it_hides_behind() -> None:
+    """Resistance is known to 4 % from the data sheet, which is as much as 10 degC: no record alone can do better."""
+    found = answer(reference_actuator(), run_of({"winding_heating.rise_degC": 120.0}, 811))
+    hot = next(one for one in found.effects if one.name == "winding_heating")
+    (size,), (std,) = hot.values.values(), hot.std.values()
+    assert 6.0 < std < 24.0
+    assert abs(size - 120.0) < 3.0 * std
+
+
+@needs_numba
+def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
+    worn = {name: factor * machine(UNIT).values[name] for name, factor in (("screw.csj_Nm", 1.5), ("screw.blk_mm", 2.0))}
+    found = answer(reference_actuator(), run_of(worn, 812))
+    assert found.verdict == "adequate", found.sentence()
+
+
+def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow() -> None:
+    steps = [Step((), "", 9.0, 8.0), Step((), "own", 5.0, 4.0), Step(("a",), "a", 2.0, 3.0), Step(("a", "b"), "b", 1.5, 3.5), Step(("a", "b", "c"), "c", 1.0, 2.0)]
+    assert refuted(steps) == ("b", "c")
+    assert refuted(steps[:3]) == ()
+    assert refuted([Step((), "", 9.0, None), Step(("a",), "a", 2.0, None)]) == ()
 
 
 @needs_numba

@@ -11,8 +11,9 @@ import numpy as np
 from ema_tools.actuator import Actuator, row_of
 from ema_tools.diagnosis import unknown as unknowns
 from ema_tools.diagnosis.candidates import FAULTS
-from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, walk
+from ema_tools.diagnosis.confirming import Errors, Step, fitted_machine, refuted, walk
 from ema_tools.diagnosis.evidence import Evidence
+from ema_tools.diagnosis.fitting import effect_of
 from ema_tools.diagnosis.following import HINTS
 from ema_tools.diagnosis.gate import Gate, judge
 from ema_tools.diagnosis.gathering import gather, same_command
@@ -30,7 +31,7 @@ _SIZES = 10.0
 
 @dataclass(frozen=True)
 class Answer:
-    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library does not hold."""
+    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library does not hold; `refuted`: effects that fit the record but not the one held out."""
 
     record: Record
     gate: Gate
@@ -43,6 +44,7 @@ class Answer:
     actuator: Actuator
     left: tuple[unknowns.Unknown, ...]
     learned: unknowns.Learned | None
+    refuted: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -73,6 +75,8 @@ class Answer:
             text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
             return f"{first}{text} ({fall})."
         if self.verdict == "unknown":
+            if self.refuted:
+                return f"{first}something is there, and {' and '.join(self.refuted)} would explain it, but not the record held out, whose error rises: no effect is recommended ({fall}). {self.left[0].sentence if self.left else ''}".strip()
             left = 100.0 * self.diagnosis.unexplained
             text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
             return f"{first}{text}. {self.left[0].sentence if self.left else ''}".strip()
@@ -80,7 +84,8 @@ class Answer:
         others = [other for one in self.effects for other in one.alike[1:]]
         alike = f", which looks like {', '.join(others)}" if others else ""
         faults = f"; beside it {faults}" if faults else ""
-        return f"{first}missing is {named}{alike}{faults} ({fall})."
+        refuted = f"; {' and '.join(self.refuted)} would lower the error further but raise that of the record held out, and {'is' if len(self.refuted) == 1 else 'are'} not recommended" if self.refuted else ""
+        return f"{first}missing is {named}{alike}{faults}{refuted} ({fall})."
 
     @property
     def fitted(self) -> Actuator:
@@ -240,15 +245,17 @@ def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), h
     best = found.fit
     known = fitted_machine(evidence, best)
     places = where(known if evidence.relative else fitted_machine(evidence, None), record, same, evidence.whiten, evidence.channels)
-    accepted: Mapping[str, float] = best.values if best is not None and found.verdict == "missing" else {}
-    improved = known.changed(accepted)
+    tell(0.9, "the record held out")
+    errors, steps = walk(found, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
+    wrong = refuted(steps) if found.verdict == "missing" else ()
+    found = found.refuted(wrong) if wrong else found
+    kept: Mapping[str, float] = {name: value for name, value in best.values.items() if effect_of(name) not in wrong} if best is not None else {}
+    improved = known.changed(kept if found.verdict == "missing" else {})
     left: tuple[unknowns.Unknown, ...] = ()
     table = None
     if found.verdict == "unknown":
-        tell(0.92, "what is unknown")
-        left = unknowns.left_over(known.changed(best.values if best is not None else {}), record, places)
+        tell(0.95, "what is unknown")
+        left = unknowns.left_over(known.changed(kept), record, places)
         table = unknowns.learned(left[0]) if left else None
-    tell(0.95, "the record held out")
-    errors, steps = walk(found, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     tell(1.0, "done")
-    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table)
+    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong)

@@ -6,6 +6,7 @@ healthy repeats where there are two or more, else with the model itself as it is
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -19,6 +20,8 @@ from ema_tools.diagnosis.search import Diagnosis
 from ema_tools.records import Record
 
 _SETTLE_ROUNDS = 3
+# An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent.
+_RISE = 1.02
 # What moves before any effect is added.
 SCATTER = "what scatters from run to run"
 UNIT = "the unit's own parameters"
@@ -55,6 +58,16 @@ class Step:
     added: str
     error: float
     holdout: float | None
+
+
+def refuted(steps: Sequence[Step]) -> tuple[str, ...]:
+    """Effects whose addition raised the error of the record held out, and all that came after them; none without one."""
+    known: set[str] = set()
+    for earlier, step in itertools.pairwise(steps):
+        if earlier.holdout is not None and step.holdout is not None and step.effects and step.holdout > _RISE * earlier.holdout:
+            return tuple(effect for effect in steps[-1].effects if effect not in known)
+        known |= set(step.effects)
+    return ()
 
 
 def weighted(cost: float, evidence: Evidence) -> float:

@@ -132,14 +132,50 @@ class View:
         count = self.deviations.size
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
 
-    def best_deviations(self, vector: Reals | None = None) -> Reals:
-        """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than what is credible.
+    @property
+    def plain(self) -> Reals:
+        """The residual with what scatters where it is, [n]: nothing taken off."""
+        return self._plain
+
+    @property
+    def plain_cost(self) -> float:
+        """Squared residual with what scatters where it is, and what that costs."""
+        return float(self._plain @ self._plain)
+
+    def free_slopes(self, around: Mapping[str, tuple[float, float]]) -> Reals:
+        """What the view's values named in `around`, per unit, between the two that are given there, and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
+
+        Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends.
+        """
+        own = self.deviations[: len(self.evidence.spread)]
+        none = np.zeros(self.deviations.size)
+
+        def of_value(name: str) -> Reals:
+            low, high = around[name]
+            moved = self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own)
+            return np.concatenate([self.evidence.whiten(moved) / (high - low), none])
+
+        def of_spread(place: int) -> Reals:
+            one = self.evidence.spread[place]
+            step = 2.0 * DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+            apart = np.zeros(own.size)
+            apart[place] = step
+            moved = self.evidence.simulate(self.values, own + apart) - self.evidence.simulate(self.values, own - apart)
+            return self.evidence.whiten(moved) / (2.0 * step)
+
+        found = self._directions.copy()
+        for place, column in enumerate(each(of_spread, list(range(own.size)))):
+            found[: column.size, place] = column
+        return np.column_stack([*each(of_value, list(around)), found])
+
+    def best_deviations(self, vector: Reals | None = None, reach: float = _CREDIBLE) -> Reals:
+        """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than `reach`, which is credible.
 
         Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
         """
         tall = self._plain if vector is None else self._plain - vector
         step, *_ = np.linalg.lstsq(self._directions, tall, rcond=None)
-        return np.asarray(np.clip(self.deviations + step, -_CREDIBLE, _CREDIBLE))
+        return np.asarray(np.clip(self.deviations + step, -reach, reach))
 
 
 def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, target: Reals | None = None) -> View:

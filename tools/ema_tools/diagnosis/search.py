@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ema_tools.diagnosis.candidates import Signature, promising, signatures
 from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, repeat_residuals, settled
-from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, polished, refit, slopes, without_effect
+from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, joint, polished, refit, slopes, without_effect
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.parallel import each
 
@@ -79,6 +79,11 @@ class Diagnosis:
     cost_floor: float
     unexplained: float
     limit: float
+
+    def refuted(self, effects: Collection[str]) -> Diagnosis:
+        """The same after a record held out has refuted `effects` of the answer: they are not accepted, and where nothing else is, what is there is unknown."""
+        named = tuple(replace(one, accepted=one.accepted and one.name not in effects) for one in self.named)
+        return replace(self, named=named, verdict=self.verdict if any(one.accepted for one in named) else "unknown")
 
     @property
     def alike(self) -> tuple[str, ...]:
@@ -211,13 +216,16 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
         return max(_needed(limit, excess, cost, floor, noise, evidence), doubt if place else 0.0)
 
     path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None))
-    best = path.steps[-1] if path.steps else None
+    steps = path.steps
+    if steps and not evidence.relative:
+        steps = (*steps[:-1], joint(replace(steps[-1], view=path.view, cost=path.view.cost)))
+    best = steps[-1] if steps else None
     cost = best.cost if best is not None else before
     unexplained = max(cost - floor, 0.0) / excess
     strange = cost - floor > max(noise, 2.0 * doubt)
     verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
-    named = _named(path.rounds, best, path.steps, verdict, doubt, before)
-    return Diagnosis(verdict, best, named, path.rounds, path.steps, before, cost, floor, unexplained, limit)
+    named = _named(path.rounds, best, steps, verdict, doubt, before)
+    return Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)
 
 
 def _needed(limit: float, excess: float, cost: float, floor: float, noise: float, evidence: Evidence) -> float:
