@@ -403,21 +403,42 @@ def next_command(
 @click.argument("actuator")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
 @click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
+@click.option("--signatures", metavar="FILE.h", help="Write the table for the onboard diagnosis there too: static const ema_signatures_t EMA_SIGNATURES.")
+@click.option("--healthy", multiple=True, metavar="REC", help="A healthy record of the ground test; two or more for --signatures.")
+@click.option("--signals", metavar="NAME,...", help="Signals of the table; the rod position and the current, where they are recorded, unless told.")
 @json_option
-def export(actuator: str, out: str, flat: str | None, json_path: str | None, force: bool) -> None:
+def export(
+    actuator: str, out: str, flat: str | None, signatures: str | None, healthy: tuple[str, ...], signals: str | None, json_path: str | None, force: bool
+) -> None:
     """Write ACTUATOR as the configuration that firmware compiles in."""
     from ema_tools import export as work
+    from ema_tools import onboard
     from ema_tools.actuator import read_actuator
     from ema_tools.files import write_text
+    from ema_tools.records import read_record
 
-    writable(out, flat, json_path, force=force, inputs=(actuator,))
+    if not signatures and (healthy or signals):
+        raise click.UsageError("--healthy and --signals belong to --signatures FILE.h")
+    writable(out, flat, signatures, json_path, force=force, inputs=(actuator, *healthy))
     model = read_actuator(actuator)
     work.check_for_firmware(model)
+    table = None
+    if signatures:
+        records = [read_record(path, model) for path in healthy]
+        table = onboard.signatures(model, records, onboard.signals_of(records, signals))
     write_text(out, work.header_text(model), force)
     if flat:
         write_text(flat, work.flat_text(model), force)
-    save(json_path, {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}, force)
-    output().print(f"{out} written" + (f", {flat} written" if flat else ""), highlight=False)
+    if signatures and table:
+        write_text(signatures, work.signatures_text(table), force)
+    found = {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}
+    if signatures and table:
+        found |= {"signatures": signatures, "table": table.summary()}
+    save(json_path, found, force)
+    told = [f"{path} written" for path in (out, flat) if path]
+    if signatures and table:
+        told.append(f"{signatures} written: {2 * table.numbers / 1024:.1f} KiB of signatures in {', '.join(table.signals)}")
+    output().print(", ".join(told), highlight=False)
 
 
 @cli.command()
