@@ -4,9 +4,12 @@
 
 #define EMA_INT16_FULL EMA_R(32767.0)
 
+/* Below it the value of one count has few bits left or none. */
+#define EMA_FULL_SCALE_MIN EMA_R(1.0e-30)
+
 static bool ema_scale_valid(ema_real full_scale)
 {
-    return (full_scale > EMA_R(0.0)) && ema_is_finite(full_scale);
+    return (full_scale >= EMA_FULL_SCALE_MIN) && ema_is_finite(full_scale);
 }
 
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config)

@@ -192,10 +192,11 @@ static void test_init_refuses_a_buffer_without_room_for_a_row(void)
     start();
 }
 
-static void test_init_refuses_a_full_scale_that_is_not_positive(void)
+static void test_init_refuses_a_full_scale_that_is_none(void)
 {
-    const ema_real bad[4] = {EMA_R(0.0), EMA_R(-1.0), (ema_real)NAN, (ema_real)INFINITY};
-    for (uint32_t k = 0; k < 4U; ++k) {
+    /* of the last one's counts no number is left: a sample of zero would be nothing over nothing */
+    const ema_real bad[5] = {EMA_R(0.0), EMA_R(-1.0), (ema_real)NAN, (ema_real)INFINITY, EMA_R(1.0e-42)};
+    for (uint32_t k = 0; k < 5U; ++k) {
         use_int16();
         config.command_full_scale_mm = bad[k];
         assert_refused(__LINE__);
@@ -323,7 +324,7 @@ int main(void)
     RUN_TEST(test_command_that_is_a_function_takes_no_room);
     RUN_TEST(test_init_needs_its_pointers);
     RUN_TEST(test_init_refuses_a_buffer_without_room_for_a_row);
-    RUN_TEST(test_init_refuses_a_full_scale_that_is_not_positive);
+    RUN_TEST(test_init_refuses_a_full_scale_that_is_none);
     RUN_TEST(test_full_scales_that_are_not_needed_are_not_looked_at);
     RUN_TEST(test_append_needs_its_pointers);
     RUN_TEST(test_append_refuses_a_row_too_many);
