@@ -1,6 +1,5 @@
 #include "ema_config.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "ema_csv_number.h"
@@ -240,15 +239,21 @@ static bool ema_config_lines(ema_actuator_t* actuator, ema_place_t* place, FILE*
     return good;
 }
 
+bool ema_config_take(ema_actuator_t* actuator, FILE* file, const char* name, char* message, size_t message_size)
+{
+    ema_place_t place = {.path = name, .message = message, .message_size = message_size};
+    (void)ema_actuator_defaults(actuator);
+    return ema_config_lines(actuator, &place, file);
+}
+
 bool ema_config_read(ema_actuator_t* actuator, const char* path, char* message, size_t message_size)
 {
-    ema_place_t place = {.path = path, .message = message, .message_size = message_size};
-    (void)ema_actuator_defaults(actuator);
     FILE* const file = fopen(path, "rb");
     if (file == NULL) {
+        const ema_place_t place = {.path = path, .message = message, .message_size = message_size};
         return ema_fail(&place, "file", "cannot be opened; check the path");
     }
-    const bool good = ema_config_lines(actuator, &place, file);
+    const bool good = ema_config_take(actuator, file, path, message, message_size);
     (void)fclose(file);
     return good;
 }
