@@ -14,6 +14,7 @@
 
 #include "ema/ema_annealer.h"
 #include "ema/ema_objective.h"
+#include "ema/ema_onboard.h"
 #include "ema/ema_sensitivity.h"
 
 #ifdef __cplusplus
@@ -65,7 +66,9 @@ enum {
     EMA_REASON_NEAR_THRESHOLD = 16,/* the shift cannot be told from its threshold with the stated confidence */
     EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters */
     EMA_REASON_BELOW_HEALTHY = 64, /* a parameter fell by more than its threshold, which wear does not do */
-    EMA_REASON_LEARNED_RANGE = 128 /* a learned table was used outside the range it was seen in */
+    EMA_REASON_LEARNED_RANGE = 128,/* a learned table was used outside the range it was seen in */
+    EMA_REASON_EFFECT = 256,       /* ema_guarded.h: the table of signatures says that an effect is missing from the model */
+    EMA_REASON_OTHER_COMMAND = 512 /* ema_guarded.h: the table could say nothing, because the record runs another command than it */
 };
 
 typedef struct {
@@ -101,11 +104,13 @@ typedef struct {
     union {                    /* one after the other */
         ema_objective_t run;   /* the model run of the search */
         ema_sensitivity_t weighing; /* the model runs at the end */
+        ema_onboard_t scoring; /* beside a table of signatures, before the search and after the weighing: ema_guarded.h */
     };
     ema_real start_mm;
     ema_real healthy_cost;
     uint64_t model_steps;
     uint32_t evaluations;
+    bool starts_healthy;       /* the search starts at the healthy values */
     bool healthy_done;         /* the cost at the healthy values is known */
     bool weighed;              /* the estimate could be weighed */
     ema_phase_t phase;

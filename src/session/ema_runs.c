@@ -23,8 +23,7 @@ static void ema_actuator_move(ema_session_t* session, const ema_real* x)
     }
 }
 
-/* Where the rod rests before the record: at the command when the first sample agrees with it within play and noise. */
-static ema_real ema_start_of(const ema_session_t* session)
+ema_real ema_runs_start_mm(const ema_session_t* session)
 {
     const ema_params_t* const params = &session->config->actuator->params;
     const ema_record_t* const record = &session->record;
@@ -88,7 +87,7 @@ ema_status_t ema_runs_next(ema_session_t* session)
     if (!session->healthy_done) {
         session->healthy_done = true;
         session->healthy_cost = cost;
-        if (session->config->start_at_healthy) {
+        if (session->starts_healthy) {
             ema_annealer_tell(&session->annealer, cost);
         }
     } else {
@@ -107,6 +106,6 @@ ema_status_t ema_runs_next(ema_session_t* session)
 
 ema_status_t ema_runs_begin(ema_session_t* session)
 {
-    session->start_mm = ema_start_of(session);
+    session->start_mm = ema_runs_start_mm(session);
     return ema_search_start(session);
 }

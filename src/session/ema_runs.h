@@ -7,6 +7,9 @@
 /* Value of an identified parameter at the coordinate `x` of the unit box. */
 ema_real ema_identified_at(const ema_identified_t* identified, ema_real x);
 
+/* Where the rod rests before the record: at the command when the first sample agrees with it within play and noise. */
+ema_real ema_runs_start_mm(const ema_session_t* session);
+
 /* Starts the first run. Errors: those of ema_objective_start. */
 ema_status_t ema_runs_begin(ema_session_t* session);
 

@@ -98,6 +98,7 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
         *session = fresh;
         session->config = config;
         session->record = record;
+        session->starts_healthy = config->start_at_healthy;
         session->phase = EMA_PHASE_FEEDING;
         (void)ema_annealer_init(&session->annealer, &annealer);
     }
