@@ -57,7 +57,7 @@ _LIMIT_SHARES = (0.95, 0.85)
 _SIZES: Mapping[str, Sequence[float]] = {"transmission_compliance": (0.01, 0.02)}
 # Shapes that are tried, by effect and field; effects of unknown phase have two rows for each.
 SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
-    "stribeck_friction": {"speed_rad_s": (5.0, 20.0), "shape": (1.5,)},
+    "stribeck_friction": {"speed_rad_s": (3.0, 8.0, 20.0), "shape": (1.0, 2.0)},
     "cogging_torque": {"periods": (12.0, 18.0, 24.0, 30.0, 36.0, 48.0, 60.0, 72.0)},
     "torque_ripple": {"periods": (6.0, 12.0, 18.0, 24.0, 30.0)},
     "transmission_compliance": {"mass_kg": (2.0, 6.0, 20.0), "damping_ratio": (0.06,)},

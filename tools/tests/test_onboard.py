@@ -14,9 +14,12 @@ import pytest
 
 from ema_tools import onboard
 from ema_tools.actuator import Actuator, reference_actuator
+from ema_tools.benchmarks import onboard as benchmark
 from ema_tools.definitions import library_folder
 from ema_tools.errors import InputError
 from ema_tools.export import fingerprint, header_text, signatures_text
+from ema_tools.identify import run as run_search
+from ema_tools.native import Search
 from ema_tools.onboard import Signatures, judge, residual_of, signatures
 from ema_tools.records import Record
 from support import ROOT, chirp_record, complaint, run_ema
@@ -60,6 +63,43 @@ int main(int count, char** words)
     return 0;
 }
 """
+GUARDED = """
+#include <stdio.h>
+#include "actuator.h"
+#include "signatures.h"
+#include "ema/ema_guarded.h"
+static ema_real rows[6U * 20000U];
+static ema_guarded_t guarded;
+int main(int count, char** words)
+{
+    ema_record_config_t record = {.buffer = rows, .buffer_bytes = sizeof rows, .format = EMA_RECORD_REAL, .keep = {true, false, true, false}};
+    ema_session_config_t config;
+    ema_result_t result;
+    ema_finding_t found;
+    FILE* const file = (count == 2) ? fopen(words[1], "r") : NULL;
+    double one[3];
+    if (!file || ema_session_config_default(&config, &EMA_ACTUATOR, &record) != EMA_OK || ema_guarded_init(&guarded, &config, &EMA_SIGNATURES) != EMA_OK) {
+        return 2;
+    }
+    while (fscanf(file, "%lf %lf %lf", &one[0], &one[1], &one[2]) == 3) {
+        const ema_sample_t sample = {(ema_real)one[0], {(ema_real)one[1], 0, (ema_real)one[2], 0}};
+        if (ema_guarded_feed(&guarded, &sample) != EMA_OK) {
+            return 3;
+        }
+    }
+    while (ema_guarded_phase(&guarded) != EMA_GUARDED_DONE) {
+        if (ema_guarded_run(&guarded, 200U) != EMA_OK) {
+            return 4;
+        }
+    }
+    if (ema_guarded_result(&guarded, &result, &found) != EMA_OK) {
+        return 5;
+    }
+    printf("%d %u %u %s %.9g %.9g %.9g %.9g\\n", (int)result.verdict, (unsigned)result.reasons, (unsigned)result.evaluations, ema_effect_name(found.effect),
+           (double)result.identified[0].estimate, (double)result.identified[1].estimate, (double)result.identified[0].std, (double)result.identified[1].std);
+    return 0;
+}
+"""
 KINDS = ("adequate", "missing", "unknown", "none")
 
 
@@ -74,25 +114,33 @@ def table() -> Signatures:
     return signatures(reference_actuator(), healthy)
 
 
-@pytest.fixture(scope="module")
-def program(table: Signatures, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[list[str]]]:
-    """Runs the module with the exported table on a record."""
+def _built(folder: Path, table: Signatures, source: str) -> Path:
+    """A program with the module and the exported headers; the test is skipped where nothing builds it."""
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     archive = library_folder() / "libema.a"
     if not compiler or not archive.is_file():
         pytest.skip("no C compiler, or libema.a is not built: build the project")
-    folder = tmp_path_factory.mktemp("onboard")
     (folder / "actuator.h").write_text(header_text(table.actuator), encoding="utf-8")
     (folder / "signatures.h").write_text(signatures_text(table), encoding="utf-8")
-    (folder / "main.c").write_text(PROGRAM, encoding="utf-8")
+    (folder / "main.c").write_text(source, encoding="utf-8")
     flags = ["-std=c11", "-pedantic-errors", "-Wall", "-Wextra", "-Wdouble-promotion", "-Werror"]
     subprocess.run([compiler, *flags, f"-I{ROOT / 'include'}", "main.c", str(archive), "-lm", "-o", "main"], cwd=folder, check=True)
+    return folder
+
+
+def _run(folder: Path, record: Record, *words: str) -> list[list[str]]:
+    np.savetxt(folder / "record.txt", np.column_stack([record.command_mm, record.position_mm, record.recorded("current_A")]), fmt="%.9g")
+    done = subprocess.run([folder / "main", *words, "record.txt"], cwd=folder, capture_output=True, text=True, check=False)
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def program(table: Signatures, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[list[str]]]:
+    """Runs the module with the exported table on a record."""
+    folder = _built(tmp_path_factory.mktemp("onboard"), table, PROGRAM)
 
     def run(record: Record, known: Actuator, steps: int = 200) -> list[list[str]]:
-        np.savetxt(folder / "record.txt", np.column_stack([record.command_mm, record.position_mm, record.recorded("current_A")]), fmt="%.9g")
-        words = [f"{known['screw.csj_Nm']:.9g}", f"{known['screw.blk_mm']:.9g}", str(steps), "record.txt"]
-        done = subprocess.run([folder / "main", *words], cwd=folder, capture_output=True, text=True, check=False)
-        return [line.split() for line in done.stdout.splitlines()]
+        return _run(folder, record, f"{known['screw.csj_Nm']:.9g}", f"{known['screw.blk_mm']:.9g}", str(steps))
 
     return run
 
@@ -143,6 +191,40 @@ def test_shifts_start_the_search(table: Signatures) -> None:
     moved = judge(table, residual_of(table, record)).moved
     assert moved["csj"] == pytest.approx(0.007, rel=0.25)
     assert moved["blk"] == pytest.approx(0.017, rel=0.25)
+
+
+def test_session_behind_the_table(table: Signatures, tmp_path: Path) -> None:
+    """A fault is found in fewer runs than without the table; beside an effect it is taken back, and the effect is named."""
+    folder = _built(tmp_path, table, GUARDED)
+    worn = {"screw.csj_Nm": 0.16, "screw.blk_mm": 0.05}
+    record = _record(reference_actuator().changed(worn), 21)
+    plain = run_search(reference_actuator(), record, Search(), 32)
+    ((verdict, reasons, runs, _, *values),) = _run(folder, record)
+    assert (verdict, reasons, plain.verdict) == ("1", "0", "fault")
+    assert int(runs) < 0.8 * plain.evaluations
+    for value, estimate in zip(values, plain.identified, strict=False):
+        assert float(value) == pytest.approx(estimate.estimate, abs=0.2 * estimate.std)
+    ((verdict, reasons, _, effect, *_),) = _run(folder, _record(reference_actuator().changed({**worn, "inertia_change.change": 0.1}), 22))
+    assert verdict == "2"
+    assert int(reasons) & 256
+    assert effect == "inertia_change"
+
+
+def test_benchmark_counts(table: Signatures) -> None:
+    """The document's figures, from three records whose answers are known."""
+    healthy = tuple(_record(reference_actuator(), 40 + k) for k in range(3))
+    kept = [benchmark.Kept("healthy", "", "", _record(reference_actuator(), 50))]
+    kept += [benchmark.Kept("effect", "inertia_change", "medium", _record(reference_actuator().changed({"inertia_change.change": 0.1}), 51))]
+    kept += [benchmark.Kept("effect", "supply_sag", "large", _record(reference_actuator().changed({"inertia_change.change": 0.1}), 52))]
+    row = benchmark.naming([benchmark.Known(reference_actuator(), healthy, tuple(kept))], onboard.SIGNALS, 25.0)
+    assert row[3:] == ["0 of 0, 0 among three", "1 of 1, 1 among three", "0 of 1, 0 among three", "0 of 1"]
+    answers = [benchmark.guarded(table, one) for one in kept]
+    assert benchmark.verdicts(answers[:1])[0] == "| nothing | 1 | 1 | 0 | 0 |  |"
+    assert benchmark.verdicts(answers)[3].endswith("| 1 | 1 |")
+    block = benchmark.placed(f"a\n{benchmark.BEGIN}\nold\n{benchmark.END}\nb", f"{benchmark.BEGIN}\nnew\n{benchmark.END}")
+    assert block == f"a\n{benchmark.BEGIN}\nnew\n{benchmark.END}\nb"
+    with pytest.raises(InputError, match="no place for the figures"):
+        benchmark.placed("a", "b")
 
 
 def test_rows_are_of_length_one_and_free_of_faults(table: Signatures) -> None:
