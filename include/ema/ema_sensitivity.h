@@ -3,6 +3,10 @@
  * With J the sensitivities of the weighted channels, the standard errors are sqrt(diag((J'J)^-1) s^2), s^2 the residual's mean square. Neighbouring residuals
  * that are alike carry less information than their number says: with correlation rho of neighbours s^2 is widened by
  * (1 + rho) / (1 - rho), the factor of a first-order autoregressive residual. White noise leaves rho near 0 and the errors as they are.
+ *
+ * What stands in the residual for longer than noise does, though little of it, comes from something that the fit has partly taken for a parameter: a sensor that saturates, a
+ * clock, a lag. How far the estimate may be off for that is its bias: a third of what is shared, as if it lay along the parameter's own signature. The share is measured: of
+ * the records in docs/FAULTS.md, and of others spoilt at random, none needed more.
  */
 #ifndef EMA_SENSITIVITY_H
 #define EMA_SENSITIVITY_H
@@ -28,6 +32,8 @@ typedef struct {
     ema_real position_neighbours;
     ema_real position_last_mm;
     ema_real weighted_square;
+    ema_real block_mm;          /* of the rod position's residual, summed over the rows of a block so far */
+    ema_real block_square;      /* of whole blocks */
     ema_real command_mm;
     uint32_t parameters;
     uint32_t channels;
@@ -35,14 +41,17 @@ typedef struct {
     uint32_t row;
     uint32_t step_in_row;
     uint32_t next_model;        /* whose turn it is */
+    bool pushed[2];             /* the run at the estimate has pushed the rod back, and forward */
 } ema_sensitivity_t;
 
 typedef struct {
     ema_real std[EMA_IDENTIFIED_MAX]; /* in the parameters' units */
+    ema_real bias[EMA_IDENTIFIED_MAX]; /* how far the estimates may be off for what the residual shares over many rows; 0 where it is white */
     ema_real residual_rms_mm;
     ema_real residual_correlation;
     ema_real outside_ratio;           /* of the run at the estimate: how far a learned table was used outside its range */
-    bool determined;                  /* false: the record does not tell the parameters apart, std is not set */
+    bool determined;                  /* false: the record does not tell the parameters apart, std and bias are not set */
+    bool crossed;                     /* the play was passed: the rod was pushed both ways. Before that its place in the play, which nobody knows, stands for the play */
 } ema_sensitivity_result_t;
 
 /* Prepares the runs of `actuator` (at the estimate) with `count` values `ids` moved by `delta`, against `record`. Each value is moved in `actuator` itself and

@@ -63,8 +63,8 @@ enum {
     EMA_REASON_INADEQUATE = 2,     /* the residual is larger than the sensor noise explains: an effect is missing from the model */
     EMA_REASON_AT_BOUND = 4,       /* an estimate lies on a bound of its search */
     EMA_REASON_NOT_CONVERGED = 8,  /* the evaluations were used up while the cost still fell */
-    EMA_REASON_NEAR_THRESHOLD = 16,/* the shift cannot be told from its threshold with the stated confidence */
-    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters */
+    EMA_REASON_NEAR_THRESHOLD = 16,/* the shift cannot be told from its threshold: they are closer than standard errors at the stated confidence and bias together */
+    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters: too much doubt about one, or the rod was never pushed both ways */
     EMA_REASON_BELOW_HEALTHY = 64, /* a parameter fell by more than its threshold, which wear does not do */
     EMA_REASON_LEARNED_RANGE = 128,/* a learned table was used outside the range it was seen in */
     EMA_REASON_EFFECT = 256,       /* ema_guarded.h: the table of signatures says that an effect is missing from the model */
@@ -74,6 +74,7 @@ enum {
 typedef struct {
     ema_real estimate;      /* in the parameter's own unit */
     ema_real std;           /* standard error from the residual and the sensitivities */
+    ema_real bias;          /* how far it may be off besides, for what lasts in the residual: see ema_sensitivity.h */
     ema_real shift_percent; /* (estimate - healthy) / healthy * 100 */
     bool at_bound;
 } ema_estimate_t;

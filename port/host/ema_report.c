@@ -207,6 +207,7 @@ void ema_report_json(const ema_report_t* report, FILE* out)
         (void)fprintf(out, ",\n  \"%s\": {", ema_fault_key[i]);
         ema_json_real(out, "\"estimate\": ", (double)found->estimate);
         ema_json_real(out, ", \"std\": ", ema_std(result, i));
+        ema_json_real(out, ", \"bias\": ", (double)found->bias);
         ema_json_real(out, ", \"shift_percent\": ", (double)found->shift_percent);
         ema_json_real(out, ", \"healthy\": ", ema_healthy(report, i));
         (void)fprintf(out, ", \"at_bound\": %s}", found->at_bound ? "true" : "false");

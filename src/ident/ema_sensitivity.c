@@ -8,6 +8,15 @@
 /* A residual that repeats itself entirely would make the standard errors infinite. */
 #define EMA_CORRELATION_MAX EMA_R(0.999)
 
+/* Rows over which what lasts is told from noise: noise sums up to little over so many, and every motion lasts longer. */
+#define EMA_BLOCK_ROWS 16U
+
+/* Scatter of a measured correlation that white noise may show, in standard errors. */
+#define EMA_CORRELATION_DOUBT EMA_R(3.0)
+
+/* Part of a shared residual that may have been taken for a parameter. */
+#define EMA_BIAS_SHARE EMA_R(0.35)
+
 ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
                                    const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm)
 {
@@ -59,6 +68,13 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
     self->position_square += residual_mm * residual_mm;
     self->position_neighbours += residual_mm * self->position_last_mm;
     self->position_last_mm = residual_mm;
+    self->block_mm += residual_mm;
+    if ((self->row % EMA_BLOCK_ROWS) == (EMA_BLOCK_ROWS - 1U)) {
+        self->block_square += self->block_mm * self->block_mm;
+        self->block_mm = EMA_R(0.0);
+    }
+    self->pushed[0] = self->pushed[0] || (self->model[0].state.play_side < 0);
+    self->pushed[1] = self->pushed[1] || (self->model[0].state.play_side > 0);
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         if (self->weight[channel] > EMA_R(0.0)) {
             const ema_real base = ema_output_channel(&self->row_output[0], channel);
@@ -107,6 +123,21 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
     return made;
 }
 
+/* Share of the residual's mean square that neighbouring rows have in common, above what white noise may show: by pairs, or by blocks where it lasts. */
+static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
+{
+    const ema_real width = (ema_real)EMA_BLOCK_ROWS;
+    const ema_real blocks = (ema_real)(self->row / EMA_BLOCK_ROWS);
+    const ema_real rows = (ema_real)self->row;
+    ema_real shared = correlation - (EMA_CORRELATION_DOUBT / ema_sqrt(rows));
+    if ((self->position_square > EMA_R(0.0)) && (blocks > EMA_R(0.0))) {
+        const ema_real white = (self->position_square / rows) * (blocks * width);
+        const ema_real doubt = EMA_CORRELATION_DOUBT * ema_sqrt(EMA_R(2.0) / blocks);
+        shared = ema_max(shared, ((self->block_square / white) - EMA_R(1.0) - doubt) / (width - EMA_R(1.0)));
+    }
+    return ema_clamp(shared, EMA_R(0.0), EMA_R(1.0));
+}
+
 void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result)
 {
     const uint32_t count = self->parameters;
@@ -115,6 +146,7 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     result->residual_correlation = (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
 
     result->outside_ratio = self->model[0].state.outside_ratio;
+    result->crossed = self->pushed[0] && self->pushed[1];
 
     /* unit diagonal: the parameters have different units */
     ema_real factor[EMA_TRIANGLE(EMA_IDENTIFIED_MAX)];
@@ -133,15 +165,18 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
 
     const ema_real widen = ema_clamp(result->residual_correlation, EMA_R(0.0), EMA_CORRELATION_MAX);
     const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));
+    const ema_real shared_square = ema_shared(self, result->residual_correlation) * self->weighted_square;
     const ema_real variance = (self->weighted_square / freedom) * ((EMA_R(1.0) + widen) / (EMA_R(1.0) - widen));
     for (uint32_t i = 0; i < count; ++i) {
         ema_real column[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
         result->std[i] = EMA_R(0.0);
+        result->bias[i] = EMA_R(0.0);
         if (result->determined) {
             column[i] = EMA_R(1.0);
             ema_solve_lower(factor, count, column);
             ema_solve_upper(factor, count, column);
             result->std[i] = ema_sqrt(column[i] * variance) / length[i];
+            result->bias[i] = (EMA_BIAS_SHARE * ema_sqrt(column[i] * shared_square)) / length[i];
         }
     }
 }

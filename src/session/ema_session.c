@@ -192,6 +192,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
         estimate->estimate = ema_identified_at(&config->identified[i], x);
         estimate->std = weighed.std[i];
+        estimate->bias = weighed.bias[i];
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
     }
@@ -206,7 +207,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     result->random = session->annealer.random;
     result->outcome = ema_annealer_outcome(&session->annealer);
     if (session->phase == EMA_PHASE_DONE) {
-        ema_verdict_judge(config, weighed.determined, result);
+        ema_verdict_judge(config, weighed.determined && weighed.crossed, result);
     } else {
         result->verdict = EMA_VERDICT_UNDECIDED;
         result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;

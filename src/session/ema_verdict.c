@@ -9,10 +9,11 @@
 static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate, ema_real healthy, ema_real confidence, bool* fault)
 {
     uint32_t reasons = estimate->at_bound ? (uint32_t)EMA_REASON_AT_BOUND : 0U;
-    const ema_real doubt_percent = (confidence * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
+    const ema_real scatter_percent = (confidence * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
+    const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy));
     const ema_real threshold_percent = identified->min_shift_percent;
     /* every comparison is written so that NaN never counts as healthy */
-    if (!(doubt_percent <= EMA_R(100.0))) {
+    if (!(scatter_percent <= EMA_R(100.0))) {
         reasons |= (uint32_t)EMA_REASON_NOT_SENSITIVE;
     } else if (estimate->shift_percent > (threshold_percent + doubt_percent)) {
         *fault = true;

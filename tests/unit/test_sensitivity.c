@@ -249,6 +249,42 @@ static void test_slices_change_no_bit_and_make_what_they_say(void)
     }
 }
 
+/* White noise leaves no bias; a slow wave under it, smaller than the noise, leaves one that grows with it and that the errors do not tell. */
+static void test_what_lasts_in_the_residual_is_told_as_bias(void)
+{
+    double bias[3];
+    const ema_real wave_mm[3] = {EMA_R(0.0), EMA_R(0.002), EMA_R(0.004)};
+    for (uint32_t k = 0; k < 3U; ++k) {
+        make_record(ROWS, EMA_R(0.005), EMA_R(0.0));
+        for (uint32_t row = 0; row < ROWS; ++row) {
+            buffer[(row * 5U) + 1U] += ((row % 200U) < 100U) ? wave_mm[k] : -wave_mm[k];
+        }
+        start(position_only, deltas, 2U);
+        const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
+        bias[k] = (double)result.bias[1];
+        TEST_ASSERT_TRUE(result.crossed);
+        /* a wave of amplitude a is all along one parameter worth a/noise times sqrt(rows) standard errors of white noise; a third of it is told */
+        const double widest = 0.36 * ((double)wave_mm[k] / 0.005) * sqrt((double)ROWS) * (double)result.std[1];
+        TEST_ASSERT_TRUE(bias[k] <= widest);
+    }
+    TEST_ASSERT_TRUE(bias[0] == 0.0);
+    TEST_ASSERT_TRUE(bias[1] > 0.0);
+    TEST_ASSERT_TRUE(bias[2] > (1.5 * bias[1]));
+}
+
+static void test_play_is_crossed_once_the_rod_was_pushed_both_ways(void)
+{
+    /* the chirp turns back behind a quarter of its first wave */
+    const bool crossed[2] = {false, true};
+    const uint32_t rows[2] = {ROWS / 40U, ROWS};
+    for (uint32_t k = 0; k < 2U; ++k) {
+        make_record(rows[k], EMA_R(0.0), EMA_R(0.0));
+        start(position_only, deltas, 2U);
+        const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
+        TEST_ASSERT_TRUE(result.crossed == crossed[k]);
+    }
+}
+
 /* The same noise twice, once shared between neighbours: the errors widen as for a first-order autoregressive residual. */
 static void test_shared_residual_widens_the_errors(void)
 {
@@ -436,6 +472,8 @@ int main(void)
     RUN_TEST(test_rows_apart_and_a_command_between_them);
     RUN_TEST(test_slices_change_no_bit_and_make_what_they_say);
     RUN_TEST(test_shared_residual_widens_the_errors);
+    RUN_TEST(test_what_lasts_in_the_residual_is_told_as_bias);
+    RUN_TEST(test_play_is_crossed_once_the_rod_was_pushed_both_ways);
     RUN_TEST(test_alternating_residual_does_not_narrow_the_errors);
     RUN_TEST(test_residual_that_repeats_itself_leaves_the_errors_finite);
     RUN_TEST(test_perfect_record_has_no_residual_and_no_errors);

@@ -276,6 +276,31 @@ static void test_only_the_identified_parameters_count(void)
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_HEALTHY, result.verdict);
 }
 
+/* Bias stands beside the standard errors where a shift is held against its threshold, and does not make a parameter undetermined. */
+static void test_bias_widens_the_doubt(void)
+{
+    line_t line = {0.0, 0.04, 8.5, 0.1, 5.0, 0.0, HEALTHY};
+    ema_result_t result = result_of(&line);
+    ema_verdict_judge(&config, true, &result);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_HEALTHY, result.verdict);
+    result.identified[1].bias = healthy.params.blk_mm * EMA_R(0.02);
+    ema_verdict_judge(&config, true, &result);
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_NEAR_THRESHOLD, result.reasons);
+    line.blk_percent = 12.85;
+    result = result_of(&line);
+    ema_verdict_judge(&config, true, &result);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_FAULT, result.verdict);
+    result.identified[1].bias = healthy.params.blk_mm * EMA_R(0.03);
+    ema_verdict_judge(&config, true, &result);
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_NEAR_THRESHOLD, result.reasons);
+    result.identified[1].bias = healthy.params.blk_mm * EMA_R(5.0);
+    ema_verdict_judge(&config, true, &result);
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_NEAR_THRESHOLD, result.reasons);
+    result.identified[1].bias = (ema_real)NAN;
+    ema_verdict_judge(&config, true, &result);
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_NEAR_THRESHOLD, result.reasons);
+}
+
 /* A healthy value may be negative: its size counts. */
 static void test_negative_healthy_value(void)
 {
@@ -309,6 +334,7 @@ int main(void)
     RUN_TEST(test_no_standard_errors_no_verdict);
     RUN_TEST(test_reasons_add_up);
     RUN_TEST(test_only_the_identified_parameters_count);
+    RUN_TEST(test_bias_widens_the_doubt);
     RUN_TEST(test_negative_healthy_value);
     return UNITY_END();
 }
