@@ -187,6 +187,39 @@ static void one_value_alone(void)
     TEST_ASSERT_EQUAL_INT(EMA_FINDING_ADEQUATE, finding.kind);
 }
 
+/* A table that is no longer what it was when the search began: nothing is said, and no verdict either. */
+static void table_that_changes(void)
+{
+    ema_finding_t finding;
+    ema_result_t result;
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, &rig.table));
+    feed(NULL, &healthy, EMA_R(4.0), EMA_TABLE_RECORD_ROWS);
+    while (ema_guarded_phase(&guarded) != EMA_GUARDED_SESSION) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U));
+    }
+    rig.table.version += 1U;
+    run(&guarded, 1000U);
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, &finding));
+    TEST_ASSERT_EQUAL_INT(EMA_FINDING_NONE, finding.kind);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
+    TEST_ASSERT_BITS_HIGH(EMA_REASON_OTHER_COMMAND, result.reasons);
+}
+
+/* A rod that begins beyond the ends of travel has no model, beside the table and in the session. */
+static void rod_beyond_the_travel(void)
+{
+    const ema_real far_mm = EMA_R(2.0) * healthy.params.travel_mm;
+    const ema_sample_t sample = {far_mm, {far_mm}};
+    const ema_signatures_t* const tables[] = {&rig.table, NULL};
+    for (size_t k = 0; k < 2U; ++k) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, tables[k]));
+        for (uint32_t row = 0; row < EMA_ROWS_MIN; ++row) {
+            EMA_ASSERT_STATUS(EMA_OK, ema_guarded_feed(&guarded, &sample));
+        }
+        EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_run(&guarded, 10U));
+    }
+}
+
 static void order_and_refusals(void)
 {
     ema_result_t result;
@@ -237,6 +270,8 @@ int main(void)
     RUN_TEST(a_missing_effect_takes_the_fault_back);
     RUN_TEST(another_command);
     RUN_TEST(one_value_alone);
+    RUN_TEST(table_that_changes);
+    RUN_TEST(rod_beyond_the_travel);
     RUN_TEST(order_and_refusals);
     return UNITY_END();
 }

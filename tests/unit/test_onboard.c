@@ -194,6 +194,13 @@ static void rows_of_several_steps(void)
     record_rows(&healthy, 10U);
     (void)find(&healthy, 4U);
     TEST_ASSERT_EQUAL_UINT32(30U, onboard.model.state.step);
+    /* between rows a command that is a function goes on */
+    const ema_real held_mm = onboard.command_mm;
+    const ema_command_t command = ema_signature_command(&healthy);
+    record.command = &command;
+    (void)find(&healthy, 4U);
+    EMA_ASSERT_CLOSE((double)ema_command_at(&command, 29U), (double)onboard.command_mm, 0.0, 0.0);
+    TEST_ASSERT_TRUE(fabs((double)onboard.command_mm - (double)held_mm) > 1.0e-4);
 }
 
 /* Ranking by products that are given: phases, signs, penalties, shapes, and what is too near to be told apart. */
@@ -229,6 +236,14 @@ static void ranking(void)
     TEST_ASSERT_EQUAL_INT(EMA_EFFECT_COUNT, finding.effect);
     TEST_ASSERT_TRUE(finding.alike == 0U);
     TEST_ASSERT_EQUAL_INT(EMA_FINDING_ADEQUATE, finding.kind);
+    /* much is left, with no effect and with one that explains little of it */
+    onboard.scores.square = EMA_R(500.0);
+    EMA_ASSERT_STATUS(EMA_OK, ema_onboard_result(&onboard, &finding));
+    TEST_ASSERT_EQUAL_INT(EMA_FINDING_UNKNOWN, finding.kind);
+    (void)memcpy(onboard.scores.product, products, sizeof products);
+    EMA_ASSERT_STATUS(EMA_OK, ema_onboard_result(&onboard, &finding));
+    TEST_ASSERT_EQUAL_INT(EMA_EFFECT_ID_pitch_ripple, finding.effect);
+    TEST_ASSERT_EQUAL_INT(EMA_FINDING_UNKNOWN, finding.kind);
 }
 
 static void prints(void)
