@@ -33,7 +33,7 @@ typedef struct {
     ema_real position_last_mm;
     ema_real weighted_square;
     ema_real block_mm;          /* of the rod position's residual, summed over the rows of a block so far */
-    ema_real block_square_mm2;      /* of whole blocks */
+    ema_real block_square;      /* of whole blocks */
     ema_real command_mm;
     uint32_t parameters;
     uint32_t channels;

@@ -70,7 +70,7 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
     self->position_last_mm = residual_mm;
     self->block_mm += residual_mm;
     if ((self->row % EMA_BLOCK_ROWS) == (EMA_BLOCK_ROWS - 1U)) {
-        self->block_square_mm2 += self->block_mm * self->block_mm;
+        self->block_square += self->block_mm * self->block_mm;
         self->block_mm = EMA_R(0.0);
     }
     self->pushed[0] = self->pushed[0] || (self->model[0].state.play_side < 0);
@@ -133,7 +133,7 @@ static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
     if ((self->position_square > EMA_R(0.0)) && (blocks > EMA_R(0.0))) {
         const ema_real white = (self->position_square / rows) * (blocks * width);
         const ema_real doubt = EMA_CORRELATION_DOUBT * ema_sqrt(EMA_R(2.0) / blocks);
-        shared = ema_max(shared, ((self->block_square_mm2 / white) - EMA_R(1.0) - doubt) / (width - EMA_R(1.0)));
+        shared = ema_max(shared, ((self->block_square / white) - EMA_R(1.0) - doubt) / (width - EMA_R(1.0)));
     }
     return ema_clamp(shared, EMA_R(0.0), EMA_R(1.0));
 }
