@@ -101,10 +101,12 @@ def naming(machines: Sequence[Known], signals: tuple[str, ...], rate_hz: float) 
     right = dict.fromkeys(STRENGTHS, 0)
     three = dict.fromkeys(STRENGTHS, 0)
     all_of = dict.fromkeys(STRENGTHS, 0)
-    accused, days, size = 0, 0, 0.0
+    accused, days, size, rate = 0, 0, 0.0, rate_hz
     for one in machines:
         table = signatures(one.actuator, one.healthy, signals, rate_hz)
         size = max(size, 2.0 * table.numbers / 1024.0)
+        # a rate with which the table would not fit is lowered
+        rate = min(rate, 1.0 / (table.bin_rows * one.actuator.record_period_s))
         for kept in one.kept:
             if kept.kind not in ("healthy", "effect"):
                 continue
@@ -116,7 +118,7 @@ def naming(machines: Sequence[Known], signals: tuple[str, ...], rate_hz: float) 
             right[kept.strength] += _named(found, kept)
             three[kept.strength] += any(same_class(scored.effect, kept.name) for scored in found.scored[:3])
     cells = [f"{right[strength]} of {all_of[strength]}, {three[strength]} among three" for strength in STRENGTHS]
-    return [", ".join(signals), f"{rate_hz:g}", f"{size:.0f}{'' if size <= 128.0 else ' (too large)'}", *cells, f"{accused} of {days}"]
+    return [", ".join(signals), f"{rate:.3g}", f"{size:.0f}", *cells, f"{accused} of {days}"]
 
 
 def _start(table: Signatures, found: Judged) -> tuple[float, ...]:
