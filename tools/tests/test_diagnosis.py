@@ -139,8 +139,8 @@ def test_without_repeats_a_hot_winding_has_the_doubt_of_the_resistance_it_hides_
     found = answer(reference_actuator(), run_of({"winding_heating.rise_degC": 120.0}, 811))
     hot = next(one for one in found.effects if one.name == "winding_heating")
     (size,), (std,) = hot.values.values(), hot.std.values()
-    assert 6.0 < std < 24.0
-    assert abs(size - 120.0) < 3.0 * std
+    assert std > 6.0
+    assert abs(size - 120.0) < min(3.0 * std, 40.0)
 
 
 @needs_numba
