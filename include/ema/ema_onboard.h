@@ -25,7 +25,7 @@ extern "C" {
 #define EMA_SIGNATURES_VERSION 1U
 
 /* Rows of a table: sets the memory. */
-#define EMA_SIGNATURE_ROWS_MAX 96U
+#define EMA_SIGNATURE_ROWS_MAX 112U
 
 /* CSJ and BLK. */
 #define EMA_SIGNATURE_FAULTS_MAX 2U

@@ -27,7 +27,7 @@ from ema_tools.records import Record, start_of
 
 # What the table may take in flash, and what it is made of unless told: docs/ONBOARD_DIAGNOSIS.md has the measurement behind it.
 TABLE_BYTES_MAX = 131_072
-ROWS_MAX = 96
+ROWS_MAX = 112
 SIGNALS = ("position_mm", "current_A")
 RATE_HZ = 25.0
 # An effect must take off so many units of cost, as on the desk, and more than healthy runs of the machine show; the same factor for what is left in all.
@@ -41,8 +41,9 @@ LEFT_SHARE = 0.5
 _LEAST_NOISE_PART = 0.3
 # A command that differs by more than this part of its reach is another one.
 _COMMAND_APART = 0.005
-# A signature is taken at the size at which it stands so many standard deviations out of the noise, or at this share of its range.
+# A signature is taken at the size at which it stands so many standard deviations out of the noise, or at this share of its range; one that turns with its size at two.
 _APART = 60.0
+_APARTS: Mapping[str, Sequence[float]] = {"cogging_torque": (_APART, 300.0)}
 _SHARE_MAX = 0.3
 _SHARE_FIRST = 0.002
 _SCALINGS = 4
@@ -232,6 +233,7 @@ class _Wanted:
     rows: tuple[Mapping[str, float], ...]
     one_sided: bool
     shape: Mapping[str, float]
+    apart: float = _APART
     fixed: bool = False
 
 
@@ -258,7 +260,7 @@ def _wanted(bench: _Bench, effect: Effect) -> list[_Wanted]:
             continue
         rows = tuple({**shape, f"{effect.name}.phase_rad": phase} for phase in (0.0, np.pi / 2.0)) if phased else (shape,)
         one_sided = size.lower >= size.nominal and not phased and zero == size.nominal
-        found.append(_Wanted(effect.name, size.name, zero, _SHARE_FIRST * span, _SHARE_MAX * span, rows, one_sided, shape))
+        found += [_Wanted(effect.name, size.name, zero, _SHARE_FIRST * span, _SHARE_MAX * span, rows, one_sided, shape, apart) for apart in _APARTS.get(effect.name, (_APART,))]
     return found
 
 
@@ -277,13 +279,13 @@ def _row(bench: _Bench, space: _Space, wanted: _Wanted, values: Mapping[str, flo
             change = min(30.0 * change, wanted.largest)
             continue
         found = (change, vector)
-        if abs(np.log(length / _APART)) < _NEAR_ENOUGH or (change >= wanted.largest and length < _APART):
+        if abs(np.log(length / wanted.apart)) < _NEAR_ENOUGH or (change >= wanted.largest and length < wanted.apart):
             break
         if earlier is not None and change != earlier[0]:
             # a stretch grows with the square of its period
             power = float(np.clip(np.log(length / earlier[1]) / np.log(change / earlier[0]), 0.5, 3.0))
         earlier = (change, length)
-        change = min(change * float(np.clip(_APART / length, 1e-3, 30.0)) ** (1.0 / power), wanted.largest)
+        change = min(change * float(np.clip(wanted.apart / length, 1e-3, 30.0)) ** (1.0 / power), wanted.largest)
     return found
 
 

@@ -181,11 +181,11 @@ def searches(answers: Sequence[Guarded]) -> list[str]:
     return rows
 
 
-def written(machines: int, choices: Sequence[Sequence[str]], answers: Sequence[Guarded]) -> str:
+def written(first: int, machines: int, choices: Sequence[Sequence[str]], answers: Sequence[Guarded]) -> str:
     """The block of the document."""
     lines = [
         BEGIN,
-        f"{machines} machines, {len(LIBRARY)} effects, small, medium and large as in [NAMING](NAMING.md), one record each; {DAYS} healthy days of each machine.",
+        f"Machines {first} to {first + machines - 1}, on which nothing was chosen: {len(LIBRARY)} effects, small, medium and large as in [NAMING](NAMING.md), one record each; {DAYS} healthy days of each machine.",
         "",
         _row(["signals", "rate, Hz", "KiB", *(f"named, {strength}" for strength in STRENGTHS), "healthy accused"]),
         "|---|---:|---:|---:|---:|---:|---:|",
@@ -219,16 +219,17 @@ def _count(bar: Bar, before: int, done: int) -> None:
 
 
 @click.command()
-@click.option("--machines", default=3, show_default=True, type=click.IntRange(1), help="Machines, numbered from 1.")
+@click.option("--machines", default=3, show_default=True, type=click.IntRange(1), help="Number of machines.")
+@click.option("--first", default=11, show_default=True, type=click.IntRange(1), help="Number of the first; shapes and sizes were chosen on 1 to 5.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Document whose figures are replaced; else the terminal.")
-def measure(machines: int, output: Path | None) -> None:
+def measure(machines: int, first: int, output: Path | None) -> None:
     """Naming by the onboard table."""
     begun = time.monotonic()
     with progress("machines", machines) as bar:
         units = []
-        for number in range(1, machines + 1):
+        for number in range(first, first + machines):
             units.append(known(number))
-            bar.update(number)
+            bar.update(len(units))
     choices = [naming(units, signals, rate) for signals, rate in CHOICES]
     answers: list[Guarded] = []
     with progress("searches", sum(kept.strength != "small" for one in units for kept in one.kept)) as bar:
@@ -236,7 +237,7 @@ def measure(machines: int, output: Path | None) -> None:
             table = signatures(one.actuator, one.healthy)
             wanted = [kept for kept in one.kept if kept.strength != "small"]
             answers += each(partial(guarded, table), wanted, partial(_count, bar, len(answers)))
-    block = written(machines, choices, answers)
+    block = written(first, machines, choices, answers)
     if output:
         write_text(output, placed(output.read_text(encoding="utf-8"), block), force=True)
     else:
