@@ -176,6 +176,8 @@ def _correlations(fit: Fit) -> list[tuple[str, str, float]]:
 def _judged(fit: Fit, effect: str, errors: Errors, before: float, correlations: Sequence[tuple[str, str, float]]) -> tuple[bool, str]:
     if before - fit.cost < LEAST_LIMIT:
         return False, "the error on the fitted record does not fall by more than noise can make it"
+    if not fit.determined(effect):
+        return False, "its size could as well be none beside what the model does not explain: ema diagnose says what would explain more"
     bound = [name for name in fit.at_bound if effect_of(name) == effect]
     if bound:
         return False, f"{bound[0]} lies on a bound of its range, so the effect stands in for another one"

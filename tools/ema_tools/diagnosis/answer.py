@@ -103,6 +103,8 @@ class Answer:
                 hint = next(one for one in HINTS if set(confused.alike) <= one.effects)
                 return f"Next: no command tells {' and '.join(confused.alike)} apart; what would: {hint.do}: {hint.because}."
             return f"Next: ema next ACTUATOR --between {' '.join(confused.alike)} says which command tells them apart."
+        if self.effects and self.effects[0].name in self.known.active_effects:
+            return f"Next: {self.effects[0].name} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
         if self.effects:
             return f"Next: ema add ACTUATOR {self.effects[0].name} --fit REC puts it into the model; then diagnose again."
         return "Next: ema identify gives CSJ and BLK; nothing is to be added."

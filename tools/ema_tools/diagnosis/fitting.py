@@ -22,6 +22,7 @@ _SHOWN = 12.0
 _PHASE_SCALE = 0.5
 # What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature.
 _BENT = 0.5
+_DETERMINED = 2.0  # standard errors
 _NOTICED = 3.0  # standard deviations of the cost
 # Share of a change to which the model and the machine's known values are trusted.
 _TRUSTED = 0.006
@@ -74,6 +75,11 @@ class Fit:
         k = self.fitted.index(size)
         change = abs(self.values[size] - self.view.evidence.actuator[row_of(size).name])
         return float(change / max(np.sqrt(max(self.covariance[k, k], 0.0)), 1e-300))
+
+    def determined(self, effect: str) -> bool:
+        """Whether the size of an effect differs from the machine's own by more than its whole standard error leaves open, that of the misfit included."""
+        size = next((name for name in self.fitted if effect_of(name) == effect), None)
+        return size is None or abs(self.values[size] - self.view.evidence.actuator[row_of(size).name]) >= _DETERMINED * self.std[size]
 
     def deviations(self) -> Reals:
         """What scatters, at its best beside the fitted values, in spreads."""

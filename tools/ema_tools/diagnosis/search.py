@@ -81,7 +81,7 @@ class Diagnosis:
     limit: float
 
     def refuted(self, effects: Collection[str]) -> Diagnosis:
-        """The same after a record held out has refuted `effects` of the answer: they are not accepted, and where nothing else is, what is there is unknown."""
+        """The same after `effects` of the answer were refuted, by a record held out or by a size that could be none: they are not accepted, and where nothing else is, what is there is unknown."""
         named = tuple(replace(one, accepted=one.accepted and one.name not in effects) for one in self.named)
         return replace(self, named=named, verdict=self.verdict if any(one.accepted for one in named) else "unknown")
 
@@ -225,7 +225,10 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     strange = cost - floor > max(noise, 2.0 * doubt)
     verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, steps, verdict, doubt, before)
-    return Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)
+    found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)
+    # beside a large misfit a size that could be none says that something else is there
+    vague = [effect for effect in best.effects if not best.determined(effect)] if best is not None and evidence.relative and verdict == "missing" else []
+    return found.refuted(vague) if vague else found
 
 
 def _needed(limit: float, excess: float, cost: float, floor: float, noise: float, evidence: Evidence) -> float:
