@@ -95,9 +95,10 @@ def test_commands_exist() -> None:
 
 
 def test_presets_exist() -> None:
-    presets = {preset["name"] for preset in json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["workflowPresets"]}
-    named = set(re.findall(r"--preset ([\w-]+)", README))
-    assert named and named <= presets
+    presets = json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))
+    for program, kind in (("cmake --workflow", "workflowPresets"), ("ctest", "testPresets")):
+        named = set(re.findall(rf"{program} --preset ([\w-]+)", README))
+        assert named and named <= {preset["name"] for preset in presets[kind]}, kind
 
 
 def test_folders_and_links_exist() -> None:
