@@ -36,7 +36,8 @@ typedef struct {
 } ema_options_t;
 
 /* One structure per effect, ema_effect_<name>_t, and all of them side by side. */
-#define EMA_P(field, nominal, lower, upper, text) ema_real field;
+#define EMA_P(field, nominal, lower, upper, text) ema_real field; /* EMA-D1 */
+/* EMA-D1 */
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
     typedef struct {                                                                        \
         parameters                                                                          \
@@ -46,7 +47,7 @@ typedef struct {
 #undef EMA_P
 
 typedef struct {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name;
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name; /* EMA-D1 */
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 } ema_effects_t;
@@ -66,7 +67,7 @@ typedef struct {
 /* The index by which a real value is named: parameters first, then the effects' values, in the order of the lists. */
 typedef uint16_t ema_value_id_t;
 
-#define EMA_VALUE_ID(field) ((ema_value_id_t)(offsetof(ema_params_t, field) / sizeof(ema_real)))
+#define EMA_VALUE_ID(field) ((ema_value_id_t)((size_t)offsetof(ema_params_t, field) / sizeof(ema_real)))
 #define EMA_EFFECT_VALUE_ID(name, field) \
     ((ema_value_id_t)(EMA_PARAM_COUNT + ((offsetof(ema_effects_t, name) + offsetof(ema_effect_##name##_t, field)) / sizeof(ema_real))))
 

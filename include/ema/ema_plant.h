@@ -197,14 +197,15 @@ typedef struct {
 
 /* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables stay where they lie. */
 typedef struct {
+#define EMA_HELD_MEMBER(name) ema_effect_##name##_t name; /* EMA-D1 */
 #define EMA_HELD_PARAMETER(name)
-#define EMA_HELD_FRICTION(name) ema_effect_##name##_t name;
-#define EMA_HELD_TORQUE(name) ema_effect_##name##_t name;
-#define EMA_HELD_LOAD(name) ema_effect_##name##_t name;
-#define EMA_HELD_VOLTAGE(name) ema_effect_##name##_t name;
-#define EMA_HELD_MOTOR(name) ema_effect_##name##_t name;
-#define EMA_HELD_PRESLIDING(name) ema_effect_##name##_t name;
-#define EMA_HELD_TRANSMISSION(name) ema_effect_##name##_t name;
+#define EMA_HELD_FRICTION(name) EMA_HELD_MEMBER(name)
+#define EMA_HELD_TORQUE(name) EMA_HELD_MEMBER(name)
+#define EMA_HELD_LOAD(name) EMA_HELD_MEMBER(name)
+#define EMA_HELD_VOLTAGE(name) EMA_HELD_MEMBER(name)
+#define EMA_HELD_MOTOR(name) EMA_HELD_MEMBER(name)
+#define EMA_HELD_PRESLIDING(name) EMA_HELD_MEMBER(name)
+#define EMA_HELD_TRANSMISSION(name) EMA_HELD_MEMBER(name)
 #define EMA_HELD_FRICTION_TABLE(name)
 #define EMA_HELD_TORQUE_TABLE(name)
 #define EMA_HELD_VOLTAGE_TABLE(name)
@@ -212,6 +213,7 @@ typedef struct {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_HELD_##site(name)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
+#undef EMA_HELD_MEMBER
 #undef EMA_HELD_PARAMETER
 #undef EMA_HELD_FRICTION
 #undef EMA_HELD_TORQUE

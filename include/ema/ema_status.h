@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* EMA-D1 */
 #define EMA_STATUS_LIST(X)                                                                                         \
     X(EMA_OK, 0, "ok")                                                                                             \
     X(EMA_ERR_NULL, 1, "a required pointer is null")                                                               \
@@ -27,7 +28,7 @@ extern "C" {
     X(EMA_ERR_TABLE, 13, "the table of signatures belongs to another actuator or version: export it again")
 
 typedef enum {
-#define EMA_STATUS_ENUM(name, value, text) name = (value),
+#define EMA_STATUS_ENUM(name, value, text) name = (value), /* EMA-D1 */
     EMA_STATUS_LIST(EMA_STATUS_ENUM)
 #undef EMA_STATUS_ENUM
 } ema_status_t;

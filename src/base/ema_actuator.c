@@ -1,8 +1,6 @@
 /* Ranges and access by index, read from the two lists. */
 #include "ema_bounds.h"
 
-#include <string.h>
-
 #include "ema_effect_rows.h"
 #include "ema_math.h"
 
@@ -85,13 +83,13 @@ bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
 /* The structures are flat vectors of one type, so an index is an offset. */
 static ema_real* ema_value_at(ema_actuator_t* actuator, size_t id)
 {
-    unsigned char* base = (unsigned char*)&actuator->params;
+    ema_real* base = (ema_real*)(void*)&actuator->params;
     size_t place = id;
     if (id >= EMA_PARAM_COUNT) {
-        base = (unsigned char*)&actuator->effects;
+        base = (ema_real*)(void*)&actuator->effects;
         place = id - EMA_PARAM_COUNT;
     }
-    return (ema_real*)(void*)(base + (place * sizeof(ema_real)));
+    return &base[place];
 }
 
 /* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest. Says why it stopped. */
@@ -118,7 +116,7 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
     const ema_real* value = (const ema_real*)(const void*)&actuator->params;
     const ema_bounds_t* bounds = ema_bounds;
     *id = ema_values_within(value, EMA_PARAM_COUNT, bounds, EMA_PARAM_COUNT, &status);
-    bounds += EMA_PARAM_COUNT;
+    bounds = &bounds[EMA_PARAM_COUNT];
     value = (const ema_real*)(const void*)&actuator->effects;
     for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
@@ -130,8 +128,8 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
         } else {
             *id += row->values;
         }
-        value += row->values;
-        bounds += count;
+        value = &value[row->values];
+        bounds = &bounds[count];
     }
     const int32_t* const option = (const int32_t*)(const void*)&actuator->options;
     for (uint32_t k = 0; (status == EMA_OK) && (k < EMA_OPTION_COUNT); ++k) {
@@ -184,7 +182,7 @@ static ema_status_t ema_tables_check(const ema_actuator_t* actuator, size_t* id)
             status = ema_table_check(value, &actuator->params, &place);
             *id = first + place;
         }
-        value += ema_effect_rows[k].values;
+        value = &value[ema_effect_rows[k].values];
         first += ema_effect_rows[k].values;
     }
     return status;
@@ -226,13 +224,13 @@ ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id,
     if (id >= EMA_VALUE_COUNT) {
         return EMA_ERR_RANGE;
     }
-    const unsigned char* base = (const unsigned char*)&actuator->params;
+    const ema_real* base = (const ema_real*)(const void*)&actuator->params;
     size_t place = id;
     if (id >= EMA_PARAM_COUNT) {
-        base = (const unsigned char*)&actuator->effects;
+        base = (const ema_real*)(const void*)&actuator->effects;
         place = (size_t)id - EMA_PARAM_COUNT;
     }
-    (void)memcpy(value, base + (place * sizeof(ema_real)), sizeof(ema_real));
+    *value = base[place];
     return EMA_OK;
 }
 

@@ -1,8 +1,6 @@
 /* The reference actuator and the ranges as tools show them. Firmware brings its own numbers and links none of this. */
 #include "ema/ema_actuator.h"
 
-#include <string.h>
-
 static const ema_range_t ema_ranges[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
@@ -38,9 +36,9 @@ ema_status_t ema_actuator_defaults(ema_actuator_t* actuator)
     for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {
         (void)ema_actuator_set(actuator, (ema_value_id_t)id, ema_ranges[id].nominal);
     }
+    int32_t* const option = (int32_t*)(void*)&actuator->options;
     for (size_t index = 0; index < EMA_OPTION_COUNT; ++index) {
-        const int32_t option = (int32_t)ema_ranges[EMA_VALUE_COUNT + index].nominal;
-        (void)memcpy((unsigned char*)&actuator->options + (index * sizeof option), &option, sizeof option);
+        option[index] = (int32_t)ema_ranges[EMA_VALUE_COUNT + index].nominal;
     }
     return EMA_OK;
 }

@@ -18,7 +18,7 @@
 #if EMA_EFFECTS_CHOSEN
 #define EMA_HELD_MARK_1 0,
 #define EMA_HELD_SECOND(first, second, ...) second
-#define EMA_HELD_PICK(mark) EMA_HELD_SECOND(mark 1, 0, 0)
+#define EMA_HELD_PICK(mark) EMA_HELD_SECOND(mark 1, 0, 0) /* EMA-D1 */
 #define EMA_HELD_LOOK(word) EMA_HELD_PICK(EMA_HELD_MARK_##word)
 #define EMA_HELD_EXPAND(word) EMA_HELD_LOOK(word)
 #define EMA_HELD(name) EMA_HELD_EXPAND(EMA_WITH_##name)
@@ -54,13 +54,13 @@ enum {
 
 /* One bit per site at which an effect of this build acts, and whether one of them is a table. */
 enum {
-    EMA_SITES_HELD = 0
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) | ((int)EMA_HAS_##name << ((int)EMA_SITE_##site & (int)EMA_SITE_MASK))
+    EMA_SITES_HELD = 0U
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) | ((uint32_t)EMA_HAS_##name << ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_MASK))
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
     ,
-    EMA_TABLES_HELD = 0
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) | ((int)EMA_HAS_##name * ((int)EMA_SITE_##site & (int)EMA_SITE_IS_TABLE))
+    EMA_TABLES_HELD = 0U
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) | ((uint32_t)EMA_HAS_##name * ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_IS_TABLE))
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 };

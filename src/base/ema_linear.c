@@ -21,9 +21,9 @@ bool ema_cholesky(ema_real* matrix, uint32_t size)
             } else {
                 row[j] = sum / above[j];
             }
-            above += j + 1U;
+            above = &above[j + 1U];
         }
-        row += i + 1U;
+        row = &row[i + 1U];
     }
     return true;
 }
@@ -36,7 +36,7 @@ void ema_solve_lower(const ema_real* factor, uint32_t size, ema_real* b)
             b[i] -= row[k] * b[k];
         }
         b[i] /= row[i];
-        row += i + 1U;
+        row = &row[i + 1U];
     }
 }
 

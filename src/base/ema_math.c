@@ -47,9 +47,10 @@ const ema_real ema_inverse[EMA_INVERSE_COUNT] = {
 /* Two to the power k, k within the exponents of normal numbers. */
 static ema_real ema_power_of_two(int32_t k)
 {
-    const ema_bits_t bits = (ema_bits_t)((uint32_t)(k + EMA_EXPONENT_BIAS)) << EMA_MANTISSA_BITS;
+    const int32_t exponent = k + EMA_EXPONENT_BIAS;
+    const ema_bits_t bits = (ema_bits_t)(uint32_t)exponent << EMA_MANTISSA_BITS;
     ema_real value;
-    (void)memcpy(&value, &bits, sizeof value);
+    (void)memcpy(&value, &bits, sizeof value); /* EMA-D3 */
     return value;
 }
 
@@ -89,11 +90,12 @@ ema_real ema_exp(ema_real x)
 ema_real ema_log(ema_real x)
 {
     ema_bits_t bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    int32_t exponent = (int32_t)((bits >> EMA_MANTISSA_BITS) & EMA_EXPONENT_MASK) - EMA_EXPONENT_BIAS;
+    (void)memcpy(&bits, &x, sizeof bits); /* EMA-D3 */
+    const ema_bits_t biased = (bits >> EMA_MANTISSA_BITS) & EMA_EXPONENT_MASK;
+    int32_t exponent = (int32_t)biased - EMA_EXPONENT_BIAS;
     bits = (bits & (((ema_bits_t)1 << EMA_MANTISSA_BITS) - (ema_bits_t)1)) | ((ema_bits_t)(uint32_t)EMA_EXPONENT_BIAS << EMA_MANTISSA_BITS);
     ema_real mantissa;
-    (void)memcpy(&mantissa, &bits, sizeof mantissa);
+    (void)memcpy(&mantissa, &bits, sizeof mantissa); /* EMA-D3 */
     if (mantissa > EMA_R(1.4142135623730951)) {
         mantissa *= EMA_R(0.5);
         exponent += 1;
@@ -155,9 +157,8 @@ uint64_t ema_turn64(ema_real x)
     /* in two halves: a single conversion of a number close to 1 could round up to 2^64 */
     const ema_real scaled = part * EMA_R(4294967296.0);
     const uint32_t high = (scaled < EMA_R(4294967295.0)) ? (uint32_t)scaled : UINT32_MAX;
-    const ema_real rest = scaled - (ema_real)high;
-    const uint32_t low = (uint32_t)(ema_clamp(rest, EMA_R(0.0), EMA_R(0.99999994)) * EMA_R(4294967296.0));
-    return ((uint64_t)high << 32U) | low;
+    const ema_real rest = ema_clamp(scaled - (ema_real)high, EMA_R(0.0), EMA_R(0.99999994)) * EMA_R(4294967296.0);
+    return ((uint64_t)high << 32U) | (uint32_t)rest;
 }
 
 ema_real ema_sin(ema_real x)

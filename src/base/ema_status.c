@@ -5,7 +5,7 @@ const char* ema_status_text(ema_status_t status)
     const char* text = "unknown status";
     switch (status) {
 #define EMA_STATUS_CASE(name, value, message) \
-    case name:                                \
+    case (name):                              \
         text = (message);                     \
         break;
         EMA_STATUS_LIST(EMA_STATUS_CASE)

@@ -14,19 +14,22 @@ _Static_assert(EMA_INDEX_COUNT <= 8 * (int)sizeof(ema_effect_set_t), "a set of e
 
 /* The places of effects with state, one after the other. */
 typedef struct {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1];
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1]; /* EMA-D1 */
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 } ema_memory_shape_t;
 
-#define EMA_MEMORY_PLACE(name) ((offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name)
+#define EMA_MEMORY_PLACE(name) (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name) /* EMA-D2 */
 
 /* The first value of an effect is its size; the list's nominal for it is zero. */
 #define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name)
 
+/* A learned table lies where the configuration does. */
+#define EMA_LEARNED(plant, name) (&(plant)->learned->name) /* EMA-D1 */
+
 ema_active_t ema_effects_active(const ema_effects_t* effects)
 {
-    ema_active_t active = {{0U}, 0U, false};
+    ema_active_t active = {0};
     const ema_real* size = (const ema_real*)(const void*)effects;
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
@@ -37,7 +40,7 @@ ema_active_t ema_effects_active(const ema_effects_t* effects)
             active.tables |= (row->site != site) ? bit : 0U;
             active.any = active.any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
         }
-        size += row->values;
+        size = &size[row->values];
     }
     return active;
 }
@@ -50,9 +53,9 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         const ema_effect_row_t* const row = &ema_effect_rows[k];
         if ((row->site != (uint8_t)EMA_SITE_PARAMETER) && ((row->site & (uint8_t)EMA_SITE_IS_TABLE) == 0U)) {
             (void)memcpy(held, value, row->values * sizeof(ema_real));
-            held += row->values;
+            held = &held[row->values];
         }
-        value += row->values;
+        value = &value[row->values];
     }
     plant->active = ema_effects_active(effects);
     plant->learned = (plant->active.tables != 0U) ? effects : NULL;
@@ -66,13 +69,14 @@ uint32_t ema_effects_substeps(const ema_effects_t* effects)
         if ((*size != EMA_R(0.0)) && ((uint32_t)ema_effect_rows[k].substeps > most)) {
             most = ema_effect_rows[k].substeps;
         }
-        size += ema_effect_rows[k].values;
+        size = &size[ema_effect_rows[k].values];
     }
     return most;
 }
 
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 {
+/* EMA-D1, EMA-D2 */
 #define EMA_ADJUST(name)                                             \
     if ((EMA_HAS_##name != 0) && (EMA_SIZE(effects, name) != EMA_R(0.0))) { \
         ema_effect_##name##_adjust(&effects->name, params);          \
@@ -109,7 +113,7 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
     }
 #define EMA_CALL_FRICTION_TABLE(name)                                                    \
     if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) { \
-        change_Nm += ema_effect_##name(&plant->learned->name, site, level_Nm);           \
+        change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);        \
     }
 #define EMA_CALL_PARAMETER(name)
 #define EMA_CALL_TORQUE(name)
@@ -141,7 +145,7 @@ ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
     }
 #define EMA_CALL_TORQUE_TABLE(name)                                        \
     if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) { \
-        torque_Nm += ema_effect_##name(&plant->learned->name, site);       \
+        torque_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site);       \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_TORQUE
@@ -176,7 +180,7 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
     }
 #define EMA_CALL_VOLTAGE_TABLE(name)                                        \
     if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) { \
-        voltage_V += ema_effect_##name(&plant->learned->name, site);        \
+        voltage_V += ema_effect_##name(EMA_LEARNED(plant, name), site);        \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_VOLTAGE
@@ -206,7 +210,7 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 #undef EMA_CALL_READING_TABLE
 #define EMA_CALL_READING_TABLE(name)                                        \
     if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) { \
-        reading_mm += ema_effect_##name(&plant->learned->name, site);       \
+        reading_mm += ema_effect_##name(EMA_LEARNED(plant, name), site);       \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_READING_TABLE
@@ -214,7 +218,8 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
     return reading_mm;
 }
 
-ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod)
+/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at `rod`. */
+static ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod)
 {
     ema_real outside_ratio = EMA_R(0.0);
 #undef EMA_CALL_FRICTION_TABLE
@@ -223,7 +228,7 @@ ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, con
 #undef EMA_CALL_READING_TABLE
 #define EMA_OUTSIDE(name, site)                                                                                        \
     if (EMA_RUNS(plant->active.tables, name)) { \
-        outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(&plant->learned->name), site), outside_ratio);      \
+        outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site), outside_ratio);     \
     }
 #define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, shaft)
 #define EMA_CALL_TORQUE_TABLE(name) EMA_OUTSIDE(name, shaft)

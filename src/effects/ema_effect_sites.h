@@ -78,7 +78,7 @@ static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
 /* Whether any acts on the motion, and whether a learned table acts. */
 static inline bool ema_acts_on_motion(const ema_plant_t* plant)
 {
-    return (((uint32_t)EMA_SITES_HELD & ~((1U << (uint32_t)EMA_SITE_PARAMETER) | (1U << (uint32_t)EMA_SITE_READING))) != 0U) && plant->active.any;
+    return (((uint32_t)EMA_SITES_HELD & ~(((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING))) != 0U) && plant->active.any;
 }
 
 static inline bool ema_acts_by_table(const ema_plant_t* plant)
@@ -99,8 +99,6 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);
 /* What the rod sensor reads on top; the site's position is the rod's. */
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
-/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at `rod`. */
-ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod);
 /* What learned tables add to the rod sensor's reading at this state; keeps in it how far tables are used outside the range that they were seen in. */
 ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state);
 ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory);

@@ -34,7 +34,7 @@ uint32_t ema_onboard_print(const ema_actuator_t* actuator)
         const bool fault = (id == (uint32_t)EMA_VALUE_ID(csj_Nm)) || (id == (uint32_t)EMA_VALUE_ID(blk_mm));
         const float single = fault ? 0.0f : (float)value;
         uint32_t word = 0U;
-        (void)memcpy(&word, &single, sizeof word);
+        (void)memcpy(&word, &single, sizeof word); /* EMA-D3 */
         print = ema_print_add(print, word);
     }
     const int32_t* const option = (const int32_t*)(const void*)&actuator->options;
@@ -127,14 +127,14 @@ static void ema_scores_bin(ema_scores_t* scores)
         scores->square += white[k] * white[k];
         scores->difference[k] = EMA_R(0.0);
     }
-    value += table->channels;
+    value = &value[table->channels];
     for (uint32_t row = 0; row < table->rows; ++row) {
         ema_real sum = EMA_R(0.0);
         for (uint32_t k = 0; k < table->channels; ++k) {
             sum += (ema_real)value[k] * white[k];
         }
         scores->product[row] += sum * table->unit[row];
-        value += table->channels;
+        value = &value[table->channels];
     }
     scores->command_mm = EMA_R(0.0);
     scores->row_in_bin = 0U;

@@ -127,7 +127,8 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
 static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
 {
     const ema_real width = (ema_real)EMA_BLOCK_ROWS;
-    const ema_real blocks = (ema_real)(self->row / EMA_BLOCK_ROWS);
+    const uint32_t whole_blocks = self->row / EMA_BLOCK_ROWS;
+    const ema_real blocks = (ema_real)whole_blocks;
     const ema_real rows = (ema_real)self->row;
     ema_real shared = correlation - (EMA_CORRELATION_DOUBT / ema_sqrt(rows));
     if ((self->position_square > EMA_R(0.0)) && (blocks > EMA_R(0.0))) {
@@ -168,7 +169,7 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     const ema_real shared_square = ema_shared(self, result->residual_correlation) * self->weighted_square;
     const ema_real variance = (self->weighted_square / freedom) * ((EMA_R(1.0) + widen) / (EMA_R(1.0) - widen));
     for (uint32_t i = 0; i < count; ++i) {
-        ema_real column[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+        ema_real column[EMA_IDENTIFIED_MAX] = {0};
         result->std[i] = EMA_R(0.0);
         result->bias[i] = EMA_R(0.0);
         if (result->determined) {

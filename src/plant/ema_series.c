@@ -63,17 +63,17 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
     ema_real value_right = ema_series_at(terms, right);
     ema_real root = right;
     int32_t kept = 0;
-    for (uint32_t k = 0; (k < EMA_ROOT_STEPS) && ((right - left) > EMA_REAL_EPSILON) && (value_right != EMA_R(0.0)); ++k) {
+    for (uint32_t k = 0; k < EMA_ROOT_STEPS; ++k) {
+        if (!((right - left) > EMA_REAL_EPSILON) || (value_right == EMA_R(0.0))) {
+            break;
+        }
         root = right - ((value_right * (right - left)) / (value_right - value_left));
         /* rounding can push the secant's point out of the bracket; NaN fails both comparisons */
         if (!((root > left) && (root < right))) {
             root = EMA_R(0.5) * (left + right);
         }
         const ema_real value = ema_series_at(terms, root);
-        if (value == EMA_R(0.0)) {
-            break;
-        }
-        if ((value > EMA_R(0.0)) == (value_right > EMA_R(0.0))) {
+        if ((value == EMA_R(0.0)) || ((value > EMA_R(0.0)) == (value_right > EMA_R(0.0)))) {
             right = root;
             value_right = value;
             value_left = (kept > 0) ? (EMA_R(0.5) * value_left) : value_left;

@@ -61,7 +61,7 @@ static ema_status_t ema_weighing_start(ema_session_t* session)
     const ema_session_config_t* const config = session->config;
     ema_actuator_move(session, session->annealer.best.x);
     ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
-    ema_real delta[EMA_IDENTIFIED_MAX] = {EMA_R(0.0)};
+    ema_real delta[EMA_IDENTIFIED_MAX] = {0};
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         const ema_identified_t* const identified = &config->identified[i];
         ema_real healthy = EMA_R(0.0);

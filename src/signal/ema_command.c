@@ -10,8 +10,9 @@
 /* Phase of line m at the start, -pi m (m - 1) / count, as a fraction of 2^64 turns. */
 static uint64_t ema_schroeder_phase(uint32_t line, uint32_t count)
 {
-    const uint32_t folded = (line * (line - 1U)) % (2U * count);
-    return UINT64_C(0) - ema_turn64((ema_real)folded / (ema_real)(2U * count));
+    const uint32_t twice = 2U * count;
+    const uint32_t folded = (line * (line - 1U)) % twice;
+    return UINT64_C(0) - ema_turn64((ema_real)folded / (ema_real)twice);
 }
 
 static ema_real ema_multisine_sum(const ema_command_t* command, uint64_t phase)
@@ -69,7 +70,7 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
     }
     ema_command_t made = {0};
     made.config = *config;
-    made.turns = recorded || stepped ? 0U : ema_turn64(config->start_hz * step_s);
+    made.turns = (recorded || stepped) ? 0U : ema_turn64(config->start_hz * step_s);
 
     ema_status_t status = EMA_OK;
     switch (config->kind) {
