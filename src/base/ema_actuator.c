@@ -83,10 +83,10 @@ bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
 /* The structures are flat vectors of one type, so an index is an offset. */
 static ema_real* ema_value_at(ema_actuator_t* actuator, size_t id)
 {
-    ema_real* base = (ema_real*)(void*)&actuator->params;
+    ema_real* base = (ema_real*)(void*)&actuator->params; /* EMA-D4 */
     size_t place = id;
     if (id >= EMA_PARAM_COUNT) {
-        base = (ema_real*)(void*)&actuator->effects;
+        base = (ema_real*)(void*)&actuator->effects; /* EMA-D4 */
         place = id - EMA_PARAM_COUNT;
     }
     return &base[place];
@@ -113,11 +113,11 @@ static size_t ema_values_within(const ema_real* value, size_t count, const ema_b
 static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
 {
     ema_status_t status = EMA_OK;
-    const ema_real* value = (const ema_real*)(const void*)&actuator->params;
+    const ema_real* value = (const ema_real*)(const void*)&actuator->params; /* EMA-D4 */
     const ema_bounds_t* bounds = ema_bounds;
     *id = ema_values_within(value, EMA_PARAM_COUNT, bounds, EMA_PARAM_COUNT, &status);
     bounds = &bounds[EMA_PARAM_COUNT];
-    value = (const ema_real*)(const void*)&actuator->effects;
+    value = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
     for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
         const uint32_t count = ema_row_bounds(row);
@@ -131,7 +131,7 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
         value = &value[row->values];
         bounds = &bounds[count];
     }
-    const int32_t* const option = (const int32_t*)(const void*)&actuator->options;
+    const int32_t* const option = (const int32_t*)(const void*)&actuator->options; /* EMA-D4 */
     for (uint32_t k = 0; (status == EMA_OK) && (k < EMA_OPTION_COUNT); ++k) {
         const ema_real number = (ema_real)option[k];
         *id += ema_values_within(&number, 1U, &bounds[k], 1U, &status);
@@ -174,7 +174,7 @@ static ema_status_t ema_table_check(const ema_real* table, const ema_params_t* p
 static ema_status_t ema_tables_check(const ema_actuator_t* actuator, size_t* id)
 {
     ema_status_t status = EMA_OK;
-    const ema_real* value = (const ema_real*)(const void*)&actuator->effects;
+    const ema_real* value = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
     size_t first = EMA_PARAM_COUNT;
     for (uint32_t k = 0; (status == EMA_OK) && EMA_ROW_TABLE(k); ++k) {
         if (ema_row_is_table(&ema_effect_rows[k]) && (*value != EMA_R(0.0))) {
@@ -224,10 +224,10 @@ ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id,
     if (id >= EMA_VALUE_COUNT) {
         return EMA_ERR_RANGE;
     }
-    const ema_real* base = (const ema_real*)(const void*)&actuator->params;
+    const ema_real* base = (const ema_real*)(const void*)&actuator->params; /* EMA-D4 */
     size_t place = id;
     if (id >= EMA_PARAM_COUNT) {
-        base = (const ema_real*)(const void*)&actuator->effects;
+        base = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
         place = (size_t)id - EMA_PARAM_COUNT;
     }
     *value = base[place];

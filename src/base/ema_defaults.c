@@ -36,7 +36,7 @@ ema_status_t ema_actuator_defaults(ema_actuator_t* actuator)
     for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {
         (void)ema_actuator_set(actuator, (ema_value_id_t)id, ema_ranges[id].nominal);
     }
-    int32_t* const option = (int32_t*)(void*)&actuator->options;
+    int32_t* const option = (int32_t*)(void*)&actuator->options; /* EMA-D4 */
     for (size_t index = 0; index < EMA_OPTION_COUNT; ++index) {
         option[index] = (int32_t)ema_ranges[EMA_VALUE_COUNT + index].nominal;
     }

@@ -117,7 +117,8 @@ static ema_real ema_sin_quarter(ema_real x)
     const ema_real square = x * x;
     ema_real sum = EMA_R(1.0);
     for (uint32_t k = EMA_SIN_TERMS; k > 0U; --k) {
-        sum = EMA_R(1.0) - (sum * (square * (ema_inverse[2U * k] * ema_inverse[(2U * k) + 1U])));
+        const uint32_t even = 2U * k;
+        sum = EMA_R(1.0) - (sum * (square * (ema_inverse[even] * ema_inverse[even + 1U])));
     }
     return x * sum;
 }

@@ -22,15 +22,15 @@ typedef struct {
 #define EMA_MEMORY_PLACE(name) (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name) /* EMA-D2 */
 
 /* The first value of an effect is its size; the list's nominal for it is zero. */
-#define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name)
+#define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name) /* EMA-D4 */
 
 /* A learned table lies where the configuration does. */
-#define EMA_LEARNED(plant, name) (&(plant)->learned->name) /* EMA-D1 */
+#define EMA_LEARNED(plant, name) (&(plant)->learned->name)
 
 ema_active_t ema_effects_active(const ema_effects_t* effects)
 {
     ema_active_t active = {0};
-    const ema_real* size = (const ema_real*)(const void*)effects;
+    const ema_real* size = (const ema_real*)(const void*)effects; /* EMA-D4 */
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
         if (*size != EMA_R(0.0)) {
@@ -47,8 +47,8 @@ ema_active_t ema_effects_active(const ema_effects_t* effects)
 
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 {
-    const ema_real* value = (const ema_real*)(const void*)effects;
-    ema_real* held = (ema_real*)(void*)&plant->effects;
+    const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
+    ema_real* held = (ema_real*)(void*)&plant->effects; /* EMA-D4 */
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
         if ((row->site != (uint8_t)EMA_SITE_PARAMETER) && ((row->site & (uint8_t)EMA_SITE_IS_TABLE) == 0U)) {
@@ -64,7 +64,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 uint32_t ema_effects_substeps(const ema_effects_t* effects)
 {
     uint32_t most = 1U;
-    const ema_real* size = (const ema_real*)(const void*)effects;
+    const ema_real* size = (const ema_real*)(const void*)effects; /* EMA-D4 */
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         if ((*size != EMA_R(0.0)) && ((uint32_t)ema_effect_rows[k].substeps > most)) {
             most = ema_effect_rows[k].substeps;

@@ -14,7 +14,7 @@ typedef enum {
 } ema_axis_t;
 
 /* All tables have the same values in the same places, which the list EMA_TABLE gives them: gain, axis, first, last, nodes. */
-#define EMA_TABLE_OF(effect) ((const ema_real*)(const void*)(effect))
+#define EMA_TABLE_OF(effect) ((const ema_real*)(const void*)(effect)) /* EMA-D4 */
 
 /* gain * value at the site: straight lines between the nodes, the edge value held outside. On a periodic axis a straight line leads from the last node
  * round to the first. Cost: about 20 operations. */

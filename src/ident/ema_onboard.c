@@ -37,7 +37,7 @@ uint32_t ema_onboard_print(const ema_actuator_t* actuator)
         (void)memcpy(&word, &single, sizeof word); /* EMA-D3 */
         print = ema_print_add(print, word);
     }
-    const int32_t* const option = (const int32_t*)(const void*)&actuator->options;
+    const int32_t* const option = (const int32_t*)(const void*)&actuator->options; /* EMA-D4 */
     for (uint32_t k = 0; k < (uint32_t)EMA_OPTION_COUNT; ++k) {
         print = ema_print_add(print, (uint32_t)option[k]);
     }

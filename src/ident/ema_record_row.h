@@ -18,7 +18,7 @@ bool ema_record_weights(const ema_record_t* record, const ema_real* weight);
 /* What a run shows on a channel: the first values of a row are in the order of the channels. */
 static inline ema_real ema_output_channel(const ema_output_t* output, uint32_t channel)
 {
-    return (&output->position_mm)[channel];
+    return ((const ema_real*)(const void*)output)[channel]; /* EMA-D4 */
 }
 
 /* Command of model step `step` in row `row`. */

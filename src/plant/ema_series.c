@@ -95,9 +95,9 @@ static void ema_circuit_column(const ema_plant_t* plant, ema_circuit_t* circuit,
     ema_real terms[EMA_SERIES_TERMS + 1U];
     ema_series_build(&series, plant, circuit, span);
     ema_series_angle(&series, span->span_s, terms);
-    (&circuit->current.from_current)[column] = ema_series_at(series.current_A, EMA_R(1.0));
-    (&circuit->speed.from_current)[column] = ema_series_at(series.speed_rad_s, EMA_R(1.0));
-    (&circuit->angle.from_current)[column] = ema_series_at(terms, EMA_R(1.0));
+    ((ema_real*)(void*)&circuit->current)[column] = ema_series_at(series.current_A, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&circuit->speed)[column] = ema_series_at(series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&circuit->angle)[column] = ema_series_at(terms, EMA_R(1.0)); /* EMA-D4 */
 }
 
 void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_real span_s)
@@ -105,19 +105,20 @@ void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_r
     const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), span_s, plant->motor.torque_constant_Nm_per_A, false, false};
     /* at rest first: its responses, to current, voltage and rise of the voltage, are kept aside before those of the motion take their places */
     ema_span_t span = none;
+    ema_real* const driven = (ema_real*)(void*)&span; /* EMA-D4 */
     span.at_rest = true;
     for (uint32_t column = 0; column < EMA_RESPONSES; column += 2U) {
-        (&span.current_A)[column] = EMA_R(1.0);
+        driven[column] = EMA_R(1.0);
         ema_circuit_column(plant, circuit, &span, column);
-        (&span.current_A)[column] = EMA_R(0.0);
+        driven[column] = EMA_R(0.0);
     }
     circuit->stuck_from_current = circuit->current.from_current;
     circuit->stuck_from_voltage = circuit->current.from_voltage;
     circuit->stuck_from_voltage_rise = circuit->current.from_voltage_rise;
     span.at_rest = false;
     for (uint32_t column = 0; column < EMA_RESPONSES; ++column) {
-        (&span.current_A)[column] = EMA_R(1.0);
+        driven[column] = EMA_R(1.0);
         ema_circuit_column(plant, circuit, &span, column);
-        (&span.current_A)[column] = EMA_R(0.0);
+        driven[column] = EMA_R(0.0);
     }
 }

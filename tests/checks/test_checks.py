@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
@@ -11,13 +12,17 @@ from pathlib import Path
 
 import check_compiles
 import check_layers
+import check_misra
 import check_symbols
+import check_tidy
 import check_units
 import check_words
 
 HERE = Path(__file__).parent
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 NM = shutil.which("nm")
+CPPCHECK = shutil.which("cppcheck")
+TIDY = next((path for name in check_tidy.TIDIES if (path := shutil.which(name))), None)
 
 
 class Tree(unittest.TestCase):
@@ -300,6 +305,138 @@ class Compiles(Tree):
     def test_nothing(self) -> None:
         """An empty project fails."""
         self.assertEqual(self.exit_code("check_compiles.py", "headers", "--root", str(self.root)), 1)
+
+
+class Misra(Tree):
+    """check_misra.py"""
+
+    ROW = "| EMA-D1 | 10.4 | addon | Said so. |\n"
+    GOOD = "#include <stdint.h>\nuint16_t a(uint16_t x);\nuint16_t a(uint16_t x)\n{\n    return (x > 1U) ? x : 2U;\n}\n"
+    FAULT = GOOD.replace("1U", "1")
+
+    def problems(self, cppcheck: str) -> list[str]:
+        """Problems of the tree."""
+        problems, checked, _ = check_misra.check(self.root, cppcheck, 1)
+        self.assertEqual(checked, 1)
+        return problems
+
+    @unittest.skipUnless(CPPCHECK, "needs cppcheck")
+    def test_finding_and_mark(self) -> None:
+        """A fault in the source is seen, a mark with a row answers it, and without the fault the mark is too much."""
+        self.write("docs/MISRA.md", "")
+        self.write("src/base/a.c", self.FAULT)
+        self.assertEqual(self.problems(str(CPPCHECK)), ["src/base/a.c:5: against the required rule 10.4: mend it, or mark it with a deviation of docs/MISRA.md"])
+        self.write("docs/MISRA.md", self.ROW)
+        self.write("src/base/a.c", self.FAULT.replace("2U;", "2U; /* EMA-D1 */"))
+        self.assertEqual(self.problems(str(CPPCHECK)), [])
+        self.write("src/base/a.c", self.GOOD.replace("2U;", "2U; /* EMA-D1 */"))
+        self.assertEqual(self.problems(str(CPPCHECK)), ["src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"])
+
+    @unittest.skipUnless(CPPCHECK, "needs cppcheck")
+    def test_source_that_is_no_c(self) -> None:
+        """What the tool cannot read is not clean."""
+        self.write("docs/MISRA.md", "")
+        self.write("src/base/a.c", "int a(void)\n{\n    return (;\n}\n")
+        self.assertIn("src/base/a.c:3: syntaxError", self.problems(str(CPPCHECK))[0].replace(str(self.root) + "/", ""))
+
+    def test_tool_that_looks_at_nothing(self) -> None:
+        """A cppcheck without addon: no file looked at, and none of the known faults found."""
+        self.write("docs/MISRA.md", "")
+        self.write("src/base/a.c", self.GOOD)
+        tool = self.write("cppcheck", "#!/bin/sh\nexit 0\n")
+        tool.chmod(0o755)
+        problems = self.problems(str(tool))
+        self.assertEqual(len(problems), 4, problems)
+        self.assertIn("a file with known faults shows none against 10.4, 15.1, 21.15", problems[0])
+        self.assertIn("src: a.c was not looked at", problems[1])
+
+    def test_judge(self) -> None:
+        """A mark answers its own rule in its own line; advisory rules need none; rows and marks belong together."""
+        rows = {"EMA-D1": check_misra.Deviation("10.4", True), "EMA-D2": check_misra.Deviation("18.1", False)}
+        place, other = check_misra.Line("src/a.c", 3), check_misra.Line("src/a.c", 9)
+        found = {check_misra.Finding("src/a.c", 3, "10.4"), check_misra.Finding("src/a.c", 4, "15.5")}
+        self.assertEqual(check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}}), [])
+        for rule, group in (("10.4", "required"), ("17.3", "mandatory"), ("99.9", "required")):
+            self.assertIn(f"src/a.c:9: against the {group} rule {rule}",
+                          check_misra.judge({check_misra.Finding("src/a.c", 9, rule)} | found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}})[0])
+        self.assertIn("src/a.c:9: EMA-D3 is no deviation", check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}})[0])
+        self.assertEqual(check_misra.judge(found, rows, {place: {"EMA-D1"}}), ["docs/MISRA.md: EMA-D2 is used nowhere any more: take its row out"])
+
+    def test_marks(self) -> None:
+        """A comment of its own is for the line below; lists are read as well."""
+        self.write("src/base/a.c", "/* EMA-D1, EMA-D2 */\n#define A(x) x\nint b; /* EMA-D3 */\n")
+        self.write("include/ema/a.def", "A(1) /* EMA-D1 */\n")
+        self.assertEqual(check_misra.read_marks(self.root), {check_misra.Line("include/ema/a.def", 1): {"EMA-D1"},
+                                                            check_misra.Line("src/base/a.c", 2): {"EMA-D1", "EMA-D2"}, check_misra.Line("src/base/a.c", 3): {"EMA-D3"}})
+
+    def test_rows(self) -> None:
+        """A row without its reason, one twice, and those for rules that can have none."""
+        for text, message in (("| EMA-D1 | 10.4 | addon | |\n", ":1: write"), (self.ROW + self.ROW, ":2: EMA-D1 stands there twice"),
+                              (self.ROW.replace("10.4", "17.3"), "17.3 is mandatory"), (self.ROW.replace("10.4", "15.5"), "15.5 is advisory")):
+            with self.assertRaisesRegex(ValueError, message):
+                check_misra.read_deviations(self.write("docs/MISRA.md", text))
+
+    def test_tagless(self) -> None:
+        """The rules on tags hold where there is one."""
+        self.write("src/base/a.h", "enum {\nenum a {\n")
+        findings = {check_misra.Finding("src/base/a.h", line, rule) for line in (1, 2) for rule in ("5.7", "10.4")}
+        self.assertEqual(check_misra.without_tagless(self.root, findings), findings - {check_misra.Finding("src/base/a.h", 1, "5.7")})
+
+    @unittest.skipUnless(CPPCHECK, "needs cppcheck")
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_misra.py", "--root", str(self.root)), 1)
+
+
+class Tidy(Tree):
+    """check_tidy.py"""
+
+    FILE = "int a(int x);\nint a(int x)\n{\n    return x + 1;\n}\n"
+
+    def setUp(self) -> None:
+        super().setUp()
+        shutil.copy(HERE.parents[1] / ".clang-tidy", self.root)
+        self.source = self.write("src/base/a.c", self.FILE)
+        self.commands(self.source, self.source)
+
+    def commands(self, *files: Path) -> None:
+        """The list that CMake writes."""
+        self.write("build/compile_commands.json", json.dumps([{"directory": str(self.root), "file": str(file), "command": f"cc -std=c11 -c {file}"} for file in files]))
+
+    def problems(self) -> list[str]:
+        """Problems of the tree."""
+        problems, checked = check_tidy.check(self.root, self.root / "build", str(TIDY), 1)
+        self.assertEqual(checked, 1)
+        return problems
+
+    @unittest.skipUnless(TIDY, "needs clang-tidy")
+    def test_finding(self) -> None:
+        """A clean file, a suspicious one, and one that is no C."""
+        self.assertEqual(self.problems(), [])
+        self.write("src/base/a.c", self.FILE.replace("x + 1", "sizeof(sizeof(x)) == 4U"))
+        self.assertIn("src/base/a.c:4: suspicious usage of 'sizeof(sizeof(...))'", self.problems()[0])
+        self.write("src/base/a.c", self.FILE.replace("x + 1", "x + y"))
+        self.assertIn("src/base/a.c:4: use of undeclared identifier 'y'", self.problems()[0])
+
+    @unittest.skipUnless(TIDY, "needs clang-tidy")
+    def test_checks_that_see_nothing(self) -> None:
+        """Settings that switch everything off are no clean bill."""
+        self.write(".clang-tidy", "Checks: '-*,misc-static-assert'\n")
+        self.assertIn("finds nothing in a file with a known fault", self.problems()[0])
+
+    @unittest.skipUnless(TIDY, "needs clang-tidy")
+    def test_file_that_is_not_built(self) -> None:
+        """A file without the compile commands of both precisions."""
+        self.commands(self.source)
+        self.assertIn("src/base/a.c: 1 compile commands in", self.problems()[0])
+        (self.root / "build/compile_commands.json").unlink()
+        self.assertEqual(self.exit_code("check_tidy.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
+
+    @unittest.skipUnless(TIDY, "needs clang-tidy")
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.source.unlink()
+        self.assertEqual(self.exit_code("check_tidy.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
 
 
 if __name__ == "__main__":
