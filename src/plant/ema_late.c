@@ -16,21 +16,22 @@ ema_drive_output_t ema_late_output(const ema_plant_t* plant, ema_state_t* state,
     return ema_late_asked(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U));
 }
 
-static void ema_late_spans(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
-{
-    for (uint32_t k = 0; k < plant->substeps; ++k) {
-        ema_motion_located(plant, state, applied, span_s);
-    }
-}
-
 void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_drive_output_t* applied)
 {
     ema_real span_s = plant->substep_s;
+    uint32_t parts = 1U;
     if (plant->drive.delay_part > EMA_R(0.0)) {
-        ema_late_spans(plant, state, applied, plant->drive.delay_part * plant->substep_s);
-        span_s = (EMA_R(1.0) - plant->drive.delay_part) * plant->substep_s;
-        *applied = ema_late_asked(plant, state, plant->drive.delay_steps);
-        ema_drive_current(plant, state, applied);
+        span_s = plant->drive.delay_part * plant->substep_s;
+        parts = 2U;
     }
-    ema_late_spans(plant, state, applied, span_s);
+    for (; parts > 0U; --parts) {
+        for (uint32_t k = 0; k < plant->substeps; ++k) {
+            ema_motion_located(plant, state, applied, span_s);
+        }
+        if (parts == 2U) {
+            span_s = (EMA_R(1.0) - plant->drive.delay_part) * plant->substep_s;
+            *applied = ema_late_asked(plant, state, plant->drive.delay_steps);
+            ema_drive_current(plant, state, applied);
+        }
+    }
 }
