@@ -2,7 +2,7 @@
 
 const char* ema_status_text(ema_status_t status)
 {
-    const char* text = "unknown status";
+    const char* text;
     switch (status) {
 #define EMA_STATUS_CASE(name, value, message) \
     case (name):                              \
@@ -11,6 +11,7 @@ const char* ema_status_text(ema_status_t status)
         EMA_STATUS_LIST(EMA_STATUS_CASE)
 #undef EMA_STATUS_CASE
     default:
+        text = "unknown status";
         break;
     }
     return text;
