@@ -17,7 +17,8 @@ from ema_tools.diagnosis.fitting import effect_of
 from ema_tools.diagnosis.following import HINTS
 from ema_tools.diagnosis.gate import Gate, judge
 from ema_tools.diagnosis.gathering import gather, same_command
-from ema_tools.diagnosis.search import INSEPARABLE, Diagnosis, Named, Report, diagnose
+from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT, Diagnosis, Named, Report, diagnose
+from ema_tools.diagnosis.sensors import Suspect, suspect
 from ema_tools.diagnosis.where import Where, where
 from ema_tools.errors import InputError
 from ema_tools.native import CHANNELS
@@ -31,7 +32,8 @@ _SIZES = 10.0
 
 @dataclass(frozen=True)
 class Answer:
-    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library does not hold; `refuted`: effects that fit the record but not the one held out."""
+    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library does not hold; `refuted`: effects that fit the record but not the one held out;
+    `sensor`: the one that what is unknown looks like."""
 
     record: Record
     gate: Gate
@@ -45,6 +47,7 @@ class Answer:
     left: tuple[unknowns.Unknown, ...]
     learned: unknowns.Learned | None
     refuted: tuple[str, ...] = ()
+    sensor: Suspect | None = None
 
     @property
     def verdict(self) -> str:
@@ -75,6 +78,8 @@ class Answer:
             text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
             return f"{first}{text} ({fall})."
         if self.verdict == "unknown":
+            if self.sensor is not None:
+                return f"{first}{self.sensor.sentence} (weighted error {self.errors.before:.3g}, floor {self.errors.floor:.3g})."
             if self.refuted:
                 return f"{first}something is there, and {' and '.join(self.refuted)} would explain it, but not the record held out, whose error rises: no effect is recommended ({fall}). {self.left[0].sentence if self.left else ''}".strip()
             left = 100.0 * self.diagnosis.unexplained
@@ -95,6 +100,8 @@ class Answer:
     def next_step(self) -> str:
         """What to do next."""
         confused = next((one for one in self.diagnosis.named if one.accepted and len(one.alike) > 1), None)
+        if self.verdict == "unknown" and self.sensor is not None:
+            return f"Next: {self.sensor.next}."
         if self.verdict == "unknown":
             table = f"ema add ACTUATOR {self.learned.effect} --fit REC flies it as a learned table; " if self.learned is not None else ""
             return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
@@ -134,6 +141,7 @@ class Answer:
             "gate": self.gate.result(),
             "where": self.where.result(),
             "unknown": unknowns.result(self.left, self.learned) if self.left else None,
+            "sensor": self.sensor.result() if self.sensor is not None else None,
         }
 
 
@@ -243,6 +251,11 @@ def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), h
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
     found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+    sensor = suspect(evidence) if found.verdict != "adequate" else None
+    if sensor is not None and found.verdict == "missing":
+        # an effect that a sensor's error stands in for as well is the likelier: it is the one of the library
+        sensor = sensor if sensor.cost < found.cost_after - LEAST_LIMIT else None
+        found = found.refuted([one.name for one in found.named]) if sensor is not None else found
     tell(0.86, "where the model fails")
     best = found.fit
     known = fitted_machine(evidence, best)
@@ -260,4 +273,4 @@ def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), h
         left = unknowns.left_over(known.changed(kept), record, places)
         table = unknowns.learned(left[0]) if left else None
     tell(1.0, "done")
-    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong)
+    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor)

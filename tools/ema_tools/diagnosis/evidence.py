@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from ema_tools.actuator import Actuator
 from ema_tools.diagnosis.spread import Spread
@@ -23,6 +24,8 @@ _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero
 _CREDIBLE = 3.0  # spreads
 _ROUNDS = 6
 _SETTLED = 1e-4
+# A step that overshoots, where what scatters bends, is taken in part.
+_SHARES = (1.0, 0.4, 0.1)
 
 
 def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str], start_mm: float) -> Reals:
@@ -174,7 +177,11 @@ class View:
         Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
         """
         tall = self._plain if vector is None else self._plain - vector
-        step, *_ = np.linalg.lstsq(self._directions, tall, rcond=None)
+        if not self.deviations.size:
+            return self.deviations
+        # bounded, not clipped: what one direction may not do, the others then do not answer
+        basis, square = np.linalg.qr(self._directions)
+        step = lsq_linear(square, basis.T @ tall, (-reach - self.deviations, reach - self.deviations), method="bvls").x
         return np.asarray(np.clip(self.deviations + step, -reach, reach))
 
 
@@ -219,12 +226,21 @@ def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals |
     if not evidence.spread:
         return here
     for _ in range(rounds):
-        there = view(evidence, values, here.best_deviations())
-        fallen = np.sum(here._plain**2) - np.sum(there._plain**2)
-        if not fallen > 0.0:
+        there = _moved(here)
+        if there is None:
             break
-        done = fallen < _SETTLED * np.sum(there._plain**2)
+        done = here.plain_cost - there.plain_cost < _SETTLED * there.plain_cost
         here = there
         if done:
             break
     return here
+
+
+def _moved(here: View) -> View | None:
+    """The view after a share of the step to the best deviations that lowers the cost; None when none does."""
+    step = here.best_deviations() - here.deviations
+    for share in _SHARES:
+        there = view(here.evidence, here.values, here.deviations + share * step)
+        if there.plain_cost < here.plain_cost:
+            return there
+    return None

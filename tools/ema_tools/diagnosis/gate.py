@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
+from scipy import ndimage, signal
 
 from ema_tools.actuator import Actuator
 from ema_tools.balances import Smoother, drive_current, filter_of, motor_position, noise_of
@@ -47,6 +47,10 @@ _SATURATED_BLOCKS = 0.8
 _CLIPPED_ROWS = 4
 _STUCK_S = 0.02
 _STUCK_MOVES = 0.1
+# A jump of one or two rows and back: beyond the noise and beyond this share of the signal no machine makes it.
+_SPIKE_NOISE = 30.0
+_SPIKE_SHARE = 0.2
+_SPIKE_WINDOW = 7
 _REVERSALS_MIN = 6
 # A reversal is a way back of this share of the stroke, and of so many times the noise.
 _TURN_SHARE = 0.01
@@ -118,7 +122,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
     if coverage["stroke_mm"] > 0.0 and not any(remark.severity == "blocks" for remark in remarks):
         remarks += [*_units(actuator, record, run), *_clock(actuator, record, run, smoother), *_sampling(actuator, record, coverage)]
-        remarks += [*_saturation(actuator, record), *_clipping(record), *_stuck(record, run), *_start(actuator, record, motion)]
+        remarks += [*_saturation(actuator, record), *_clipping(record), *_spikes(record), *_stuck(record, run), *_start(actuator, record, motion)]
     rank = {"blocks": 0, "weakens": 1, "fine": 2}
     return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
 
@@ -379,6 +383,26 @@ def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
     lengths = edges[1::2] - edges[::2]
     place = int(np.argmax(lengths))
     return int(lengths[place]), int(edges[::2][place])
+
+
+def _spikes(record: Record) -> list[Remark]:
+    """Samples that jump away from their neighbours on both sides and back."""
+    found = []
+    for name in HIDES:
+        values = record.channel(name)
+        if values is None or not np.ptp(values) > 0.0:
+            continue
+        calm = ndimage.median_filter(values, _SPIKE_WINDOW, mode="nearest")
+        away = np.abs(values - calm)
+        # the widest step of the calm signal nearby: an edge of a command is no spike
+        step = ndimage.maximum_filter1d(np.abs(np.diff(calm, prepend=calm[0])), _SPIKE_WINDOW)
+        rows = np.flatnonzero(away > np.maximum(np.maximum(_SPIKE_NOISE * noise_of(values), 2.0 * step), _SPIKE_SHARE * float(np.ptp(calm))))
+        if rows.size:
+            first = int(rows[0])
+            more = f", and so do {rows.size - 1} other rows" if rows.size > 1 else ""
+            text = f"{name} jumps by {values[first] - calm[first]:+.3g} {UNITS[name]} in row {first + 1} and back{more}: no machine does"
+            found.append(Remark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again"))
+    return found
 
 
 def _stuck(record: Record, run: Simulation) -> list[Remark]:

@@ -57,6 +57,17 @@ def _zeros_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
     return np.array(found).reshape(-1, *signals.shape)
 
 
+def _gains_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
+    """Signals [k, channels, rows], one for each of the model's `signals` [channels, rows] whose sensor may be off by a factor; of the recorded ones the noise would shrink with the factor."""
+    found = []
+    for place, name in enumerate(channels):
+        if name in spreads.GAIN_SHARE:
+            share = np.zeros_like(signals)
+            share[place] = spreads.GAIN_SHARE[name] * signals[place]
+            found.append(share)
+    return np.array(found).reshape(-1, *signals.shape)
+
+
 def _slight_effects(actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float) -> Reals:
     """What the effects that every machine has a little of make of the signals, [k, channels, rows]."""
     here = simulate_channels(actuator, record, channels, start_mm)
@@ -147,6 +158,15 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
     noise = np.array([noise_of(signal) for signal in measured])
     level = np.maximum(noise, least_noise(measured))
     power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
-    additive = np.concatenate([_zeros_of_sensors(names, measured), _slight_effects(actuator, record, names, start)])
     floor = float(np.sum((noise / level) ** 2)) * record.rows
-    return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), power, additive, start, floor=floor)
+
+    def with_slight(unit: Actuator) -> Evidence:
+        gains = _gains_of_sensors(names, simulate_channels(unit, record, names, start))
+        additive = np.concatenate([_zeros_of_sensors(names, measured), gains, _slight_effects(unit, record, names, start)])
+        return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), power, additive, start, floor=floor)
+
+    # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it
+    first = with_slight(actuator)
+    deviations = settled(first, {}).deviations
+    unit = actuator.changed({name: value for one, at in zip(first.spread, deviations, strict=False) for name, value in one.changes(actuator, float(at)).items()})
+    return with_slight(unit)

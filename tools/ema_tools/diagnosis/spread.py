@@ -25,19 +25,28 @@ FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
 # A healthy machine is fitted as freely as its records allow: factor on the spreads above, and what a data sheet gives as zero.
 HEALTHY_FREEDOM = 5.0
 STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.05, "encoder.rod_gain_error": 0.005, "encoder.rod_offset_mm": 0.05}
-# The same of a unit that is known by its data sheet alone.
-UNIT_STANDING: Mapping[str, float] = {"encoder.rod_gain_error": 0.0005, "encoder.rod_offset_mm": 0.005}
+# The same of a unit that is known by its data sheet alone, and what a data sheet states as exact: the gain of the loop.
+UNIT_STANDING: Mapping[str, float] = {
+    "screw.friction_asymmetry": 0.004,
+    "encoder.rod_gain_error": 0.0005,
+    "encoder.rod_offset_mm": 0.005,
+}
+UNIT_GAIN: Mapping[tuple[str, ...], float] = {("control.kp_per_m",): 0.005}
 # Dry friction and backlash are what wears: without repeats a worn unit must not be read as a missing effect.
 WORN: Mapping[str, float] = {"screw.csj_Nm": 0.5, "screw.blk_mm": 0.7}
-# Effects that every machine has a little of, at one standard deviation: the ripple of a screw in both phases, contacts that stretch before they slide.
+# Effects that every machine has a little of, at one standard deviation: the ripple of a screw in both phases, contacts that stretch before they slide,
+# at two sizes, as what they show does not grow in proportion.
 SLIGHT: Sequence[Mapping[str, float]] = (
     {"effects.pitch_ripple.ratio": 0.007, "effects.pitch_ripple.phase_rad": 0.0},
     {"effects.pitch_ripple.ratio": 0.007, "effects.pitch_ripple.phase_rad": 1.5707963},
+    {"effects.presliding.stretch_rad": 0.001},
     {"effects.presliding.stretch_rad": 0.003},
 )
 # Offsets of the recorded signals, relative to the signal's size.
 OFFSET_SHARE = 0.05
 OFFSET_CHANNELS = ("motor_position_mm", "current_A")
+# Gain errors of the recorded signals of a unit that is known by its data sheet alone, relative.
+GAIN_SHARE: Mapping[str, float] = {"current_A": 0.005}
 
 
 @dataclass(frozen=True)
@@ -58,7 +67,8 @@ class Spread:
         found = {}
         for name in self.names:
             row = row_of(name)
-            value = actuator[name] * (1.0 + self.std * deviations) if self.relative else actuator[name] + self.std * deviations
+            known = actuator[row.name]
+            value = known * (1.0 + self.std * deviations) if self.relative else known + self.std * deviations
             found[name] = min(max(value, row.lower), row.upper)
         return found
 
@@ -76,7 +86,8 @@ def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, .
 def of_unit(actuator: Actuator) -> tuple[Spread, ...]:
     """What is free in a unit that is known by its data sheet alone."""
     sheet = tuple(replace(one, std=WORN.get(one.title, one.std)) for one in from_data_sheet(actuator))
-    return (*sheet, *(Spread((name,), std, False) for name, std in UNIT_STANDING.items()))
+    gains = tuple(Spread(names, std, True) for names, std in UNIT_GAIN.items() if actuator[names[0]] > 0.0)
+    return (*sheet, *gains, *(Spread((name,), std, False) for name, std in UNIT_STANDING.items()))
 
 
 def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spread, ...]:

@@ -35,6 +35,11 @@ UNITS: Mapping[tuple[str, ...], float] = {
     ("drive.supply_V",): 0.005,
     ("control.kp_per_m",): 0.005,
 }
+# What every unit has a little of: standard deviations, absolute; of the ripple the middle size.
+STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.003, "encoder.rod_gain_error": 2e-4, "encoder.rod_offset_mm": 0.002}
+RIPPLE = 0.004
+CURRENT_GAIN, CURRENT_OFFSET_A = 0.003, 0.02
+PRESLIDING_RAD = (1e-3, 3e-3)
 COMMANDS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "chirp": ("chirp", {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}),
     "fast chirp": ("chirp", {"amplitude_mm": 1.2, "start_hz": 0.2, "end_hz": 6.0, "duration_s": 10.0}),
@@ -67,14 +72,6 @@ class Machine:
     sensors: Sensors
     own: bool = False
 
-    @property
-    def standing(self) -> tuple[str, ...]:
-        """Effects that even the healthy machine has a little of: who knows no healthy repeats may name them, and is not wrong."""
-        if self.own:
-            return ()
-        always = ("pitch_ripple", "coulomb_asymmetry", "constant_load", "sensor_gain", "sensor_offset", "gain_drift")
-        return (*always, "presliding") if self.friction == "lugre" else always
-
 
 @lru_cache(maxsize=64)
 def machine(number: int, own: bool = False) -> Machine:
@@ -90,11 +87,9 @@ def machine(number: int, own: bool = False) -> Machine:
         factor = 1.0 + std * float(np.clip(normal(), -2.0, 2.0))
         values |= {name: sheet[name] * factor for name in names}
     values |= {
-        "pitch_ripple.ratio": 0.004 * float(random.uniform(0.3, 1.5)),
+        "pitch_ripple.ratio": RIPPLE * float(random.uniform(0.3, 1.5)),
         "pitch_ripple.phase_rad": float(random.uniform(-np.pi, np.pi)),
-        "screw.friction_asymmetry": 0.003 * float(normal()),
-        "encoder.rod_gain_error": 2e-4 * float(normal()),
-        "encoder.rod_offset_mm": 0.002 * float(normal()),
+        **{name: std * float(normal()) for name, std in STANDING.items()},
     }
     sensors = Sensors(
         position_noise_mm=noise.position_noise_mm,
@@ -105,11 +100,11 @@ def machine(number: int, own: bool = False) -> Machine:
         motor_position_resolution_mm=5e-4,
         current_resolution_A=0.01,
         voltage_resolution_V=0.01,
-        current_gain_error=0.003 * float(normal()),
-        current_offset_A=0.02 * float(normal()),
+        current_gain_error=CURRENT_GAIN * float(normal()),
+        current_offset_A=CURRENT_OFFSET_A * float(normal()),
         feedback_noise_mm=2e-4,
     )
-    return Machine(number, values, "lugre" if number % 2 else "coulomb", float(random.uniform(1e-3, 3e-3)), sensors)
+    return Machine(number, values, "lugre" if number % 2 else "coulomb", float(random.uniform(*PRESLIDING_RAD)), sensors)
 
 
 @lru_cache(maxsize=16)
@@ -155,3 +150,30 @@ def exact(unit: Machine, changes: Mapping[str, float], command: str) -> Reals:
     errors = unit.sensors
     run = simulated(unit, changes, command, Sensors(current_gain_error=errors.current_gain_error, current_offset_A=errors.current_offset_A))
     return np.array([getattr(run, channel) for channel in CHANNELS])
+
+
+def unit_errors(unit: Machine, command: str) -> list[tuple[Reals, float]]:
+    """How the unit may differ from its data sheet: per error, what one standard deviation makes of the true signals [CHANNELS, rows], and where the unit lies, in standard deviations.
+
+    The contact's stretch is left aside: nobody's data sheet says it, and it is the same in every signature.
+    """
+    if unit.own:
+        return []
+    sheet = reference_actuator()
+
+    def either_side(changes: Mapping[str, float]) -> Reals:
+        up, down = (exact(unit, {name: unit.values[name] + sign * step for name, step in changes.items()}, command) for sign in (1.0, -1.0))
+        return np.asarray(0.5 * (up - down))
+
+    found = [(either_side({name: std * sheet[name] for name in names}), (unit.values[names[0]] / sheet[names[0]] - 1.0) / std) for names, std in UNITS.items()]
+    found += [(either_side({name: std}), unit.values[name] / std) for name, std in STANDING.items()]
+    healthy = exact(unit, {}, command)
+    ripple = unit.values["pitch_ripple.ratio"] * np.exp(1j * unit.values["pitch_ripple.phase_rad"])
+    for quarter in (1.0, 1j):
+        moved = ripple + RIPPLE / np.sqrt(2.0) * quarter
+        there = exact(unit, {"pitch_ripple.ratio": float(abs(moved)), "pitch_ripple.phase_rad": float(np.angle(moved))}, command)
+        found.append((there - healthy, float(np.real(ripple * np.conj(quarter))) / (RIPPLE / np.sqrt(2.0))))
+    current = CHANNELS.index("current_A")
+    gain, offset = np.zeros_like(healthy), np.zeros_like(healthy)
+    gain[current], offset[current] = CURRENT_GAIN * healthy[current], CURRENT_OFFSET_A
+    return [*found, (gain, unit.sensors.current_gain_error / CURRENT_GAIN), (offset, unit.sensors.current_offset_A / CURRENT_OFFSET_A)]

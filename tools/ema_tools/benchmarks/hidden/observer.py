@@ -2,6 +2,7 @@
 
 It holds each effect in the shape in which it would be hidden, from runs of the truth plant without noise, and leaves only the size free. The noise of each signal by frequency
 comes from many repeats; the scatter of friction, grease and winding are known directions. It picks the effect of highest likelihood. What it cannot name, no method can.
+Without healthy repeats it knows by how much units differ from their data sheet and in which directions, as the machines were drawn, but not where in there this unit lies.
 """
 
 from __future__ import annotations
@@ -17,13 +18,16 @@ from scipy import fft
 
 from ema_tools.actuator import reference_actuator
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES, change, same_class
-from ema_tools.benchmarks.hidden.machines import CHANNELS, ROWS, SCATTER, Machine, exact, machine, measured, seed_of
+from ema_tools.benchmarks.hidden.machines import CHANNELS, ROWS, SCATTER, Machine, exact, machine, measured, seed_of, unit_errors
 from ema_tools.native import Reals
 from ema_tools.reference.recording import Recording
 
 _REPEATS = 24
 # Sizes at which an alternative's signature is taken; in between and beyond it is scaled.
 _SIZES = ("small", "medium", "large")
+# Effects that do what an error of the unit does. Without repeats how a large one bends tells nothing, as a large error of the unit bends alike: they are held as linear.
+_TWINS = ("coulomb_asymmetry", "magnet_weakening", "sensor_gain", "sensor_offset", "inertia_change", "gain_drift")
+_LINEAR = "edge"
 _SMOOTH_LINES = 12
 _SMOOTH_SHARE = 0.1
 
@@ -67,11 +71,19 @@ class Bank:
         # both halves of the spectrum count, the line at zero and the last of an even count once
         self._weights = np.sqrt(np.where((np.arange(power.shape[1]) == 0) | (np.arange(power.shape[1]) == ROWS / 2), 1.0, 2.0) / power)
         self.directions = [self.whitened(direction) for direction in directions]
+        self._unit: tuple[list[Reals], Reals] | None = None
         self._signatures: dict[tuple[str, str], Reals] = {}
 
     def whitened(self, found: Reals) -> Reals:
         """Signals [CHANNELS, rows] with unit variance of the noise, [CHANNELS, 2 * lines]."""
         return np.ascontiguousarray(_lines(found) * self._weights).view(np.float64)
+
+    def unit_directions(self) -> tuple[list[Reals], Reals]:
+        """What one standard deviation of each error of the unit makes of the signals, whitened, and where this unit lies, in standard deviations, [k]."""
+        if self._unit is None:
+            found = unit_errors(self.unit, self.command)
+            self._unit = [self.whitened(direction) for direction, _ in found], np.array([place for _, place in found])
+        return self._unit
 
     def signature(self, effect: str, severity: str) -> Reals:
         """What an effect makes of the signals, whitened, [CHANNELS, 2 * lines]."""
@@ -80,6 +92,12 @@ class Bank:
             values = change(self.unit, effect, SEVERITIES[severity], self.command).values
             self._signatures[key] = self.whitened(exact(self.unit, values, self.command) - self.healthy).astype(np.float32)
         return self._signatures[key]
+
+    def linear_signature(self, effect: str, severity: str) -> Reals:
+        """The same of a twin of a unit's error, in proportion from the slightest."""
+        if effect not in _TWINS:
+            return self.signature(effect, severity)
+        return self.signature(effect, _LINEAR) * np.float32(SEVERITIES[severity] / SEVERITIES[_LINEAR])
 
 
 @lru_cache(maxsize=3)
@@ -90,21 +108,25 @@ def bank(number: int, own: bool, command: str) -> Bank:
 
 @dataclass(frozen=True)
 class _Space:
-    """Vectors in some channels, scaled by what `repeats` leave of a difference, with the scatter taken off."""
+    """Vectors in some channels, scaled by what `repeats` leave of a difference, with the scatter taken off, and without repeats the unit's own errors; `place` of this unit among them."""
 
     channels: tuple[int, ...]
     scale: float
     basis: Reals
+    place: Reals
+    alone: bool
 
     @staticmethod
     def of(known: Bank, channels: Sequence[str] | None, repeats: int) -> _Space:
         chosen = tuple(CHANNELS.index(name) for name in channels or CHANNELS)
-        columns = np.column_stack([direction[list(chosen)].ravel() for direction in known.directions])
+        own, place = ([], np.empty(0)) if repeats else known.unit_directions()
+        columns = np.column_stack([direction[list(chosen)].ravel() for direction in (*known.directions, *own)])
         basis, _ = np.linalg.qr(np.vstack([columns, -np.eye(columns.shape[1])]))
-        return _Space(chosen, 1.0 / np.sqrt(1.0 + 1.0 / repeats), basis)
+        return _Space(chosen, 1.0 / np.sqrt(1.0 + 1.0 / repeats) if repeats else 1.0, basis, np.concatenate([np.zeros(len(known.directions)), place]), not repeats)
 
-    def __call__(self, whitened: Reals) -> Reals:
-        flat = np.concatenate([self.scale * whitened[list(self.channels)].ravel(), np.zeros(self.basis.shape[1])])
+    def __call__(self, whitened: Reals, place: Reals | None = None) -> Reals:
+        """`place`: where the unit lies, for a record; a signature has none."""
+        flat = np.concatenate([self.scale * whitened[list(self.channels)].ravel(), np.zeros(self.basis.shape[1]) if place is None else place])
         return np.asarray(flat - self.basis @ (self.basis.T @ flat))
 
 
@@ -121,7 +143,8 @@ class _Judge:
     def _of_severity(self, severity: str) -> Reals:
         """Signatures of all names, each of length one, [names, n]."""
         if severity not in self._units:
-            vectors = np.array([self._space(self._known.signature(name, severity)) for name in self.names])
+            of = self._known.linear_signature if self._space.alone else self._known.signature
+            vectors = np.array([self._space(of(name, severity)) for name in self.names])
             lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
             self._units[severity] = (vectors / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
         return self._units[severity]
@@ -136,16 +159,22 @@ class _Judge:
 def judged(number: int, own: bool, command: str, effects: Sequence[str], severity: str, run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None) -> dict[str, Any]:
     """What the observer makes of a run: its pick, whether that is right, how far the hidden effect lies from nothing (`size`) and from others (`apart`), in standard deviations.
 
+    Without healthy repeats the unit's own errors stand between the record and the data sheet: they are linear from where the unit is, which the observer does not know.
     For an effect outside the library `nearest` is the effect that comes nearest and `beyond` the share of the hidden one that it leaves. For a pair, `apart` says how far each
     lies from what the other one alone can make.
     """
     known = bank(number, own, command)
     space = _Space.of(known, channels, len(healthy))
     judge = _judge(number, own, command, tuple(channels or CHANNELS), len(healthy))
-    residual = space(known.whitened(signals(run) - np.mean([signals(other) for other in healthy], axis=0)))
+    reference = np.mean([signals(other) for other in healthy], axis=0) if healthy else known.healthy
+    seen_run = known.whitened(signals(run) - reference)
+    if not healthy:
+        seen_run = seen_run + sum(known.linear_signature(effect, severity) - known.signature(effect, severity) for effect in effects)
+    residual = space(seen_run, space.place)
     seen = judge.likelihoods(residual, severity)
     pick = max(seen, key=lambda name: seen[name])
-    true = [space(known.signature(effect, severity)) for effect in effects]
+    of = known.signature if healthy else known.linear_signature
+    true = [space(of(effect, severity)) for effect in effects]
     lengths = [float(np.sqrt(vector @ vector)) for vector in true]
     found: dict[str, Any] = {"pick": pick, "size": lengths}
     if len(effects) == 2:

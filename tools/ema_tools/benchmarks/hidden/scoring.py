@@ -59,13 +59,6 @@ def first_right(row: Row) -> bool:
     return matches(row, row["effects"][0], row["first"])
 
 
-def right_beside_standing(row: Row) -> bool:
-    """Without healthy repeats: whether the first name is right that is no standing error of the machine itself."""
-    names = [row["first"], *(name for name, _ in row["ranked"])]
-    first = next((name for name in names if name not in row["standing"] or same_class(name, row["effects"][0])), row["first"])
-    return matches(row, row["effects"][0], first)
-
-
 def exact_set(row: Row) -> bool:
     """Whether all that is hidden is put forward for adding, and nothing else."""
     return len(row["accepted"]) == len(row["effects"]) and all_named(row)
@@ -137,8 +130,10 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
     for severity, percent in (("large", 90.0), ("medium", 75.0)):
         some = of_kind(rows, "alone", severity)
         if some:
-            aside = f"{share_of(some, right_beside_standing)} with the machine's own standing errors aside"
-            found.append(_at_least(f"right name first without healthy repeats, {severity}", share_of(some, first_right), percent, aside))
+            seen = observed(some)
+            found.append(_at_least(f"right name or class first without healthy repeats, {severity}", share_of(some, first_right), percent, str(seen)))
+            gap = seen.percent - share_of(some, first_right).percent
+            found.append(Goal(f"gap to the ideal observer without healthy repeats, {severity}", f"{gap:.1f}", "<= 3 percentage points", gap <= 3.0))
     some = of_kind(rows, "healthy")
     if some:
         wrong = share_of(some, accused)

@@ -181,10 +181,9 @@ def perform(trial: Trial) -> dict[str, Any]:
     answer = sealed.answered(run, healthy, trial.channels)
     row: dict[str, Any] = {"key": trial.key, **asdict(trial), "verdict": answer.verdict, "first": answer.first, "accepted": list(answer.accepted)}
     row["class"] = list(answer.said[0].alike) if answer.said else []
-    row["standing"] = list(unit.standing)
     row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
     row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s", "cpu_s")}
-    if trial.effects and trial.repeats and trial.kind not in ("placebo", "time"):
+    if trial.effects and trial.kind not in ("placebo", "time"):
         row["observer"] = observer.judged(trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels)
     row["sizes"] = _sizes(answer, hidden, trial.effects)
     if trial.held_out and answer.verdict == "missing":
