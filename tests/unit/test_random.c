@@ -113,7 +113,7 @@ static void test_uniform_fills_its_bins_evenly(void)
         ++count[(uint32_t)(ema_random_uniform(&random) * (ema_real)BINS)];
     }
     double chi_square = 0.0;
-    const double expected = (double)DRAWS / BINS;
+    const double expected = (double)DRAWS / (double)BINS;
     for (uint32_t k = 0; k < BINS; ++k) {
         chi_square += ((count[k] - expected) * (count[k] - expected)) / expected;
     }
