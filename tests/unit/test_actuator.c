@@ -1,6 +1,7 @@
 /* Defaults, ranges and access by index: each of them read from the two lists again, row by row. */
 #include <math.h>
 
+#include "ema_bounds.h"
 #include "ema_rig.h"
 
 void setUp(void)
@@ -71,6 +72,21 @@ static void test_range_has_every_row_and_no_more(void)
     }
     TEST_ASSERT_NULL(ema_actuator_range(ROW_COUNT));
     TEST_ASSERT_NULL(ema_actuator_range(SIZE_MAX));
+}
+
+/* The module's own bounds share one row for the nodes of a table; what they say is the list. */
+static void test_bounds_are_those_of_the_ranges(void)
+{
+    ema_bounds_t bounds = {EMA_R(0.0), EMA_R(0.0)};
+    for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {
+        const ema_range_t* const range = ema_actuator_range(id);
+        TEST_ASSERT_TRUE(ema_bounds_of(id, &bounds));
+        TEST_ASSERT_TRUE(bounds.lower == range->lower);
+        TEST_ASSERT_TRUE(bounds.upper == range->upper);
+    }
+    const ema_bounds_t last = bounds;
+    TEST_ASSERT_FALSE(ema_bounds_of(EMA_VALUE_COUNT, &bounds));
+    EMA_ASSERT_SAME_BITS(&last, &bounds, sizeof last);
 }
 
 static void test_defaults_are_the_nominal_column(void)
@@ -240,6 +256,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_counts_agree);
     RUN_TEST(test_range_has_every_row_and_no_more);
+    RUN_TEST(test_bounds_are_those_of_the_ranges);
     RUN_TEST(test_defaults_are_the_nominal_column);
     RUN_TEST(test_every_effect_is_absent_by_default);
     RUN_TEST(test_defaults_need_an_actuator);

@@ -435,6 +435,34 @@ static void test_load_loses_power_in_the_gears(void)
     TEST_ASSERT_TRUE(released.state.motor_mm < EMA_R(1.73));
 }
 
+/* A caller may ask any site, whether an effect acts there or not. */
+static void test_a_site_without_active_effects_adds_nothing(void)
+{
+    const ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
+    const ema_plant_t* const plant = &model.plant;
+    const ema_site_t site = {.plant = plant, .speed_rad_s = EMA_R(20.0), .angle_rad = EMA_R(0.7), .position_mm = EMA_R(0.1), .current_A = EMA_R(3.0), .voltage_V = EMA_R(12.0)};
+    TEST_ASSERT_TRUE(ema_site_friction(plant, &site, EMA_R(0.138)) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_torque(plant, &site) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_load(plant, &site) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_voltage(plant, &site) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_motor(plant, &site) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_reading(plant, &site) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_outside(plant, &site, &site) == EMA_R(0.0));
+    ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    for (uint32_t k = 0; k <= (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        memory[k] = EMA_R(0.25);
+    }
+    TEST_ASSERT_TRUE(ema_site_presliding(plant, memory, EMA_R(0.1)) == EMA_R(0.0));
+    ema_site_presliding_keep(plant, memory, EMA_R(0.5));
+    const ema_transmission_t step = {EMA_R(0.0), EMA_R(0.3), plant->substep_s, plant->gearbox.lead_mm_per_rad};
+    const ema_rod_t rod = ema_site_transmission(plant, &step, memory);
+    TEST_ASSERT_TRUE(rod.rod_mm == EMA_R(0.3));
+    TEST_ASSERT_TRUE(rod.rod_speed_mm_s == EMA_R(0.0));
+    for (uint32_t k = 0; k <= (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        TEST_ASSERT_TRUE(memory[k] == EMA_R(0.25));
+    }
+}
+
 /* With effects, steps are not exact: their error against much finer steps must stay small and fall with the substeps. */
 static void test_effects_converge_with_substeps(void)
 {
@@ -485,6 +513,33 @@ static void test_own_steps_see_a_fast_ripple(void)
     actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.015);
     actuator.effects.cogging_torque.periods = EMA_R(72.0);
     TEST_ASSERT_TRUE(worst_of_own_steps_mm() < 2.0e-4);
+}
+
+/* A current that follows the voltage at once does not bend inside a step. */
+static void test_own_steps_without_inductance(void)
+{
+    actuator.params.inductance_H = EMA_R(0.0);
+    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.015);
+    TEST_ASSERT_TRUE(worst_of_own_steps_mm() < 2.0e-4);
+}
+
+/* An output that comes late splits the step, and what acts on the motion acts in both parts: forward, the asymmetry is more viscous damping. */
+static void test_effect_acts_in_both_parts_of_a_late_step(void)
+{
+    actuator.params.output_delay_s = EMA_R(4.0e-4);
+    actuator.params.viscous_Nm_s_per_rad = EMA_R(2.0e-3);
+    ema_actuator_t plain = actuator;
+    actuator.effects.viscous_asymmetry.asymmetry = EMA_R(0.5);
+    plain.params.viscous_Nm_s_per_rad = EMA_R(3.0e-3);
+    ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
+    ema_model_t same = ema_rig_model(&plain, EMA_R(0.0));
+    for (uint32_t k = 0; k < 200U; ++k) {
+        const ema_output_t row = ema_rig_step(&model, EMA_R(20.0));
+        const ema_output_t expected = ema_rig_step(&same, EMA_R(20.0));
+        EMA_ASSERT_CLOSE(expected.motor_position_mm, row.motor_position_mm, 2.0e-5, 1.0e-5);
+        TEST_ASSERT_TRUE(model.state.speed_rad_s >= EMA_R(0.0));
+    }
+    TEST_ASSERT_TRUE(model.state.motor_mm > EMA_R(2.0));
 }
 
 /* A contact that is turned back inside a step keeps part of its stretch. */
@@ -550,7 +605,10 @@ int main(void)
     RUN_TEST(test_spring_load_is_held_up_to_the_static_level);
     RUN_TEST(test_load_loses_power_in_the_gears);
     RUN_TEST(test_effects_converge_with_substeps);
+    RUN_TEST(test_a_site_without_active_effects_adds_nothing);
     RUN_TEST(test_own_steps_see_a_fast_ripple);
+    RUN_TEST(test_own_steps_without_inductance);
+    RUN_TEST(test_effect_acts_in_both_parts_of_a_late_step);
     RUN_TEST(test_own_steps_see_a_short_stretch);
     RUN_TEST(test_own_steps_see_a_stiff_transmission);
     RUN_TEST(test_effects_keep_limits_and_stops);

@@ -260,6 +260,34 @@ static void order_and_refusals(void)
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));
 }
 
+/* More values than a session takes, all of them in the table. */
+static void too_many_values(void)
+{
+    for (uint32_t i = 0; i < EMA_IDENTIFIED_MAX; ++i) {
+        config.identified[i] = config.identified[0];
+    }
+    config.identified_count = EMA_IDENTIFIED_MAX + 1U;
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));
+}
+
+/* While the session searches, its result is not finished, and the table has nothing to object yet. */
+static void result_while_it_searches(void)
+{
+    ema_result_t result;
+    ema_finding_t finding;
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, &rig.table));
+    feed(NULL, &healthy, EMA_R(3.0), EMA_TABLE_RECORD_ROWS);
+    while (ema_session_phase(&guarded.session) != EMA_PHASE_SEARCHING) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U));
+    }
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, &finding));
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_NOT_FINISHED, result.reasons);
+    TEST_ASSERT_EQUAL_INT(EMA_FINDING_NONE, finding.kind);
+    /* the run beside the table is counted */
+    TEST_ASSERT_TRUE(result.model_steps >= EMA_TABLE_RECORD_ROWS);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -270,8 +298,10 @@ int main(void)
     RUN_TEST(a_missing_effect_takes_the_fault_back);
     RUN_TEST(another_command);
     RUN_TEST(one_value_alone);
+    RUN_TEST(too_many_values);
     RUN_TEST(table_that_changes);
     RUN_TEST(rod_beyond_the_travel);
     RUN_TEST(order_and_refusals);
+    RUN_TEST(result_while_it_searches);
     return UNITY_END();
 }

@@ -1,6 +1,7 @@
 /* The model's contract: what its preparation refuses, what a step answers, and that its state is a plain value. */
 #include <math.h>
 
+#include "ema_prepare.h"
 #include "ema_rig.h"
 
 static ema_actuator_t actuator;
@@ -120,6 +121,23 @@ static void test_init_refuses_more_mass_on_the_spring_than_the_inertia(void)
     (void)ema_rig_model(&actuator, EMA_R(0.0));
     actuator.params.inertia_kgm2 = EMA_R(2.0e-5);
     ASSERT_REFUSED(EMA_ERR_INERTIA, EMA_R(0.0));
+}
+
+/* What a user's own effects may leave behind the check of the ranges, and what the project's cannot. */
+static void test_plant_refuses_what_effects_must_not_leave(void)
+{
+    static const ema_value_id_t ids[3] = {EMA_VALUE_ID(supply_V), EMA_VALUE_ID(viscous_Nm_s_per_rad), EMA_VALUE_ID(resistance_ohm)};
+    static const ema_real bad[3] = {EMA_R(0.0), EMA_R(-1.0e-6), EMA_R(0.0)};
+    static ema_plant_t plant;
+    static ema_plant_t before;
+    for (uint32_t k = 0; k < 3U; ++k) {
+        ema_actuator_t left = actuator;
+        EMA_ASSERT_STATUS(EMA_OK, ema_plant_prepare(&plant, &left, EMA_R(0.0)));
+        (void)memcpy(&before, &plant, sizeof before);
+        EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&left, ids[k], bad[k]));
+        EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_plant_prepare(&plant, &left, EMA_R(0.0)));
+        EMA_ASSERT_SAME_BITS(&before, &plant, sizeof before);
+    }
 }
 
 static void test_an_anti_windup_that_swings_up_is_refused(void)
@@ -265,6 +283,20 @@ static void test_state_that_is_not_finite_is_reported(void)
     EMA_ASSERT_STATUS(EMA_ERR_DIVERGED, ema_model_step(&model, EMA_R(0.0), NULL));
 }
 
+/* Each alone, where nothing else follows from it: a shaft at rest does not look at its speed, and a loop over the motor not at the rod. */
+static void test_speed_or_rod_alone_that_is_not_finite_is_reported(void)
+{
+    actuator.options.side = 0;
+    ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
+    model.state.speed_rad_s = (ema_real)NAN;
+    EMA_ASSERT_STATUS(EMA_ERR_DIVERGED, ema_model_step(&model, EMA_R(0.0), NULL));
+    TEST_ASSERT_TRUE(isfinite((double)model.state.current_A) && isfinite((double)model.state.motor_mm));
+    model = ema_rig_model(&actuator, EMA_R(0.0));
+    model.state.play_mm = (ema_real)NAN;
+    EMA_ASSERT_STATUS(EMA_ERR_DIVERGED, ema_model_step(&model, EMA_R(0.0), NULL));
+    TEST_ASSERT_TRUE(isfinite((double)model.state.motor_mm));
+}
+
 static void test_largest_command_does_not_break_the_state(void)
 {
     const ema_real largest = EMA_BY_PRECISION(EMA_R(3.0e38), EMA_R(1.0e308));
@@ -404,6 +436,7 @@ int main(void)
     RUN_TEST(test_ideal_current_loop_does_not_care_for_the_inductance);
     RUN_TEST(test_init_refuses_more_mass_on_the_spring_than_the_inertia);
     RUN_TEST(test_an_anti_windup_that_swings_up_is_refused);
+    RUN_TEST(test_plant_refuses_what_effects_must_not_leave);
     RUN_TEST(test_substeps_follow_the_fastest_motion_or_the_option);
     RUN_TEST(test_model_starts_at_rest_at_its_start);
     RUN_TEST(test_asked_for_where_it_is_a_model_stays_there);
@@ -413,6 +446,7 @@ int main(void)
     RUN_TEST(test_step_needs_a_model);
     RUN_TEST(test_command_that_is_not_finite_changes_nothing);
     RUN_TEST(test_state_that_is_not_finite_is_reported);
+    RUN_TEST(test_speed_or_rod_alone_that_is_not_finite_is_reported);
     RUN_TEST(test_largest_command_does_not_break_the_state);
     RUN_TEST(test_copy_is_a_checkpoint);
     RUN_TEST(test_copy_is_a_checkpoint_with_everything_on);

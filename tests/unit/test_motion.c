@@ -335,6 +335,26 @@ static void test_end_of_travel_is_inelastic(void)
     TEST_ASSERT_TRUE(model.state.motor_mm < EMA_R(24.0));
 }
 
+/* Rounding may carry a shaft beyond an end of travel on its way back: where it turns, it stands at the end, and the play has seen no farther. */
+static void test_turning_point_beyond_an_end_is_the_end(void)
+{
+    let_coast();
+    actuator.params.travel_mm = EMA_R(25.0);
+    for (int32_t side = -1; side <= 1; side += 2) {
+        ema_model_t model = ema_rig_model(&actuator, (ema_real)side * EMA_R(24.9));
+        const ema_real end_rad = (side > 0) ? model.plant.screw.stop_upper_rad : model.plant.screw.stop_lower_rad;
+        model.state.angle_rad = end_rad * (EMA_R(1.0) + (EMA_R(64.0) * EMA_REAL_EPSILON));
+        model.state.speed_rad_s = (ema_real)side * EMA_R(-1.0e-6);
+        model.state.motion = -side;
+        (void)ema_rig_step(&model, EMA_R(0.0));
+        TEST_ASSERT_TRUE(model.state.angle_rad == end_rad);
+        TEST_ASSERT_TRUE(model.state.angle_low_rad == EMA_R(0.0));
+        TEST_ASSERT_TRUE(model.state.speed_rad_s == EMA_R(0.0));
+        TEST_ASSERT_EQUAL_INT32(EMA_MOTION_STUCK, model.state.motion);
+        EMA_ASSERT_CLOSE((double)side * (25.0 - 0.0165), model.state.rod_mm, 0.0, 4.0 * EMA_EPS);
+    }
+}
+
 static void test_lower_end_of_travel_mirrors_the_upper(void)
 {
     /* fast enough for a current that brakes at the impact: the shaft leaves the stop for a moment and is pushed back */
@@ -590,6 +610,7 @@ int main(void)
     RUN_TEST(test_reversal_at_zero_speed_goes_on_when_nothing_holds);
     RUN_TEST(test_play_sees_the_turning_point_inside_a_step);
     RUN_TEST(test_end_of_travel_is_inelastic);
+    RUN_TEST(test_turning_point_beyond_an_end_is_the_end);
     RUN_TEST(test_lower_end_of_travel_mirrors_the_upper);
     RUN_TEST(test_stop_holds_the_shaft_until_the_torque_pulls_inward);
     RUN_TEST(test_momentum_balances_in_every_step);

@@ -166,6 +166,18 @@ static void test_command_that_is_a_function_takes_no_room(void)
     TEST_ASSERT_TRUE(read.channel[EMA_CHANNEL_POSITION] == EMA_R(2.0));
 }
 
+/* Rows are counted in 32 bits, however large the buffer. Nothing is written before a row comes. */
+static void test_capacity_ends_where_the_count_ends(void)
+{
+    const ema_command_t command = ema_rig_chirp(EMA_R(4.0), EMA_R(10.0), EMA_R(5.0e-4));
+    config = ema_rig_real_record(memory, SIZE_MAX, false);
+    use_int16();
+    config.keep[EMA_CHANNEL_POSITION] = true;
+    config.command = &command;
+    start();
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)INT32_MAX, record.capacity);
+}
+
 static void test_init_needs_its_pointers(void)
 {
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_record_init(NULL, &config));
@@ -322,6 +334,7 @@ int main(void)
     RUN_TEST(test_channels_that_are_not_kept_read_zero_and_take_no_room);
     RUN_TEST(test_rod_position_is_kept_always);
     RUN_TEST(test_command_that_is_a_function_takes_no_room);
+    RUN_TEST(test_capacity_ends_where_the_count_ends);
     RUN_TEST(test_init_needs_its_pointers);
     RUN_TEST(test_init_refuses_a_buffer_without_room_for_a_row);
     RUN_TEST(test_init_refuses_a_full_scale_that_is_none);

@@ -285,6 +285,20 @@ static void test_play_is_crossed_once_the_rod_was_pushed_both_ways(void)
     }
 }
 
+/* The other way round: pushed back over a quarter of the first wave, and not yet forward again. */
+static void test_play_that_was_only_pushed_back_is_not_crossed(void)
+{
+    const ema_record_config_t config = ema_rig_real_record(buffer, sizeof buffer, true);
+    ema_command_t back = chirp;
+    back.config.amplitude_mm = -chirp.config.amplitude_mm;
+    ema_rig_record(&record, &config, &actuator, &back, ROWS / 8U);
+    start(position_only, deltas, 2U);
+    const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
+    TEST_ASSERT_TRUE(sensitivity.model[0].state.play_mm < EMA_R(0.0));
+    TEST_ASSERT_TRUE(result.determined);
+    TEST_ASSERT_FALSE(result.crossed);
+}
+
 /* The same noise twice, once shared between neighbours: the errors widen as for a first-order autoregressive residual. */
 static void test_shared_residual_widens_the_errors(void)
 {
@@ -365,6 +379,18 @@ static void test_step_of_zero_determines_nothing(void)
     const ema_real none[2] = {EMA_R(1.38e-3), EMA_R(0.0)};
     make_record(ROWS, EMA_R(0.005), EMA_R(0.0));
     assert_undetermined(ids, none, 2U);
+}
+
+/* A weight whose sums leave the range of numbers. */
+static void test_sums_that_overflow_determine_nothing(void)
+{
+    const ema_real largest[EMA_CHANNEL_COUNT] = {EMA_BY_PRECISION(EMA_R(3.0e38), EMA_R(1.0e308))};
+    make_record(ROWS, EMA_R(0.005), EMA_R(0.0));
+    start(largest, deltas, 2U);
+    const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
+    TEST_ASSERT_FALSE(result.determined);
+    TEST_ASSERT_TRUE(result.std[0] == EMA_R(0.0));
+    TEST_ASSERT_TRUE(result.bias[0] == EMA_R(0.0));
 }
 
 static void test_fewer_rows_than_parameters_leave_finite_numbers(void)
@@ -474,12 +500,14 @@ int main(void)
     RUN_TEST(test_shared_residual_widens_the_errors);
     RUN_TEST(test_what_lasts_in_the_residual_is_told_as_bias);
     RUN_TEST(test_play_is_crossed_once_the_rod_was_pushed_both_ways);
+    RUN_TEST(test_play_that_was_only_pushed_back_is_not_crossed);
     RUN_TEST(test_alternating_residual_does_not_narrow_the_errors);
     RUN_TEST(test_residual_that_repeats_itself_leaves_the_errors_finite);
     RUN_TEST(test_perfect_record_has_no_residual_and_no_errors);
     RUN_TEST(test_parameters_that_do_the_same_are_not_told_apart);
     RUN_TEST(test_parameter_that_does_nothing_is_not_determined);
     RUN_TEST(test_step_of_zero_determines_nothing);
+    RUN_TEST(test_sums_that_overflow_determine_nothing);
     RUN_TEST(test_fewer_rows_than_parameters_leave_finite_numbers);
     RUN_TEST(test_copy_is_a_checkpoint);
     RUN_TEST(test_start_is_where_the_rod_rested);

@@ -546,6 +546,47 @@ static void test_undecided_below_healthy(void)
     assert_found(&result, &truth, 0.01);
 }
 
+/* A rod that was only ever pushed one way does not show where the play ends, however exactly it shows the friction. */
+static void test_undecided_when_the_rod_was_pushed_one_way(void)
+{
+    config.identified_count = 1U;
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_init(&session, &config));
+    ema_actuator_t truth = healthy;
+    truth.params.csj_Nm = EMA_R(0.2);
+    ema_model_t model = ema_rig_model(&truth, EMA_R(0.0));
+    for (uint32_t row = 0; row < 400U; ++row) {
+        const ema_real command_mm = EMA_R(0.01) * (ema_real)row;
+        const ema_output_t output = ema_rig_step(&model, command_mm);
+        const ema_sample_t sample = {command_mm, {output.position_mm}};
+        EMA_ASSERT_STATUS(EMA_OK, ema_session_feed(&session, &sample));
+    }
+    (void)run_in_slices(&session, ALL_STEPS);
+    const ema_result_t result = result_of(&session);
+    EMA_ASSERT_CLOSE(0.2, result.identified[0].estimate, 2.0e-4, 0.0);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
+    TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
+}
+
+/* An estimate beside which no model can be made, since its time constant is too far below the step, is told unweighed. */
+static void test_undecided_beside_what_makes_no_model(void)
+{
+    healthy.params.inductance_H = EMA_R(9.44e-6);
+    healthy.params.resistance_ohm = EMA_R(1.0);
+    const truth_t truth = {.actuator = healthy, .end_hz = EMA_R(3.0), .duration_s = EMA_R(0.2)};
+    config.identified_count = 1U;
+    config.identified[0].id = EMA_VALUE_ID(resistance_ohm);
+    config.identified[0].lower = EMA_R(0.9);
+    config.identified[0].upper = EMA_R(2.0);
+    config.start_at_healthy = true;
+    config.annealer.evaluation_budget = 20U;
+    const ema_result_t result = identify(&truth);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
+    TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
+    EMA_ASSERT_CLOSE(1.0, result.identified[0].estimate, 0.01, 0.0);
+    TEST_ASSERT_TRUE(result.identified[0].std == EMA_R(0.0));
+    TEST_ASSERT_TRUE(result.residual_rms_mm == EMA_R(0.0));
+}
+
 /* Standard errors at the upper bound of the search come from a step inwards. */
 static void test_estimate_at_its_upper_bound_still_has_an_error(void)
 {
@@ -817,6 +858,8 @@ int main(void)
     RUN_TEST(test_undecided_near_the_threshold);
     RUN_TEST(test_undecided_when_the_evaluations_are_used_up);
     RUN_TEST(test_undecided_when_nothing_moved);
+    RUN_TEST(test_undecided_when_the_rod_was_pushed_one_way);
+    RUN_TEST(test_undecided_beside_what_makes_no_model);
     RUN_TEST(test_undecided_below_healthy);
     RUN_TEST(test_estimate_at_its_upper_bound_still_has_an_error);
     RUN_TEST(test_default_configuration_is_the_search_table);

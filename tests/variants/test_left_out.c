@@ -77,6 +77,22 @@ static void test_a_session_refuses_it_too(void)
     TEST_ASSERT_EQUAL(EMA_ERR_RANGE, ema_session_init(&session, &config));
 }
 
+/* The bounds of a search lie where they lie in every build. */
+static void test_a_search_of_an_effect_is_taken_if_the_build_holds_it(void)
+{
+    const ema_record_config_t record = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_INT16, .command_full_scale_mm = EMA_R(4.0),
+                                        .full_scale = {EMA_R(4.0), EMA_R(4.0), EMA_R(40.0), EMA_R(40.0)}};
+    const ema_value_id_t speed = EMA_EFFECT_VALUE_ID(stribeck_friction, speed_rad_s);
+    ema_session_config_t config;
+    TEST_ASSERT_EQUAL(EMA_OK, ema_session_config_default(&config, &actuator, &record));
+    config.identified[0].id = speed;
+    config.identified[0].lower = ema_actuator_range(speed)->lower;
+    config.identified[0].upper = EMA_R(200.0);
+    TEST_ASSERT_EQUAL(is_held("stribeck_friction") ? EMA_OK : EMA_ERR_RANGE, ema_session_init(&session, &config));
+    config.identified[0].upper = EMA_R(201.0);
+    TEST_ASSERT_EQUAL(EMA_ERR_RANGE, ema_session_init(&session, &config));
+}
+
 static void test_options_and_parameters_are_checked_as_in_every_build(void)
 {
     size_t offender = 0U;
@@ -94,6 +110,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_an_effect_that_is_left_out_is_refused_and_named);
     RUN_TEST(test_a_session_refuses_it_too);
+    RUN_TEST(test_a_search_of_an_effect_is_taken_if_the_build_holds_it);
     RUN_TEST(test_options_and_parameters_are_checked_as_in_every_build);
     return UNITY_END();
 }
