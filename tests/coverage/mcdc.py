@@ -27,7 +27,7 @@ class ReadError(Exception):
 
 @dataclass
 class Decision:
-    """One decision: which of its conditions were shown to matter; how many are known when compiling, which never are; and the code of the others."""
+    """One decision: which of its conditions were shown to matter alone; how many are known when compiling, which never are; and the code of the others."""
 
     shown: list[bool]
     known: int
@@ -42,6 +42,12 @@ class Decision:
     def missed(self) -> int:
         """Those that were not shown."""
         return self.shown.count(False) - self.known
+
+    def missing(self) -> list[str]:
+        """The code of those, as far as it can be told: not where some conditions are known when compiling and some others were shown."""
+        if self.known:
+            return self.conditions if self.missed == self.count else []
+        return [text for text, shown in zip(self.conditions, self.shown, strict=True) if not shown]
 
     def join(self, other: Decision) -> None:
         """Another build's or another file's run of the same decision; the build with fewer known conditions says how many there are."""
@@ -82,12 +88,8 @@ def decisions_of(function: dict[str, Any], files: dict[str, list[str]]) -> dict[
     result: dict[Key, Decision] = {}
     for place, records in places.items():
         area = list(place)
-        # A decision's conditions lie where it lies, or in macros that are called from there; a macro's own lines may happen to have the same numbers.
-        owners = sorted(
-            number
-            for number in range(len(names))
-            if any(belongs(row[6], row[:4], number, area) for row in conditions)
-        )
+        # A decision's conditions lie where it lies, or in macros that are called from there.
+        owners = [number for number in range(len(names)) if any(belongs(row[6], row[:4], number, area) for row in conditions)]
         if len(owners) != len(records):
             raise ReadError(f"{function['name']}: {len(records)} decisions at {place}, but {len(owners)} places for them")
         for nth, (owner, shown) in enumerate(zip(owners, records, strict=True)):
@@ -104,16 +106,21 @@ def decisions_of(function: dict[str, Any], files: dict[str, list[str]]) -> dict[
     return result
 
 
+def join(all_of_them: dict[Key, Decision], more: dict[Key, Decision]) -> None:
+    """Adds what another file or another build showed."""
+    for key, decision in more.items():
+        if key in all_of_them:
+            all_of_them[key].join(decision)
+        else:
+            all_of_them[key] = decision
+
+
 def read(exported: dict[str, Any]) -> dict[Key, Decision]:
-    """Every decision of one export."""
+    """Every decision of one export; a function of a header stands in it once for each file that includes it."""
     result: dict[Key, Decision] = {}
     files: dict[str, list[str]] = {}
     for function in exported["data"][0]["functions"]:
-        for key, decision in decisions_of(function, files).items():
-            if key in result:
-                result[key].join(decision)
-            else:
-                result[key] = decision
+        join(result, decisions_of(function, files))
     return result
 
 
