@@ -71,38 +71,57 @@ def code_at(files: dict[str, list[str]], name: str, place: list[int]) -> str:
     return lines[0][place[1] - 1 : place[3] - 1]
 
 
+Row = list[int]
+
+
+def held_by(function: dict[str, Any], owner: int, area: Row) -> frozenset[int]:
+    """Which conditions lie in an area of the function's file `owner`, themselves or by the macro that they stand in."""
+    above = {row[6]: (row[5], row[:4]) for row in function["regions"] if row[7] == EXPANSION}
+    found = set()
+    for number, row in enumerate(function["branches"]):
+        file, place = row[6], row[:4]
+        while file != owner and file in above:
+            file, place = above[file]
+        if row[8] == CONDITION and file == owner and inside(place, area):
+            found.add(number)
+    return frozenset(found)
+
+
+def owners_of(function: dict[str, Any], records: list[tuple[Row, list[bool]]]) -> list[tuple[int, frozenset[int]]] | None:
+    """In which file of the function each decision lies, and its conditions: llvm says lines and columns alone, which may fit several files and every use of a macro. Every
+    condition belongs to one decision, and what is known when compiling has none: that leaves one answer. None when it leaves no answer."""
+    candidates: list[list[tuple[int, frozenset[int]]]] = []
+    for area, shown in records:
+        held = [(owner, held_by(function, owner, area)) for owner in range(len(function["filenames"]))]
+        candidates.append([(owner, mine) for owner, mine in held if mine and 0 <= len(shown) - len(mine) <= shown.count(False)])
+    whole = frozenset(number for number, row in enumerate(function["branches"]) if row[8] == CONDITION)
+
+    def choose(nth: int, used: frozenset[int]) -> list[tuple[int, frozenset[int]]] | None:
+        if nth == len(records):
+            return [] if used == whole else None
+        for owner, mine in candidates[nth]:
+            rest = None if mine & used else choose(nth + 1, used | mine)
+            if rest is not None:
+                return [(owner, mine), *rest]
+        return None
+
+    return choose(0, frozenset())
+
+
 def decisions_of(function: dict[str, Any], files: dict[str, list[str]]) -> dict[Key, Decision]:
     """The decisions of one function by file, function, place and how often that place came before (a macro used more than once)."""
-    names: list[str] = function["filenames"]
-    conditions = [row for row in function["branches"] if row[8] == CONDITION]
-    above = {row[6]: (row[5], row[:4]) for row in function["regions"] if row[7] == EXPANSION}
-
-    def belongs(number: int, place: list[int], owner: int, area: list[int]) -> bool:
-        while number != owner and number in above:
-            number, place = above[number]
-        return number == owner and inside(place, area)
-
-    places: dict[tuple[int, ...], list[list[bool]]] = defaultdict(list)
-    for record in function.get("mcdc_records", []):
-        places[tuple(record[:4])].append(record[-1])
+    records: list[tuple[Row, list[bool]]] = sorted(((row[:4], row[-1]) for row in function.get("mcdc_records", [])), key=lambda record: record[0])
+    owners = owners_of(function, records)
+    if owners is None:
+        raise ReadError(f"{function['name']}: its {len(records)} decisions and their conditions do not fit together")
     result: dict[Key, Decision] = {}
-    for place, records in places.items():
-        area = list(place)
-        # A decision's conditions lie where it lies, or in macros that are called from there.
-        owners = [number for number in range(len(names)) if any(belongs(row[6], row[:4], number, area) for row in conditions)]
-        if len(owners) != len(records):
-            raise ReadError(f"{function['name']}: {len(records)} decisions at {place}, but {len(owners)} places for them")
-        for nth, (owner, shown) in enumerate(zip(owners, records, strict=True)):
-            mine = [row for row in conditions if belongs(row[6], row[:4], owner, area)]
-            known = len(shown) - len(mine)
-            if known < 0 or shown.count(False) < known:
-                raise ReadError(f"{function['name']}: conditions at {place} that are known when compiling cannot be told from the others")
-            texts = [code_at(files, names[row[6]], row[:4]) for row in mine]
-            short = function["name"].rpartition(":")[2]
-            result[(names[owner], short, place, nth)] = Decision(list(shown), known, texts)
-    total = sum(decision.known for decision in result.values())
-    if total != sum(len(shown) for records in places.values() for shown in records) - len(conditions):
-        raise ReadError(f"{function['name']}: a condition belongs to no decision or to two")
+    before: dict[tuple[str, tuple[int, ...]], int] = defaultdict(int)
+    for (area, shown), (owner, mine) in zip(records, owners, strict=True):
+        file, short, place = function["filenames"][owner], function["name"].rpartition(":")[2], tuple(area)
+        conditions = [function["branches"][number] for number in sorted(mine)]
+        texts = [code_at(files, function["filenames"][row[6]], row[:4]) for row in conditions]
+        result[(file, short, place, before[(file, place)])] = Decision(list(shown), len(shown) - len(mine), texts)
+        before[(file, place)] += 1
     return result
 
 

@@ -24,6 +24,8 @@ SECTIONS = {"lines": "Lines and branches", "mcdc": "Conditions"}
 COUNTED = {"lines": ("lines", "branches"), "mcdc": ("conditions",)}
 # Libraries by their folder of objects, and the tests that run them by the end of their names: both precisions, and builds without some effects or without any.
 LIBRARIES = {"f32": "CMakeFiles/ema.dir", "f64": "CMakeFiles/ema64.dir", "some": "tests/CMakeFiles/ema_some.dir", "none": "tests/CMakeFiles/ema_none.dir"}
+# Problems that are printed; more of them have one cause.
+SHOWN = 20
 TABLE = "tests/coverage/gaps.toml"
 PAGE = "docs/COVERAGE.md"
 
@@ -281,18 +283,21 @@ def main() -> int:
         whole = found.total(kind)
         print(f"{kind}: {whole.hit} of {whole.total} reached, {whole.percent:.2f} %; at least {LIMITS[kind]:.0f} %")
     text = section(given.what, found, table, compiler)
-    if given.write:
-        page = with_section(page, given.what, text)
-        path.write_text(page, encoding="utf-8")
     if not given.write and given.what in sections_of(page) and f"Measured with {compiler}." not in page:
         # other programs see other branches, so neither the page nor the table is about theirs
         print(f"the page is not {compiler}'s: limits are held, gaps and digits are not compared")
-        table, found.gaps = [], defaultdict(int)
-        problems = problems_of(found, table)
+        found.gaps.clear()
+        problems = problems_of(found, [])
     else:
-        problems = problems_of(found, table) + page_problems(page, given.what, text)
-    for problem in problems:
+        problems = problems_of(found, table)
+        if given.write and not problems:
+            page = with_section(page, given.what, text)
+            path.write_text(page, encoding="utf-8")
+        problems += page_problems(page, given.what, text)
+    for problem in problems[:SHOWN]:
         print(problem)
+    if len(problems) > SHOWN:
+        print(f"and {len(problems) - SHOWN} more")
     print(f"coverage: {len(problems)} problem{'s' if len(problems) != 1 else ''}")
     return 1 if problems else 0
 

@@ -102,14 +102,23 @@ class Conditions(Tree):
         twice = function([[3, 9, 3, 28, [True, True]], [3, 9, 3, 28, [True, False]]], conditions, uses, [str(self.code)] * 3)
         self.assertEqual([decision.missed for decision in self.read(twice).values()], [0, 1])
 
-    def test_what_cannot_be_told_is_refused(self) -> None:
-        """More decisions than places, and a condition that belongs to none."""
-        with self.assertRaisesRegex(mcdc.ReadError, "2 decisions"):
-            self.read(function([[3, 9, 3, 28, [True]], [3, 9, 3, 28, [True]]], [[3, 9, 3, 16, 0]], [], [str(self.code)]))
-        with self.assertRaisesRegex(mcdc.ReadError, "belongs to no decision"):
-            self.read(function([[3, 9, 3, 28, [True]]], [[3, 9, 3, 16, 0], [6, 12, 6, 16, 0]], [], [str(self.code)]))
-        with self.assertRaisesRegex(mcdc.ReadError, "cannot be told"):
-            self.read(function([[3, 9, 3, 28, [True, True]]], [[3, 9, 3, 16, 0]], [], [str(self.code)]))
+    def test_the_same_numbers_in_another_file(self) -> None:
+        """A macro of another file stands in lines and columns that lie within the decision's own."""
+        names = [str(self.code), str(self.write("src/plant/other.h", "\n".join(LINES) + "\n"))]
+        conditions = [[3, 9, 3, 16, 0], [3, 20, 3, 27, 0], [3, 20, 3, 27, 1]]
+        both = function([[3, 9, 3, 28, [True, True]], [3, 12, 3, 28, [False, True]]], conditions, [[6, 12, 6, 16, 0, 1]], names)
+        self.assertEqual({Path(key[0]).name: decision.count for key, decision in self.read(both).items()}, {"code.c": 2, "other.h": 1})
+
+    def test_what_does_not_fit_is_refused(self) -> None:
+        """More decisions than places, a condition that belongs to none, and one that is known when compiling but was shown."""
+        bad = [
+            function([[3, 9, 3, 28, [True]], [3, 9, 3, 28, [True]]], [[3, 9, 3, 16, 0]], [], [str(self.code)]),
+            function([[3, 9, 3, 28, [True]]], [[3, 9, 3, 16, 0], [6, 12, 6, 16, 0]], [], [str(self.code)]),
+            function([[3, 9, 3, 28, [True, True]]], [[3, 9, 3, 16, 0]], [], [str(self.code)]),
+        ]
+        for one in bad:
+            with self.subTest(one), self.assertRaisesRegex(mcdc.ReadError, "f: its . decisions and their conditions do not fit together"):
+                self.read(one)
 
 
 class Page(Tree):

@@ -447,7 +447,6 @@ static void test_a_site_without_active_effects_adds_nothing(void)
     TEST_ASSERT_TRUE(ema_site_voltage(plant, &site) == EMA_R(0.0));
     TEST_ASSERT_TRUE(ema_site_motor(plant, &site) == EMA_R(0.0));
     TEST_ASSERT_TRUE(ema_site_reading(plant, &site) == EMA_R(0.0));
-    TEST_ASSERT_TRUE(ema_site_outside(plant, &site, &site) == EMA_R(0.0));
     ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
     for (uint32_t k = 0; k <= (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
         memory[k] = EMA_R(0.25);
