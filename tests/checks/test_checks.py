@@ -10,6 +10,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import check_calls
 import check_compiles
 import check_layers
 import check_misra
@@ -224,6 +225,64 @@ class Symbols(Tree):
                  "ema_pid |0000| T | FUNC|0010| |.text\npow | | U | NOTYPE| | |*UND*\n")
         self.assertEqual(check_symbols.check_table(table, "libema.a"),
                          (["libema.a(ema_pid.c.o): needs pow: keep it out of src, or inline it"], 1))
+
+
+class Calls(Tree):
+    """check_calls.py, on sources really compiled."""
+
+    GOOD = "int b(int i);\nint a(int i);\nstatic int one(int i) { return i + 1; }\nint a(int i) { return b(one(i)); }\n"
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write("src/base/b.c", "int b(int i);\nint b(int i) { return 2 * i; }\n")
+        self.write("src/base/a.c", self.GOOD)
+
+    def verdict(self, extra: str = "") -> tuple[int, str]:
+        """Exit code and output of the check; `extra` stands in the library alone."""
+        library = self.root / "liba.a"
+        library.unlink(missing_ok=True)
+        self.write("other/c.c", f"extern int none;\n{extra}")
+        sources = [str(path) for path in (*(self.root / "src").rglob("*.c"), self.root / "other/c.c")]
+        subprocess.run([str(COMPILER), "-std=c11", "-O2", "-c", *sources], cwd=self.root, check=True)
+        subprocess.run(["ar", "rc", str(library), *(f"{Path(name).stem}.o" for name in sources)], cwd=self.root, check=True)
+        command = [sys.executable, str(HERE / "check_calls.py"), "--root", str(self.root), "--compiler", str(COMPILER), "--nm", str(NM), str(library), str(library)]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        return run.returncode, run.stdout + run.stderr
+
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)), "needs gcc and nm")
+    def test_examples(self) -> None:
+        """Good code passes; each forbidden thing fails and is named, a recursion also where an optimised build makes a loop of it."""
+        self.assertEqual(self.verdict()[0], 0, self.verdict()[1])
+        self.assertIn("calls: 6 functions, 0 wrong", self.verdict()[1])
+        bad = {
+            "int sum(int i, int s); int sum(int i, int s) { return i == 0 ? s : sum(i - 1, s + i); }": "sum -> sum: recursion",
+            "int a(int i); int b(int i); int c(int i); int c(int i) { return i > 0 ? b(i) : 0; }": "b -> c -> b: recursion",
+            "int e(int (*f)(int)); int e(int (*f)(int)) { return f(3); }": "e: calls through a pointer",
+            "void g(char*); int e(int n); int e(int n) { char x[n]; x[0] = 1; return x[n - 1]; }": "a frame of unknown size",
+            "double exp(double); double e(double x); double e(double x) { return exp(x); }": "e: calls exp",
+            "void* malloc(unsigned long); void* e(void); void* e(void) { return malloc(8); }": "e: calls malloc",
+        }
+        for text, expected in bad.items():
+            self.write("src/base/d.c", text)
+            self.write("src/base/b.c", "int b(int i);\nint c(int i);\nint b(int i) { return " + ("c(i - 1)" if "int c(" in text else "2 * i") + "; }\n")
+            code, output = self.verdict()
+            self.assertEqual(code, 1, text)
+            self.assertIn(expected, output)
+
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)), "needs gcc and nm")
+    def test_nothing(self) -> None:
+        """A graph without a function of the library, no sources, and a library without functions."""
+        code, output = self.verdict("int lost(int i);\nint lost(int i) { return i; }\n")
+        self.assertEqual(code, 1)
+        self.assertIn("lost: the library defines it, the call graph does not hold it", output)
+        shutil.rmtree(self.root / "src")
+        self.assertIn("liba.a defines no function", self.verdict()[1])
+        self.assertIn("a: the library defines it", "".join(check_calls.check_graph(check_calls.stack.Graph(), {"a"})))
+
+    def test_cycles(self) -> None:
+        """Two rings in one graph, and none in a graph whose paths meet again."""
+        self.assertEqual(check_calls.cycles({"a": {"b", "c"}, "b": {"d"}, "c": {"d"}}), [])
+        self.assertEqual(check_calls.cycles({"a": {"b"}, "b": {"a", "c"}, "c": {"c"}}), [["a", "b"], ["c"]])
 
 
 class Units(Tree):
