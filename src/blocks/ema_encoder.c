@@ -1,8 +1,11 @@
 #include "ema_encoder.h"
 
+#include "ema_limits.h"
+
 void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, const ema_options_t* options)
 {
-    const ema_real steps = params->delay_s / params->step_s;
+    /* checked already: the bound says so where it is converted */
+    const ema_real steps = ema_min(params->delay_s / params->step_s, EMA_DELAY_STEPS_MAX);
     encoder->at_rod = options->side == 1;
     encoder->rod_gain = EMA_R(1.0) + params->rod_gain_error;
     encoder->rod_offset_mm = params->rod_offset_mm;

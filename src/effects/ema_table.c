@@ -76,7 +76,7 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
     ema_real value = node[EMA_TABLE_SPANS];
     if ((place.period > EMA_R(0.0)) && (place.from_first > range)) {
         /* round to the first node */
-        const ema_real share = ema_min((place.from_first - range) / (place.period - range), EMA_R(1.0));
+        const ema_real share = ema_clamp((place.from_first - range) / (place.period - range), EMA_R(0.0), EMA_R(1.0));
         value += share * (node[0] - node[EMA_TABLE_SPANS]);
     } else {
         /* written so that NaN lands on the first node */

@@ -80,7 +80,7 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
     for (uint32_t place = 0; place < record->stride; ++place) {
         const ema_real value = ema_sample_value(record, sample, place);
         if (scaled) {
-            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_floor((value / record->unit[place]) + EMA_R(0.5));
+            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_clamp(ema_floor((value / record->unit[place]) + EMA_R(0.5)), -EMA_INT16_FULL, EMA_INT16_FULL);
         } else {
             ((ema_real*)record->buffer)[start + place] = value;
         }

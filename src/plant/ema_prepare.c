@@ -4,6 +4,7 @@
 #include "ema_effect_sites.h"
 #include "ema_encoder.h"
 #include "ema_gearbox.h"
+#include "ema_limits.h"
 #include "ema_motor.h"
 #include "ema_pid.h"
 #include "ema_screw.h"
@@ -11,9 +12,6 @@
 
 /* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
 #define EMA_SUBSTEPS_MAX 64U
-
-/* Samples of the parabola that reads the feedback's delay, beyond the whole steps. */
-#define EMA_DELAY_STEPS_MAX EMA_R(12.0)
 
 /* Back-calculation gain times control period from which on the integrator swings up. */
 #define EMA_ANTI_WINDUP_MAX EMA_R(2.0)
@@ -77,7 +75,8 @@ static ema_status_t ema_plant_check(const ema_params_t* params, const ema_option
 
 static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options, const ema_effects_t* effects)
 {
-    const ema_real needed = ema_substeps_needed(params, options);
+    /* checked already: the bound says so where it is converted */
+    const ema_real needed = ema_clamp(ema_substeps_needed(params, options), EMA_R(0.0), (ema_real)EMA_SUBSTEPS_MAX);
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
     plant->tries_whole_step = plant->substeps == 1U;
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(effects);
