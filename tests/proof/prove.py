@@ -49,7 +49,6 @@ def units() -> dict[str, Unit]:
         "objective": Unit("objective", False, f"main:10,ema_objective_start:20,ema_objective_run:20,{CHECKS}"),
         "record": Unit("record", False, "main:2000,ema_one_size:50,ema_record_init:100,ema_record_append:100"),
         "blocks": Unit("blocks", True, "", ("-eva-slevel", "50", "-eva-subdivide-non-linear", "50")),
-        "series": Unit("series", True, "", ("-eva-slevel", "100")),
         "wrong": Unit("wrong", True, "", ("-eva-slevel", "10")),
     }
     for dimension in range(1, 9):
