@@ -30,7 +30,6 @@ static void ema_one_dimension(uint32_t dimension)
     annealer.outcome = (ema_outcome_t)Frama_C_interval(EMA_OUTCOME_TOLERANCE, EMA_OUTCOME_COUNT);
     annealer.walked = Frama_C_interval(0, 1) != 0;
     annealer.coordinate = Frama_C_interval(0, (int)dimension - 1);
-    annealer.point_count = Frama_C_interval(0, (wanted < EMA_ANNEALER_POINTS_MAX) ? (int)wanted : (int)EMA_ANNEALER_POINTS_MAX);
     ema_any_point(&annealer.current);
     ema_any_point(&annealer.best);
     ema_any_point(&annealer.candidate);
@@ -38,6 +37,9 @@ static void ema_one_dimension(uint32_t dimension)
         ema_any_point(&annealer.points[p]);
     }
     EMA_ANY(cost);
+    /* still filling, or full: apart, since the place of the next point is a copy of the number */
+    const uint32_t most = (wanted < EMA_ANNEALER_POINTS_MAX) ? wanted : EMA_ANNEALER_POINTS_MAX;
+    annealer.point_count = (Frama_C_interval(0, 1) != 0) ? most : (uint32_t)Frama_C_interval(0, (int)most - 1);
     ema_annealer_tell(&annealer, cost);
     //@ slevel merge;
     for (uint32_t i = 0; i < EMA_ANNEALER_DIMENSION_MAX; ++i) {
