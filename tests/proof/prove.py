@@ -7,6 +7,7 @@ that the page lists and Eva no longer raises. Exit code 77 when Frama-C is not i
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -137,7 +138,8 @@ def main() -> int:
         print("proof: left out: Frama-C is not installed; on Debian it is the package frama-c-base")
         return SKIP
     root = given.root.resolve()
-    run = subprocess.run(command(frama_c, root, units()[given.name]), cwd=root, capture_output=True, text=True, check=False)
+    # Frama-C asks PWD, not the system, which folder it is in.
+    run = subprocess.run(command(frama_c, root, units()[given.name]), cwd=root, env={**os.environ, "PWD": str(root)}, capture_output=True, text=True, check=False)
     log = run.stdout + run.stderr
     if given.log:
         given.log.write_text(log, encoding="utf-8")
