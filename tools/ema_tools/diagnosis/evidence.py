@@ -15,13 +15,19 @@ from scipy.optimize import lsq_linear
 from ema_tools.actuator import Actuator
 from ema_tools.diagnosis.spread import Spread
 from ema_tools.diagnosis.whitening import Reals, Whitener
+from ema_tools.errors import InputError
 from ema_tools.native import library
 from ema_tools.parallel import each
 from ema_tools.records import Record
 
 DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
 _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero
+# Differences smaller than this, in standard deviations of noise, may be the model's own roughness.
+ROUGHNESS = 12.0
 _CREDIBLE = 3.0  # spreads
+# How far the machine may stand in for what is missing, in spreads: beyond, one parameter runs away against another and comes back slowly.
+FAR = 12.0
+FAR_ROUNDS = 12
 _ROUNDS = 6
 _SETTLED = 1e-4
 # A step that overshoots, where what scatters bends, is taken in part.
@@ -135,6 +141,11 @@ class View:
         count = self.deviations.size
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
 
+    def doubt(self, place: int) -> float:
+        """Standard deviation, in spreads, to which the record and all priors together determine one of the deviations."""
+        _, square = np.linalg.qr(self._directions)
+        return float(np.linalg.norm(np.linalg.inv(square)[place]))
+
     @property
     def plain(self) -> Reals:
         """The residual with what scatters where it is, [n]: nothing taken off."""
@@ -145,8 +156,8 @@ class View:
         """Squared residual with what scatters where it is, and what that costs."""
         return float(self._plain @ self._plain)
 
-    def free_slopes(self, around: Mapping[str, tuple[float, float]]) -> Reals:
-        """What the view's values named in `around`, per unit, between the two that are given there, and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
+    def free_slopes(self, around: Mapping[str, Sequence[tuple[float, float]]]) -> Reals:
+        """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness, and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
 
         Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends.
         """
@@ -154,9 +165,13 @@ class View:
         none = np.zeros(self.deviations.size)
 
         def of_value(name: str) -> Reals:
-            low, high = around[name]
-            moved = self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own)
-            return np.concatenate([self.evidence.whiten(moved) / (high - low), none])
+            found = none[:0]
+            for low, high in around[name]:
+                moved = self.evidence.whiten(self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own))
+                found = moved / (high - low)
+                if float(moved @ moved) > ROUGHNESS**2:
+                    break
+            return np.concatenate([found, none])
 
         def of_spread(place: int) -> Reals:
             one = self.evidence.spread[place]
@@ -220,13 +235,13 @@ def raw_cost(evidence: Evidence) -> float:
     return float(np.sum(evidence.whiten(evidence.target - evidence.simulate({}, own)) ** 2))
 
 
-def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS) -> View:
-    """The view after what scatters has moved to where it is best, as far as `rounds` of linear steps bring it."""
+def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = _CREDIBLE) -> View:
+    """The view after what scatters has moved to where it is best, as far as `rounds` of linear steps bring it, no farther than `reach`."""
     here = view(evidence, values, deviations)
     if not evidence.spread:
         return here
     for _ in range(rounds):
-        there = _moved(here)
+        there = _moved(here, reach)
         if there is None:
             break
         done = here.plain_cost - there.plain_cost < _SETTLED * there.plain_cost
@@ -236,11 +251,15 @@ def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals |
     return here
 
 
-def _moved(here: View) -> View | None:
+def _moved(here: View, reach: float) -> View | None:
     """The view after a share of the step to the best deviations that lowers the cost; None when none does."""
-    step = here.best_deviations() - here.deviations
+    step = here.best_deviations(reach=reach) - here.deviations
     for share in _SHARES:
-        there = view(here.evidence, here.values, here.deviations + share * step)
+        try:
+            there = view(here.evidence, here.values, here.deviations + share * step)
+        except InputError:
+            # too far: the model refuses such a machine
+            continue
         if there.plain_cost < here.plain_cost:
             return there
     return None

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from ema_tools.actuator import Row, row_of
 from ema_tools.diagnosis.candidates import FAULTS, penalty
-from ema_tools.diagnosis.evidence import View, settled, view
+from ema_tools.diagnosis.evidence import ROUGHNESS, View, settled, view
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
 from ema_tools.parallel import each
@@ -18,7 +18,6 @@ from ema_tools.parallel import each
 _RUNS = 8
 # A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard deviations of noise.
 _JACOBIAN_STEPS = (0.05, 0.2, 0.6)
-_SHOWN = 12.0
 _PHASE_SCALE = 0.5
 # What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature.
 _BENT = 0.5
@@ -28,7 +27,7 @@ _NOTICED = 3.0  # standard deviations of the cost
 _TRUSTED = 0.006
 _AT_BOUND = 1e-6
 _JOINT_ROUNDS = 8
-_JOINT_STEP = 0.1
+_JOINT_STEPS = (0.1, 0.3)
 _JOINT_SHARES = (1.0, 0.5, 0.2)
 _JOINT_DONE = 0.1  # of the cost
 
@@ -135,7 +134,7 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
             moved[place] += step
             change = here - vector(moved)
             column = change / step
-            if float(change @ change) > _SHOWN**2:
+            if float(change @ change) > ROUGHNESS**2:
                 break
         return column
 
@@ -187,7 +186,7 @@ def polished(fit: Fit, rounds: int) -> Fit:
     return fit
 
 
-def joint(fit: Fit) -> Fit:
+def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
     """The fit again with what scatters as free unknowns beside the values, by damped Gauss-Newton steps on the model itself.
 
     Without repeats the scatter is wide, and an effect may do what a parameter of the machine does too (a hot winding, a resistance off its data sheet): then a view that is linear in the
@@ -195,7 +194,7 @@ def joint(fit: Fit) -> Fit:
     """
     here = fit
     rows = {name: row_of(name) for name in fit.fitted}
-    for _ in range(_JOINT_ROUNDS):
+    for _ in range(rounds):
         seen = here.view
         columns = seen.free_slopes({name: _around(name, here.values[name], row) for name, row in rows.items()})
         step, *_ = np.linalg.lstsq(columns, seen.plain, rcond=None)
@@ -211,9 +210,15 @@ def joint(fit: Fit) -> Fit:
     return here
 
 
-def _around(name: str, value: float, row: Row) -> tuple[float, float]:
-    step = _JOINT_STEP * _scale_of(name, value)
-    return max(value - step, row.lower), min(value + step, row.upper)
+def jointly(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
+    """`joint` from the fit's own values."""
+    there = settled(fit.view.evidence, fit.values, fit.deviations(), 1)
+    return joint(replace(fit, view=there, cost=there.cost), rounds)
+
+
+def _around(name: str, value: float, row: Row) -> list[tuple[float, float]]:
+    steps = [width * _scale_of(name, value) for width in _JOINT_STEPS]
+    return [(max(value - step, row.lower), min(value + step, row.upper)) for step in steps]
 
 
 def _joint_move(fit: Fit, step: Reals, rows: Mapping[str, Row]) -> Fit | None:

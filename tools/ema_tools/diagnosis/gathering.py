@@ -8,7 +8,7 @@ record is compared with the model itself, and the parameters are free within wha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from ema_tools.actuator import Actuator
 from ema_tools.balances import noise_of
 from ema_tools.diagnosis import spread as spreads
-from ema_tools.diagnosis.evidence import DERIVATIVE_STEP, Evidence, measured_channels, settled, simulate_channels
+from ema_tools.diagnosis.evidence import DERIVATIVE_STEP, FAR, FAR_ROUNDS, Evidence, measured_channels, settled, simulate_channels
 from ema_tools.diagnosis.search import Report, standing_effects
 from ema_tools.diagnosis.spread import Spread
 from ema_tools.diagnosis.whitening import Reals, Whitener, least_noise, smoothed, spectrum
@@ -68,12 +68,22 @@ def _gains_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
     return np.array(found).reshape(-1, *signals.shape)
 
 
-def _slight_effects(actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float) -> Reals:
+def _slight_effects(actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float, wanted: Sequence[Mapping[str, float]]) -> Reals:
     """What the effects that every machine has a little of make of the signals, [k, channels, rows]."""
     here = simulate_channels(actuator, record, channels, start_mm)
-    wanted = [changes for changes in spreads.SLIGHT if not {name.split(".")[1] for name in changes} & set(actuator.active_effects)]
     found = each(lambda changes: simulate_channels(actuator.changed(changes), record, channels, start_mm) - here, wanted)
     return np.array(found).reshape(-1, *here.shape)
+
+
+def _effect_of(changes: Mapping[str, float]) -> str:
+    return next(iter(changes)).split(".")[1]
+
+
+def _still_slight(wanted: Sequence[Mapping[str, float]], deviations: Reals) -> list[Mapping[str, float]]:
+    """Those whose effects are as slight as on every machine by their `deviations` [k]: a larger one is to be named, not taken for granted."""
+    effects = [_effect_of(changes) for changes in wanted]
+    size = {effect: np.hypot.reduce([at for name, at in zip(effects, deviations, strict=True) if name == effect]) for effect in effects}
+    return [changes for changes, effect in zip(wanted, effects, strict=True) if size[effect] <= spreads.SLIGHT_REACH]
 
 
 def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Report | None = None) -> Actuator:
@@ -160,13 +170,14 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
     power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
     floor = float(np.sum((noise / level) ** 2)) * record.rows
 
-    def with_slight(unit: Actuator) -> Evidence:
+    def with_slight(unit: Actuator, wanted: Sequence[Mapping[str, float]]) -> Evidence:
         gains = _gains_of_sensors(names, simulate_channels(unit, record, names, start))
-        additive = np.concatenate([_zeros_of_sensors(names, measured), gains, _slight_effects(unit, record, names, start)])
+        additive = np.concatenate([_zeros_of_sensors(names, measured), gains, _slight_effects(unit, record, names, start, wanted)])
         return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), power, additive, start, floor=floor)
 
     # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it
-    first = with_slight(actuator)
-    deviations = settled(first, {}).deviations
+    slight = [changes for changes in spreads.SLIGHT if _effect_of(changes) not in actuator.active_effects]
+    first = with_slight(actuator, slight)
+    deviations = settled(first, {}, settled(first, {}).deviations, rounds=FAR_ROUNDS, reach=FAR).deviations
     unit = actuator.changed({name: value for one, at in zip(first.spread, deviations, strict=False) for name, value in one.changes(actuator, float(at)).items()})
-    return with_slight(unit)
+    return with_slight(unit, _still_slight(slight, deviations[deviations.size - len(slight) :]))

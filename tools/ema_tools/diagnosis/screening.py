@@ -8,7 +8,7 @@ simulations of the whole model.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import fft
@@ -26,6 +26,7 @@ _STRIBECK_SPEEDS = (2.0, 4.0, 7.0, 12.0, 20.0, 32.0, 50.0)
 _STRIBECK_SHAPES = (1.0, 2.0)
 _JAM_WIDTHS = (0.06, 0.12, 0.25, 0.5, 1.0)
 _JAM_PLACES = 61
+_QUARTERS = (0.5 * np.pi, np.pi, -0.5 * np.pi)
 # A shape whose neighbour is this close in score and was kept adds nothing.
 _KEPT = 3
 
@@ -158,7 +159,11 @@ def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
     states, actuator = screen.states, screen.actuator
     level = actuator["screw.csj_Nm"] * actuator["screw.dynamic_ratio"]
     if effect == "cogging_torque":
-        return screen.periodic(effect, _COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
+        found = screen.periodic(effect, _COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
+        # cogging that is large beside the friction holds the motor at rest: then the filter, which knows no rest, is right in the periods and wrong in the phase
+        phase = f"effects.{effect}.phase_rad"
+        turned = [replace(one, shape={**one.shape, phase: float(np.angle(np.exp(1j * (one.shape[phase] + quarter))))}) for quarter in _QUARTERS for one in found]
+        return [*found, *turned]
     if effect == "torque_ripple":
         torque = actuator["motor.torque_constant_Nm_per_A"] * states.current_A
         back_emf = -actuator["motor.back_emf_V_s_per_rad"] * states.speed_rad_s

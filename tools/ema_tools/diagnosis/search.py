@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ema_tools.diagnosis.candidates import Signature, promising, signatures
-from ema_tools.diagnosis.evidence import Evidence, View, raw_cost, repeat_residuals, settled
-from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, joint, polished, refit, slopes, without_effect
+from ema_tools.diagnosis.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, repeat_residuals, settled
+from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, jointly, polished, refit, slopes, without_effect
+from ema_tools.diagnosis.spread import is_slight
+from ema_tools.diagnosis.twins import TWINS, twins
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.parallel import each
 
@@ -19,6 +21,9 @@ Report = Callable[[float, str], None]
 _FINALISTS = 5
 _FINALIST_SHARE = 0.4
 _FINALIST_REACH = 30.0
+# Without repeats the machine's own parameters are wide, and what they hide of an effect shows only when both are fitted together: more of them are.
+_FINALISTS_ALONE = 8
+_FINALIST_SHARE_ALONE = 0.1
 # A set of effects grows no further than this.
 _EFFECTS_MAX = 3
 # Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
@@ -38,6 +43,11 @@ _UNEXPLAINED = 0.1
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
 _MODEL_ERROR = 0.02
 _POLISH_ROUNDS = {True: 1, False: 3}
+# Without repeats: rounds of the fit of a finalist together with the machine, and the share of the limit that makes it worth them.
+_JOINT_ROUNDS = 3
+_WORTH_FITTING = 0.3
+_GAIN_SHARE = 0.5
+_TWIN_LIMIT = 12.0  # three and a half standard deviations of a parameter
 # Effects that no record of one machine tells apart: naming one names the class.
 INSEPARABLE: Sequence[frozenset[str]] = (frozenset({"constant_load", "coulomb_asymmetry"}),)
 
@@ -91,12 +101,13 @@ class Diagnosis:
         return self.named[0].alike[1:] if self.named else ()
 
 
-def _finalists(found: Sequence[Signature]) -> list[Signature]:
+def _finalists(found: Sequence[Signature], alone: bool) -> list[Signature]:
     """Per effect the strongest signature of each sign, of the few strongest effects."""
     if not found:
         return []
     top = found[0].score
-    least = min(_FINALIST_SHARE * top, top - _FINALIST_REACH)
+    count, share = (_FINALISTS_ALONE, _FINALIST_SHARE_ALONE) if alone else (_FINALISTS, _FINALIST_SHARE)
+    least = min(share * top, top - _FINALIST_REACH)
     chosen: dict[tuple[str, bool], Signature] = {}
     effects: list[str] = []
     for signature in found:
@@ -105,7 +116,7 @@ def _finalists(found: Sequence[Signature]) -> list[Signature]:
             break
         if name not in effects:
             effects.append(name)
-        if effects.index(name) < _FINALISTS:
+        if effects.index(name) < count:
             chosen.setdefault((name, signature.size > signature.candidate.zero), signature)
     return list(chosen.values())
 
@@ -148,13 +159,49 @@ class _Path:
     view: View
 
 
+def _with_twins(fits: Sequence[Fit], exact: Sequence[Fit]) -> tuple[Fit, ...]:
+    names = {fit.effects for fit in exact}
+    return best_of_each([*exact, *(fit for fit in fits if fit.effects not in names)])
+
+
+def _is_slight(fit: Fit, effect: str) -> bool:
+    return any(is_slight(name, value) for name, value in fit.of_effect(effect).items())
+
+
 def _newest(fit: Fit, held: Sequence[str]) -> str:
     return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
 
 
-def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report) -> _Path:
-    """Adds the effect that takes off most, as long as it takes off what `needed` says of the signatures, the round and the present cost."""
-    here, cost = start, start.cost
+@dataclass(frozen=True)
+class _Seen:
+    """A signature and the view that it was seen from."""
+
+    view: View
+    signature: Signature
+
+    def lowered(self, other: View) -> Signature:
+        """The signature with its score counted from another view's cost."""
+        return replace(self.signature, score=self.signature.score - (self.view.cost - other.cost))
+
+
+def _first_look(start: View, free: View) -> tuple[list[Signature], dict[int, View]]:
+    """Every effect's signatures, scores counted from `free`, and where each was seen from by its identity.
+
+    Without repeats there are two places to look from: where the machine is still credible, and where it stands in for what is missing as well as it can. An effect that a
+    parameter of the machine does as well at first shows from there alone, one that bends from here alone.
+    """
+    seen = [_Seen(view, one) for view in ((start,) if free is start else (start, free)) for one in signatures(view)]
+    lowered = [(one.lowered(free), one.view) for one in seen]
+    ordered = sorted(lowered, key=lambda pair: -pair[0].score)
+    return [one for one, _ in ordered], {id(one): view for one, view in ordered}
+
+
+def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report, free: View | None = None) -> _Path:
+    """Adds the effect that takes off most, as long as it takes off what `needed` says of the signatures, the round and the present cost.
+
+    `free`: for a record of a unit that is known by its data sheet alone, where the unit's own parameters explain most.
+    """
+    here, cost = start, (free or start).cost
     rounds: list[Round] = []
     steps: list[Fit] = []
     every: list[Signature] = []
@@ -164,7 +211,7 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         tell(share, f"round {place + 1}: every effect of the library")
         held = steps[-1].effects if steps else ()
         if place == 0:
-            found = signatures(here, held)
+            found, seen_from = _first_look(start, free or start)
             every = found
             least = needed(found, place, cost)
         else:
@@ -172,14 +219,29 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
             found = signatures(seen, held, promising(seen, every, least))
+            seen_from = {}
+        found = found if free is None else [one for one in found if not is_slight(one.candidate.size, one.size)]
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
-        finalists = _finalists(found) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
+        exact = twins(free) if free is not None and not rounds else []
+        known = {fit.effects[0] for fit in exact}
+        finalists = _finalists([one for one in found if one.candidate.effect not in known], free is not None) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
         values = dict(steps[-1].values) if steps else {}
-        fits = best_of_each(each(lambda signature, values=values, seen=here: refit(seen, joined(values, signature.start())), finalists))
-        fits = _polished(fits, start.evidence)
+        fits = best_of_each(each(lambda one, values=values, seen=here, places=seen_from: refit(places.get(id(one), seen), joined(values, one.start())), finalists))
+        if free is None:
+            reach = max(_FINALIST_REACH, 0.3 * fits[0].judged) if fits else 0.0
+            fits = _polished(fits, lambda fit: polished(fit, _POLISH_ROUNDS[fit.view.evidence.relative]), reach)
+        else:
+            gain = cost - fits[0].judged if fits else 0.0
+            if gain > _WORTH_FITTING * LEAST_LIMIT:
+                fits = _polished(fits, lambda fit: jointly(fit, _JOINT_ROUNDS), max(_FINALIST_REACH, _GAIN_SHARE * gain))
+            fits = fits if rounds else _with_twins(fits, exact)
+            fits = tuple(fit for fit in fits if not _is_slight(fit, _newest(fit, held)))
         rounds.append(Round(scores, fits))
         fits = tuple(fit for fit in fits if fit.shown(_newest(fit, held)) >= _SHOWN)
+        if fits and any(fits[0] is one for one in exact):
+            # that it is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign
+            least = min(least, _TWIN_LIMIT * max(1.0, cost / max(start.evidence.floor, 1.0)))
         if not fits or cost - fits[0].judged < least:
             break
         best = _pruned(fits[0], least)
@@ -203,9 +265,12 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     here = settled(evidence, {})
     repeats = repeat_residuals(evidence)
     costs = np.array([float(repeat @ repeat) for repeat in repeats]) if repeats else np.array([evidence.floor])
-    floor, before = float(costs.mean()), here.cost
+    floor = float(costs.mean())
+    free = None if evidence.relative else settled(evidence, {}, here.deviations, rounds=FAR_ROUNDS, reach=FAR)
+    before = (free or here).cost
     excess = max(before - floor, 1e-9)
-    doubt = _MODEL_ERROR**2 * max(raw_cost(evidence) - floor, 0.0)
+    # without repeats most of what the model leaves is the unit's own, which is fitted
+    doubt = _MODEL_ERROR**2 * max((raw_cost(evidence) if evidence.relative else here.cost) - floor, 0.0)
     limit = LEAST_LIMIT
     noise = 6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size))
 
@@ -215,10 +280,10 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
             limit = _limit_of(repeats, found)
         return max(_needed(limit, excess, cost, floor, noise, evidence), doubt if place else 0.0)
 
-    path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None))
+    path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None), free)
     steps = path.steps
-    if steps and not evidence.relative:
-        steps = (*steps[:-1], joint(replace(steps[-1], view=path.view, cost=path.view.cost)))
+    if steps and free is not None and not (len(steps) == 1 and set(steps[0].values) <= set(TWINS)):
+        steps = (*steps[:-1], jointly(steps[-1]))
     best = steps[-1] if steps else None
     cost = best.cost if best is not None else before
     unexplained = max(cost - floor, 0.0) / excess
@@ -239,14 +304,13 @@ def _needed(limit: float, excess: float, cost: float, floor: float, noise: float
     return max(inflated if evidence.relative else min(inflated, 0.05 * excess + limit), share)
 
 
-def _polished(fits: tuple[Fit, ...], evidence: Evidence) -> tuple[Fit, ...]:
-    """The best fits with what scatters linear where they are."""
+def _polished(fits: tuple[Fit, ...], better: Callable[[Fit], Fit], reach: float) -> tuple[Fit, ...]:
+    """Those of the fits made better, with what scatters where they are, that are at most `reach` behind the best."""
     if not fits:
         return fits
-    reach = fits[0].judged + max(_FINALIST_REACH, 0.3 * fits[0].judged)
-    near = [fit for fit in fits if fit.judged < reach]
-    rest = [fit for fit in fits if fit.judged >= reach]
-    return best_of_each([*each(lambda fit: polished(fit, _POLISH_ROUNDS[evidence.relative]), near), *rest])
+    near = [fit for fit in fits if fit.judged < fits[0].judged + reach]
+    rest = [fit for fit in fits if fit.judged >= fits[0].judged + reach]
+    return best_of_each([*each(better, near), *rest])
 
 
 def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, doubt: float, before: float) -> tuple[Named, ...]:

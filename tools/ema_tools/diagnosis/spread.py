@@ -28,8 +28,8 @@ STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.05, "encoder.rod_
 # The same of a unit that is known by its data sheet alone, and what a data sheet states as exact: the gain of the loop.
 UNIT_STANDING: Mapping[str, float] = {
     "screw.friction_asymmetry": 0.004,
-    "encoder.rod_gain_error": 0.0005,
-    "encoder.rod_offset_mm": 0.005,
+    "encoder.rod_gain_error": 0.0003,
+    "encoder.rod_offset_mm": 0.003,
 }
 UNIT_GAIN: Mapping[tuple[str, ...], float] = {("control.kp_per_m",): 0.005}
 # Dry friction and backlash are what wears: without repeats a worn unit must not be read as a missing effect.
@@ -37,11 +37,13 @@ WORN: Mapping[str, float] = {"screw.csj_Nm": 0.5, "screw.blk_mm": 0.7}
 # Effects that every machine has a little of, at one standard deviation: the ripple of a screw in both phases, contacts that stretch before they slide,
 # at two sizes, as what they show does not grow in proportion.
 SLIGHT: Sequence[Mapping[str, float]] = (
-    {"effects.pitch_ripple.ratio": 0.007, "effects.pitch_ripple.phase_rad": 0.0},
-    {"effects.pitch_ripple.ratio": 0.007, "effects.pitch_ripple.phase_rad": 1.5707963},
+    {"effects.pitch_ripple.ratio": 0.004, "effects.pitch_ripple.phase_rad": 0.0},
+    {"effects.pitch_ripple.ratio": 0.004, "effects.pitch_ripple.phase_rad": 1.5707963},
     {"effects.presliding.stretch_rad": 0.001},
     {"effects.presliding.stretch_rad": 0.003},
 )
+# A size of these up to so many of their standard deviations is what every machine has, and is not named without repeats.
+SLIGHT_REACH = 2.0
 # Offsets of the recorded signals, relative to the signal's size.
 OFFSET_SHARE = 0.05
 OFFSET_CHANNELS = ("motor_position_mm", "current_A")
@@ -96,3 +98,9 @@ def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spr
     alone = tuple(channels) == ("position_mm",)
     # with the rod position alone the electrical values are hardly determined: as tight as the data sheet says
     return (*from_data_sheet(actuator, 1.0 if alone else HEALTHY_FREEDOM), *standing)
+
+
+def is_slight(name: str, size: float) -> bool:
+    """Whether a size is what every machine has of an effect; `name`: of a value, of which only sizes count."""
+    usual = [changes[name] for changes in SLIGHT if name == next(iter(changes))]
+    return bool(usual) and abs(size) <= SLIGHT_REACH * max(usual)

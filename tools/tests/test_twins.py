@@ -1,0 +1,61 @@
+"""Effects that do what a parameter does: the same model either way, and a size with the doubt of the parameter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_tools.actuator import reference_actuator
+from ema_tools.diagnosis.evidence import settled
+from ema_tools.diagnosis.fitting import effect_of
+from ema_tools.diagnosis.gathering import gather
+from ema_tools.diagnosis.search import diagnose
+from ema_tools.diagnosis.spread import SLIGHT, SLIGHT_REACH, is_slight
+from ema_tools.diagnosis.twins import TWINS, twins
+from ema_tools.records import Record
+from support import chirp_record
+
+NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
+SIZES = {"rise_degC": 12.0, "loss": 0.03, "change": 0.06, "drift": 0.006, "error": 0.0004, "offset_mm": 0.004, "asymmetry": 0.005}
+
+
+@pytest.mark.parametrize("name", TWINS)
+def test_the_effect_and_its_parameter_make_the_same_model(name: str) -> None:
+    actuator, twin = reference_actuator(), TWINS[name]
+    size = SIZES[name.split(".")[-1]]
+    spread = next(one for one in gather(actuator, noisy({}, 1)).spread if one.title == twin.parameter)
+    change = size / twin.per_change
+    with_effect = chirp_record(actuator.changed({name: size}))
+    with_parameter = chirp_record(actuator.changed(spread.changes(actuator, change / spread.std)))
+    for channel in ("position_mm", "motor_position_mm", "current_A", "voltage_V"):
+        one, other = getattr(with_effect, channel), getattr(with_parameter, channel)
+        # both in double precision: only the order of the products differs
+        assert np.max(np.abs(one - other)) < 1e-6 * np.max(np.abs(other)), channel
+
+
+def noisy(changes: dict[str, float], seed: int) -> Record:
+    return replace(chirp_record(reference_actuator().changed(changes)).with_noise(NOISE, seed), file=f"run {seed}")
+
+
+def test_what_a_data_sheet_leaves_open_is_not_named_and_what_it_does_not_is_with_its_doubt() -> None:
+    for rise, named in ((12.0, ()), (100.0, ("winding_heating",))):
+        found = diagnose(gather(reference_actuator(), noisy({"winding_heating.rise_degC": rise}, 5)))
+        assert tuple(one.name for one in found.named if one.accepted) == named
+    size, std = found.named[0].values["effects.winding_heating.rise_degC"], found.named[0].std["effects.winding_heating.rise_degC"]
+    # 4 % of a resistance that is up to 39 % larger are 10 to 14 degC; what else is known by the data sheet alone adds to it
+    assert 10.0 < std < 40.0 and size == pytest.approx(100.0, abs=2.0 * std)
+
+
+def test_a_twin_that_cannot_have_the_sign_is_left_out() -> None:
+    sheet = reference_actuator()
+    strong = gather(sheet, noisy({name: 1.05 * sheet[name] for name in ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")}, 6))
+    assert "magnet_weakening" not in {effect_of(name) for fit in twins(settled(strong, {}, reach=12.0)) for name in fit.values}
+
+
+def test_slight_is_what_every_machine_has() -> None:
+    ripple = "effects.pitch_ripple.ratio"
+    usual = max(changes[ripple] for changes in SLIGHT if ripple in changes)
+    assert is_slight(ripple, SLIGHT_REACH * usual) and not is_slight(ripple, 1.01 * SLIGHT_REACH * usual)
+    assert not is_slight("effects.pitch_ripple.phase_rad", 0.0) and not is_slight("effects.winding_heating.rise_degC", 0.0)
