@@ -56,7 +56,9 @@ static ema_actuator_t any_actuator(ema_real share)
     }
     int32_t* const option = (int32_t*)(void*)&actuator.options;
     for (size_t k = 0; k < EMA_OPTION_COUNT; ++k) {
-        option[k] = (int32_t)drawn(ema_actuator_range(EMA_VALUE_COUNT + k), share);
+        const ema_real value = drawn(ema_actuator_range(EMA_VALUE_COUNT + k), share);
+        /* the largest whole number of 32 bits rounds up in float */
+        option[k] = (value < EMA_R(2147483520.0)) ? (int32_t)value : INT32_MAX;
     }
     size_t id = EMA_PARAM_COUNT;
     for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
