@@ -154,19 +154,31 @@ def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
         yield module_of(name), getattr(effects, name)
 
 
-def _at_points(actuator: Actuator, motion: Motion, site: str, call: Callable[[Any, Any, Any], float], voltage_V: Reals | None = None) -> Reals:
-    """Sum over the active effects of a site, on every row; zeros at no cost when there are none. `voltage_V` [rows]: for those that look at it."""
-    functions = list(_active(actuator, site))
-    if not functions:
-        return np.zeros(motion.speed_rad_s.size)
+def _at_points(
+    actuator: Actuator, motion: Motion, site: str, equation: str, level_Nm: float | None = None, voltage_V: Reals | None = None, rows: NDArray[np.bool_] | None = None
+) -> Reals:
+    """Sum of an equation over the active effects of a site, on every row, or on `rows` and zero elsewhere; zeros at no cost when there are none.
+
+    `level_Nm`: of friction, `voltage_V` [rows]: for equations that look at them.
+    """
+    total = np.zeros(motion.speed_rad_s.size)
+    active = list(_active(actuator, site))
+    kept = np.ones(total.size, dtype=bool) if rows is None else rows
+    if not active or not kept.any():
+        return total
+    from ema_tools.reference.actuator import plain
+    from ema_tools.reference.compiled import interpreted
     from ema_tools.reference.point import Data, Point
 
+    terms = [(interpreted(getattr(module, equation)), plain(effect)) for module, effect in active]
+    given = () if level_Nm is None else (level_Nm,)
     values = adjusted(actuator)
     data = Data(values["motor.torque_constant_Nm_per_A"], values["screw.viscous_Nm_s_per_rad"], values["screw.lead_mm"], values["drive.supply_V"])
-    voltage = np.zeros(motion.speed_rad_s.size) if voltage_V is None else voltage_V
+    voltage = np.zeros(total.size) if voltage_V is None else voltage_V
     columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage)
-    points = (Point(float(i), float(w), float(a), float(x), float(u), data) for i, w, a, x, u in zip(*columns, strict=True))
-    return np.array([sum(call(module, effect, point) for module, effect in functions) for point in points])
+    points = (Point(*row, data) for row in zip(*(column[kept].tolist() for column in columns), strict=True))
+    total[kept] = [sum(term(effect, *given, point) for term, effect in terms) for point in points]
+    return total
 
 
 def _mixed(values: Reals, rows: int, share: float) -> Reals:
@@ -219,7 +231,7 @@ def _learned_reading_mm(actuator: Actuator, rod_mm: Reals) -> Reals:
         return np.zeros_like(rod_mm)
     nothing = np.zeros_like(rod_mm)
     seen = Motion(nothing, nothing, nothing, rod_mm / actuator.lead_mm_per_rad, rod_mm)
-    return _at_points(actuator, seen, "READING", lambda module, effect, point: module.reading_mm(effect, point))
+    return _at_points(actuator, seen, "READING", "reading_mm")
 
 
 def _read_right(actuator: Actuator, record: Record) -> Reals:
@@ -252,11 +264,6 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool
     return Motion(smoother.smooth(drive_current(actuator, record, held)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
 
 
-def _friction_change_Nm(actuator: Actuator, motion: Motion, level: float) -> Reals:
-    """What effects add to the level of dry friction, on every row."""
-    return _at_points(actuator, motion, "FRICTION", lambda module, effect, point: module.level_change_Nm(effect, level, point))
-
-
 def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
     """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
     found = [float(getattr(effect, "stretch_rad")) for _, effect in _active(actuator, "PRESLIDING")]
@@ -281,7 +288,7 @@ class Mechanical:
 
     drive = load + extra contact + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
     one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
-    `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level backward and forward.
+    `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level backward and forward, where the shaft rests.
     """
 
     smoother: Smoother
@@ -301,7 +308,7 @@ class Mechanical:
         return self.extra_Nm * self.contact
 
     def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
-        """What balances the torque, up to the static level, on every row; `parameters` [4] of the columns."""
+        """What balances the torque, up to the static level, on every row; holds where the shaft rests. `parameters` [4] of the columns."""
         net = self.drive_Nm - self.load_Nm - self.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
         backward, forward = self.static_extra_Nm
         return np.clip(net, -((1.0 - self.asymmetry) * static_Nm + backward), (1.0 + self.asymmetry) * static_Nm + forward)
@@ -335,35 +342,31 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
     motion = motion_of(actuator, record, use, held)
-    ripple = _at_points(actuator, motion, "MOTOR", lambda module, effect, point: module.motor_change(effect, point))
+    ripple = _at_points(actuator, motion, "MOTOR", "motor_change")
     drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:
         drive = np.clip(drive, -values["motor.torque_limit_Nm"], values["motor.torque_limit_Nm"])
     contact, elastic = _contact(actuator, motion)
     asymmetry = values["screw.friction_asymmetry"]
-    load = _at_points(actuator, motion, "LOAD", lambda module, effect, point: module.load_Nm(effect, point))
+    load = _at_points(actuator, motion, "LOAD", "load_Nm")
     passed = load + values["screw.load_torque_Nm"]
     still = replace(motion, speed_rad_s=np.zeros_like(contact))
-    torque = _at_points(actuator, motion, "TORQUE", lambda module, effect, point: module.torque_Nm(effect, point))
+    torque = _at_points(actuator, motion, "TORQUE", "torque_Nm")
 
-    def added(level: float, seen: Motion) -> tuple[Reals, Reals]:
-        """What effects and efficiency add to a level, backward and forward."""
-        backward, forward = (
-            np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(passed) for side in (-1.0, 1.0)
-        )
-        change = _friction_change_Nm(actuator, seen, level * (1.0 + asymmetry))
-        other = change if asymmetry == 0.0 else _friction_change_Nm(actuator, seen, level * (1.0 - asymmetry))
-        return backward + other, forward + change
+    def added(level: float, side: float, seen: Motion, rows: NDArray[np.bool_]) -> Reals:
+        """What effects and efficiency add to a level of friction to one side; holds on `rows`."""
+        passing = np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(passed)
+        return passing + _at_points(actuator, seen, "FRICTION", "level_change_Nm", level_Nm=level * (1.0 + side * asymmetry), rows=rows)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
     resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
-    at_rest = np.zeros_like(contact)
+    backward = contact < 0.0
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
         load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use),
-        extra_Nm=np.where(contact < 0.0, *added(sliding, motion)),
-        static_extra_Nm=added(static, still) if resting.any() else (at_rest, at_rest),
+        extra_Nm=np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward)),
+        static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
         asymmetry=asymmetry,
         columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, contact * (1.0 + asymmetry * np.sign(contact)), np.ones_like(contact)]),
@@ -468,8 +471,8 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     angle = 0.5 * (motor_rad[1:] + motor_rad[:-1])
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
     voltage = _mixed(record.voltage_V[:-1], *_split(adjusted(actuator)["drive.output_delay_s"] / period))
-    known = _at_points(actuator, middle, "VOLTAGE", lambda module, effect, point: module.voltage_change_V(effect, point), voltage)
-    ripple = _at_points(actuator, middle, "MOTOR", lambda module, effect, point: module.motor_change(effect, point))
+    known = _at_points(actuator, middle, "VOLTAGE", "voltage_change_V", voltage_V=voltage)
+    ripple = _at_points(actuator, middle, "MOTOR", "motor_change")
     known -= adjusted(actuator)["motor.back_emf_V_s_per_rad"] * ripple * speed
 
     smoother = Smoother.of(period)
@@ -533,7 +536,8 @@ def controller_output(values: Mapping[str, float], command_mm: Reals, feedback_m
     Raises MissingSignal when the control law runs between the rows.
     """
     from ema_tools.reference import encoder, pid
-    from ema_tools.reference.actuator import build
+    from ema_tools.reference.actuator import build, plain
+    from ema_tools.reference.compiled import interpreted
 
     part = build(values)
     row_steps = part.timing.record_every_steps
@@ -543,13 +547,14 @@ def controller_output(values: Mapping[str, float], command_mm: Reals, feedback_m
         raise MissingSignal("the feedback's delay needs a row at every model step")
     every_rows = part.control.every_steps // row_steps
     period_s = part.control.every_steps * part.timing.step_s
-    history = np.ascontiguousarray(feedback_mm)
-    state = pid.at_rest()
-    out = np.empty(history.size)
+    history = feedback_mm.tolist()
+    law, sensor, step_s = plain(part.control), plain(part.encoder), float(part.timing.step_s)
+    run, seen_mm = interpreted(pid.run), interpreted(encoder.feedback_mm)
+    state = interpreted(pid.at_rest)()
+    out = np.empty(len(history))
     for row, command in enumerate(command_mm.tolist()):
         if row % every_rows == 0:
-            seen = encoder.feedback_mm(part.encoder, part.timing.step_s, history, row)
-            state = pid.run(part.control, period_s, 1e-3 * command, 1e-3 * seen, state)
+            state = run(law, period_s, 1e-3 * command, 1e-3 * seen_mm(sensor, step_s, history, row), state)
         out[row] = state.output
     return out
 

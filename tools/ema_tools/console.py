@@ -8,9 +8,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import TracebackType
 
+import click
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
+
+from ema_tools.errors import InputError
 
 _SHOW_AFTER_S = 0.5
 
@@ -72,6 +75,18 @@ def progress(title: str, total: float) -> Iterator[Bar]:
 def complain(message: str) -> None:
     """One line on standard error."""
     sys.stderr.write(f"ema: {' '.join(message.split())}\n")
+
+
+def run_command(command: click.Command) -> None:
+    """Run a program's command; what goes wrong because of an input is one line and exit code 1, a wrong option exit code 2."""
+    try:
+        command(standalone_mode=False)
+    except InputError as error:
+        complain(str(error))
+        sys.exit(1)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -13,8 +13,7 @@ from ema_tools.benchmarks import accuracy
 from ema_tools.benchmarks.document import missed, written
 from ema_tools.benchmarks.speed import measure
 from ema_tools.cases import CASES
-from ema_tools.console import complain, progress
-from ema_tools.errors import InputError
+from ema_tools.console import complain, progress, run_command
 from ema_tools.files import write_text
 
 
@@ -47,18 +46,6 @@ def run(seeds: int, noise_seeds: int, recordings: Path, speed: Path | None, outp
         sys.exit(1)
 
 
-def main() -> None:
-    """Entry point."""
-    np.seterr(all="raise")
-    try:
-        run(standalone_mode=False)
-    except InputError as error:
-        complain(str(error))
-        sys.exit(1)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-
-
 if __name__ == "__main__":
-    main()
+    np.seterr(all="raise")
+    run_command(run)

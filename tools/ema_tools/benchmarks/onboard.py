@@ -6,7 +6,6 @@ module's own on the rod position alone; the table is applied as the module does,
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +21,7 @@ from ema_tools.benchmarks.hidden.machines import Machine, machine, measured, see
 from ema_tools.benchmarks.hidden.sealed import record_of
 from ema_tools.calibrate import calibrate
 from ema_tools.cases import CASES, HEALTHY_BLK_MM, HEALTHY_CSJ_NM
-from ema_tools.console import Bar, complain, progress
+from ema_tools.console import Bar, progress, run_command
 from ema_tools.errors import InputError
 from ema_tools.files import write_text
 from ema_tools.identify import run
@@ -245,17 +244,5 @@ def measure(machines: int, first: int, output: Path | None) -> None:
     click.echo(f"{time.monotonic() - begun:.0f} s", err=True)
 
 
-def main() -> None:
-    """Entry point."""
-    try:
-        measure(standalone_mode=False)
-    except InputError as error:
-        complain(str(error))
-        sys.exit(1)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-
-
 if __name__ == "__main__":
-    main()
+    run_command(measure)

@@ -66,12 +66,13 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Signature:
-    """A candidate at the size that explains most: its vector [n], and by how much it lowers the cost of the residual, less what the choice of its shape would of noise."""
+    """A candidate at the size that explains most: its vector [n], by how much it lowers the cost of the residual, less what the choice of its shape would of noise, and the view that shows it so."""
 
     candidate: Candidate
     size: float
     vector: Reals
     score: float
+    view: View
 
     def start(self) -> dict[str, float]:
         """Where a refit of the effect begins."""
@@ -166,7 +167,7 @@ def _matched(candidate: Candidate, first: float, view: View) -> Signature | None
         share, gain = _gain(vector, view.residual)
         score = gain - penalty([candidate.effect])
         if best is None or score > best.score:
-            best = Signature(candidate, size, vector, score)
+            best = Signature(candidate, size, vector, score, view)
         if share <= 0.0 or abs(share - 1.0) < 0.2:
             break
         reach, length = abs(size - candidate.zero), float(np.linalg.norm(vector))

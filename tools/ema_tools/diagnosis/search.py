@@ -172,28 +172,14 @@ def _newest(fit: Fit, held: Sequence[str]) -> str:
     return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
 
 
-@dataclass(frozen=True)
-class _Seen:
-    """A signature and the view that it was seen from."""
-
-    view: View
-    signature: Signature
-
-    def lowered(self, other: View) -> Signature:
-        """The signature with its score counted from another view's cost."""
-        return replace(self.signature, score=self.signature.score - (self.view.cost - other.cost))
-
-
-def _first_look(start: View, free: View) -> tuple[list[Signature], dict[int, View]]:
-    """Every effect's signatures, scores counted from `free`, and where each was seen from by its identity.
+def _first_look(start: View, free: View) -> list[Signature]:
+    """Every effect's signatures, scores counted from `free`.
 
     Without repeats there are two places to look from: where the machine is still credible, and where it stands in for what is missing as well as it can. An effect that a
     parameter of the machine does as well at first shows from there alone, one that bends from here alone.
     """
-    seen = [_Seen(view, one) for view in ((start,) if free is start else (start, free)) for one in signatures(view)]
-    lowered = [(one.lowered(free), one.view) for one in seen]
-    ordered = sorted(lowered, key=lambda pair: -pair[0].score)
-    return [one for one, _ in ordered], {id(one): view for one, view in ordered}
+    seen = [replace(one, score=one.score - (view.cost - free.cost)) for view in ((start,) if free is start else (start, free)) for one in signatures(view)]
+    return sorted(seen, key=lambda signature: -signature.score)
 
 
 def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report, free: View | None = None) -> _Path:
@@ -211,15 +197,13 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         tell(share, f"round {place + 1}: every effect of the library")
         held = steps[-1].effects if steps else ()
         if place == 0:
-            found, seen_from = _first_look(start, free or start)
-            every = found
+            every = found = _first_look(start, free or start)
             least = needed(found, place, cost)
         else:
             least = needed((), place, cost)
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
             found = signatures(seen, held, promising(seen, every, least))
-            seen_from = {}
         found = found if free is None else [one for one in found if not is_slight(one.candidate.size, one.size)]
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
@@ -227,7 +211,7 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         known = {fit.effects[0] for fit in exact}
         finalists = _finalists([one for one in found if one.candidate.effect not in known], free is not None) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
         values = dict(steps[-1].values) if steps else {}
-        fits = best_of_each(each(lambda one, values=values, seen=here, places=seen_from: refit(places.get(id(one), seen), joined(values, one.start())), finalists))
+        fits = best_of_each(each(lambda one, values=values, seen=here if rounds else None: refit(seen or one.view, joined(values, one.start())), finalists))
         if free is None:
             reach = max(_FINALIST_REACH, 0.3 * fits[0].judged) if fits else 0.0
             fits = _polished(fits, lambda fit: polished(fit, _POLISH_ROUNDS[fit.view.evidence.relative]), reach)

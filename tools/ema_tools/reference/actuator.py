@@ -27,6 +27,11 @@ def _structure(fields: Mapping[str, float | int]) -> Any:
     return np.rec.array([tuple(fields.values())], dtype=kind)[0]
 
 
+def plain(structure: Any) -> Any:
+    """The same as a tuple, which Python itself reads faster."""
+    return namedtuple("Structure", structure.dtype.names)(*structure.tolist()) if HAS_NUMBA else structure  # type: ignore[misc]
+
+
 def filled(values: Mapping[str, float]) -> dict[str, float]:
     """Every value of an actuator: `values` over the nominal ones.
 

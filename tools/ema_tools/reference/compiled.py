@@ -22,3 +22,8 @@ else:
 def compiled(function: Function) -> Function:
     """`function`, compiled when Numba is there."""
     return numba.njit(function) if HAS_NUMBA else function
+
+
+def interpreted(function: Function) -> Function:
+    """A `compiled` function as Python itself runs it: for calls from Python, row by row, of which there are too few to pay for the compilation."""
+    return getattr(function, "py_func", function)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +11,7 @@ import click
 from ema_tools.benchmarks.hidden import documents, running, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.trials import FULL, KINDS, Plan
-from ema_tools.console import complain, output
-from ema_tools.errors import InputError
+from ema_tools.console import output, run_command
 from ema_tools.files import write_json
 from ema_tools.parallel import workers as cores
 
@@ -84,8 +82,4 @@ def main(
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except InputError as error:
-        complain(str(error))
-        sys.exit(1)
+    run_command(main)
