@@ -67,12 +67,16 @@ def named(found: Identified) -> Guarded:
 
 
 def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
-    """CSJ and BLK within four standard errors or 2 % of the healthy values, and the verdict that follows."""
+    """By how much CSJ and BLK differ from their healthy values, within four standard errors or 2 % of those, and the verdict that follows.
+
+    Not the values themselves: the position alone does not tell a machine of more friction and torque from one with less of both.
+    """
     assert found.verdict == ("fault" if worn else "healthy"), found.sentence()
-    true = {name: value if worn else reference_actuator()[name] for name, value in WORN.items()}
+    healthy = reference_actuator()
+    true = {name: (value / healthy[name] - 1.0 if worn else 0.0) for name, value in WORN.items()}
     for estimate in found.answer.identified:
-        allowed = max(4.0 * estimate.std, (0.02 + scatter) * reference_actuator()[estimate.name])
-        assert abs(estimate.estimate - true[estimate.name]) < allowed, found.sentence()
+        allowed = max(4.0 * estimate.std / healthy[estimate.name], 0.02 + scatter)
+        assert abs(0.01 * estimate.shift_percent - true[estimate.name]) < allowed, found.sentence()
 
 
 @needs_numba

@@ -159,15 +159,19 @@ class View:
     def free_slopes(self, around: Mapping[str, Sequence[tuple[float, float]]]) -> Reals:
         """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness, and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
 
-        Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends.
+        Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends. Where the model refuses one of the sides, what scatters keeps the
+        view's own direction, and a value has none.
         """
         own = self.deviations[: len(self.evidence.spread)]
         none = np.zeros(self.deviations.size)
 
         def of_value(name: str) -> Reals:
-            found = none[:0]
+            found = np.zeros(self.residual.size - none.size)
             for low, high in around[name]:
-                moved = self.evidence.whiten(self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own))
+                try:
+                    moved = self.evidence.whiten(self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own))
+                except InputError:
+                    break
                 found = moved / (high - low)
                 if float(moved @ moved) > ROUGHNESS**2:
                     break
@@ -178,7 +182,10 @@ class View:
             step = 2.0 * DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
             apart = np.zeros(own.size)
             apart[place] = step
-            moved = self.evidence.simulate(self.values, own + apart) - self.evidence.simulate(self.values, own - apart)
+            try:
+                moved = self.evidence.simulate(self.values, own + apart) - self.evidence.simulate(self.values, own - apart)
+            except InputError:
+                return self._directions[: self.residual.size - none.size, place]
             return self.evidence.whiten(moved) / (2.0 * step)
 
         found = self._directions.copy()

@@ -2,7 +2,7 @@
 
 The machine is taken for known, by its actuator file or by healthy repeats of the same command: CSJ and BLK are free, grease and winding scatter as from run to run, and everything
 else stays. A missing effect then moves CSJ and BLK far from where they belong, where signatures mislead; so every effect is fitted beside them in the nonlinear model, and the
-costs are compared.
+costs are compared. Where the one that is named leaves more than noise, without repeats, its size is that of a unit which differs from its file as units do.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.answer import size_text
 from ema_tools.diagnosis.candidates import FAULTS, candidates, penalty
-from ema_tools.diagnosis.evidence import Evidence, repeat_residuals, simulate_channels, view
+from ema_tools.diagnosis.evidence import FAR, FAR_ROUNDS, Evidence, repeat_residuals, settled, simulate_channels, view
+from ema_tools.diagnosis.fitting import refit
 from ema_tools.diagnosis.gate import judge
 from ema_tools.diagnosis.gathering import common_channels, gather, same_command
 from ema_tools.diagnosis.search import INSEPARABLE, LEAST_LIMIT
@@ -307,7 +308,26 @@ def _blocked(actuator: Actuator, record: Record) -> str:
 
 def known_machine(actuator: Actuator, record: Record) -> Evidence:
     """Evidence of a record of a machine that is as `actuator` says, of which only grease and winding scatter from run to run; CSJ and BLK are left to be fitted."""
-    return replace(gather(actuator, record, channels=_live(record)), spread=spreads.from_run_to_run({name: std for name, std in _SCATTER.items() if actuator[name] > 0.0}))
+    return _as_known(gather(actuator, record, channels=_live(record)))
+
+
+def _as_known(unit: Evidence) -> Evidence:
+    return replace(unit, spread=spreads.from_run_to_run({name: std for name, std in _SCATTER.items() if unit.actuator[name] > 0.0}))
+
+
+def _on_unit(unit: Evidence, named: _Fit) -> _Fit:
+    """The named effect's size where the machine may differ from its file as units do from their data sheet; `named` itself where that leaves nothing of the effect."""
+    values = {name: value for name, value in named.values.items() if name.startswith(f"effects.{named.effect}.")}
+    try:
+        fit = refit(settled(unit, values, rounds=FAR_ROUNDS, reach=FAR), values)
+    except InputError:
+        return named
+    if not fit.determined(named.effect):
+        return named
+    moved: dict[str, float] = {}
+    for one, at in zip(unit.spread, fit.deviations(), strict=False):
+        moved |= one.changes(unit.actuator, float(at))
+    return _Fit(named.effect, {**named.values, **{name: moved[name] for name in named.values if name in moved}, **fit.values}, {**named.std, **fit.std}, named.cost)
 
 
 def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimates: Mapping[str, float], doubted: bool) -> Guarded:
@@ -321,7 +341,8 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     blocked = _blocked(actuator, record)
     if blocked:
         return Guarded("unknown", (), {}, {}, {}, len(repeats), blocked, time.perf_counter() - begun)
-    known = _Known(gather(actuator, record, repeats, _live(record, *repeats)) if repeats else known_machine(actuator, record))
+    gathered = gather(actuator, record, repeats, _live(record, *repeats))
+    known = _Known(gathered if repeats else _as_known(gathered))
     base = known.base(estimates)
     faults = {name: base.values[name] for name in known.faults}
     if (repeats or not doubted) and known.plain(base):
@@ -330,6 +351,9 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     verdict, best, alike = _named(known, base)
     if best is None:
         return Guarded(verdict, (), {}, {}, {}, len(repeats), "", time.perf_counter() - begun)
+    # what the effect leaves beyond noise says that the machine is not as its file says
+    as_filed = bool(repeats) or best.cost - known.floor < 6.0 * np.sqrt(2.0 * known.evidence.numbers)
+    best = best if as_filed else _on_unit(gathered, best)
     own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
     beside = {name: best.values[name] for name in known.faults}
     return Guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)

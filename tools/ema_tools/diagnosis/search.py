@@ -42,6 +42,8 @@ _SHOWN = 2.0
 _UNEXPLAINED = 0.1
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
 _MODEL_ERROR = 0.02
+# Without repeats what no parameter of a unit holds, such as a slight ripple of its friction, leaves more; a further effect must be larger than that.
+_MODEL_ERROR_ALONE = 0.05
 _POLISH_ROUNDS = {True: 1, False: 3}
 # Without repeats: rounds of the fit of a finalist together with the machine, and the share of the limit that makes it worth them.
 _JOINT_ROUNDS = 3
@@ -255,6 +257,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     excess = max(before - floor, 1e-9)
     # without repeats most of what the model leaves is the unit's own, which is fitted
     doubt = _MODEL_ERROR**2 * max((raw_cost(evidence) if evidence.relative else here.cost) - floor, 0.0)
+    further = doubt if evidence.relative else (_MODEL_ERROR_ALONE / _MODEL_ERROR) ** 2 * doubt
     limit = LEAST_LIMIT
     noise = 6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size))
 
@@ -262,7 +265,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
         nonlocal limit
         if place == 0:
             limit = _limit_of(repeats, found)
-        return max(_needed(limit, excess, cost, floor, noise, evidence), doubt if place else 0.0)
+        return max(_needed(limit, excess, cost, floor, noise, evidence), further if place else 0.0)
 
     path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None), free)
     steps = path.steps
