@@ -111,8 +111,8 @@ def test_against_healthy_repeats_it_is_named_beside_a_fault(effect: str, only: b
     assert guarded.effects[0] == effect and guarded.against == 5
     added = add(reference_actuator(), effect, record, healthy)
     assert added.errors.after < 1.05 * added.errors.floor
-    # friction differs by 0.4 % from day to day
-    check_right(identify(added.actuator, record), True, scatter=0.02)
+    # friction differs by 0.4 % from day to day; with the position alone the healthy machine is known less well, which moves BLK by 2 um
+    check_right(identify(added.actuator, record), True, scatter=0.06 if only else 0.02)
 
 
 @needs_numba
