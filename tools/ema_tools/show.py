@@ -13,11 +13,14 @@ from ema_tools.diagnosis.adding import Added
 from ema_tools.diagnosis.answer import Answer, size_text
 from ema_tools.diagnosis.confirming import Step
 from ema_tools.diagnosis.repeating import LapsAnswer, size_of
+from ema_tools.diagnosis.search import Diagnosis
 from ema_tools.identify import TITLES as FAULTS
 from ema_tools.identify import Identified
 from ema_tools.linear import ForceModel
 
 _PLACES = 8
+# The share of the limit below which an effect is not worth a look.
+_WORTH_SHOWING = 0.1
 
 
 def say(console: Console, text: str) -> None:
@@ -111,13 +114,8 @@ def diagnosis(console: Console, found: Answer) -> None:
     say(console, found.where.sentence)
     if found.hidden():
         say(console, found.hidden())
-    rows = table("What would lower the error", "effect", "looks like", "size", "takes off", "limit", "", text_columns=3)
-    for one in found.diagnosis.named[:_PLACES]:
-        size = next(iter(one.values), None)
-        shown_size = size_text(size, one.values[size], one.std.get(size)) if size is not None else ""
-        rows.add_row(one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(found.diagnosis.limit, 3), "accepted" if one.accepted else "")
     console.print()
-    console.print(rows)
+    _candidates(console, found.diagnosis)
     console.print()
     steps(console, found.steps, found.errors.floor)
     for left in found.left[:1]:
@@ -125,6 +123,20 @@ def diagnosis(console: Console, found: Answer) -> None:
     if found.learned is not None:
         say(console, f"It can be flown without a name: {found.learned.sentence}.")
     say(console, found.next_step())
+
+
+def _candidates(console: Console, found: Diagnosis) -> None:
+    """What was accepted, and what would take off enough to be worth a look."""
+    telling = [one for one in found.named[:_PLACES] if one.accepted or one.score > _WORTH_SHOWING * found.limit]
+    if not telling:
+        say(console, f"No effect of the library would take off a tenth of the limit of {number(found.limit, 3)}.")
+        return
+    rows = table("What would lower the error", "effect", "looks like", "size", "takes off", "limit", "", text_columns=3)
+    for one in telling:
+        size = next(iter(one.values), None)
+        shown_size = size_text(size, one.values[size], one.std.get(size)) if size is not None else ""
+        rows.add_row(one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(found.limit, 3), "accepted" if one.accepted else "")
+    console.print(rows)
 
 
 def laps(console: Console, found: LapsAnswer) -> None:
