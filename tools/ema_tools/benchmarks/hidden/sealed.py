@@ -14,7 +14,7 @@ import numpy as np
 from ema_tools.actuator import Actuator, reference_actuator
 from ema_tools.benchmarks.hidden.machines import STEP_S
 from ema_tools.diagnosis import gathering
-from ema_tools.diagnosis.evidence import Evidence, settled, view
+from ema_tools.diagnosis.evidence import Evidence, settled
 from ema_tools.diagnosis.search import diagnose
 from ema_tools.native import Reals
 from ema_tools.records import Record
@@ -105,10 +105,15 @@ def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[st
     return Answer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s, cpu_s)
 
 
-def error_left(fitted: Mapping[str, float], run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> tuple[float, float]:
-    """Weighted rms error of a run over the floor of its healthy repeats: without what was fitted elsewhere, and with it; nothing is fitted to this run but what scatters."""
-    evidence = _evidence(run, healthy, channels)
+def error_left(answer: Answer, run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> tuple[float, float]:
+    """Weighted rms error of a run of another command over the floor of its healthy repeats: without what was found, and with it.
+
+    As the answer's own record held out: the healthy machine and what was found are those of the first command; nothing is fitted to this run but what scatters.
+    """
+    record, *repeats = (record_of(one, number) for number, one in enumerate((run, *healthy)))
+    names = tuple(channels) if channels else gathering.common_channels([record, *repeats])
+    evidence = gathering.against_known(answer.known, record, repeats, names)
     before = settled(evidence, {})
-    floor = float(np.mean([view(evidence, {}, None, repeat).cost for repeat in evidence.repeats]))
-    after = settled(evidence, fitted) if fitted else before
+    floor = evidence.expected_cost()
+    after = settled(evidence, answer.fitted) if answer.fitted else before
     return float(np.sqrt(before.cost / floor)), float(np.sqrt(after.cost / floor))

@@ -195,7 +195,7 @@ def _held_out(trial: Trial, unit: Machine, answer: sealed.Answer) -> dict[str, A
     """The same effect under another command, with what was found added to the model."""
     command = HELD_OUT[trial.command]
     other, repeats = runs(trial, command, _same_hidden(unit, trial, command))
-    before, after = sealed.error_left(answer.fitted, other, repeats, trial.channels)
+    before, after = sealed.error_left(answer, other, repeats, trial.channels)
     return {"command": command, "before": before, "after": after}
 
 
