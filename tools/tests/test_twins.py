@@ -57,5 +57,9 @@ def test_a_twin_that_cannot_have_the_sign_is_left_out() -> None:
 def test_slight_is_what_every_machine_has() -> None:
     ripple = "effects.pitch_ripple.ratio"
     usual = max(changes[ripple] for changes in SLIGHT if ripple in changes)
-    assert is_slight(ripple, SLIGHT_REACH * usual) and not is_slight(ripple, 1.01 * SLIGHT_REACH * usual)
-    assert not is_slight("effects.pitch_ripple.phase_rad", 0.0) and not is_slight("effects.winding_heating.rise_degC", 0.0)
+    sheet = reference_actuator()
+    assert is_slight(sheet, ripple, SLIGHT_REACH * usual) and not is_slight(sheet, ripple, 1.01 * SLIGHT_REACH * usual)
+    assert not is_slight(sheet, "effects.pitch_ripple.phase_rad", 0.0) and not is_slight(sheet, "effects.winding_heating.rise_degC", 0.0)
+    # cogging and a spot of 0.8 % of the dry friction
+    for name in ("effects.cogging_torque.amplitude_Nm", "effects.jam_spot.amplitude_Nm"):
+        assert is_slight(sheet, name, 0.0011) and not is_slight(sheet, name, 0.0012)

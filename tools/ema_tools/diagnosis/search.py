@@ -49,7 +49,7 @@ _POLISH_ROUNDS = {True: 1, False: 3}
 _JOINT_ROUNDS = 3
 _WORTH_FITTING = 0.3
 _GAIN_SHARE = 0.5
-_TWIN_LIMIT = 12.0  # three and a half standard deviations of a parameter
+_TWIN_LIMIT = 9.0  # three standard deviations of a parameter
 # Effects that no record of one machine tells apart: naming one names the class.
 INSEPARABLE: Sequence[frozenset[str]] = (frozenset({"constant_load", "coulomb_asymmetry"}),)
 
@@ -167,7 +167,7 @@ def _with_twins(fits: Sequence[Fit], exact: Sequence[Fit]) -> tuple[Fit, ...]:
 
 
 def _is_slight(fit: Fit, effect: str) -> bool:
-    return any(is_slight(name, value) for name, value in fit.of_effect(effect).items())
+    return any(is_slight(fit.view.evidence.actuator, name, value) for name, value in fit.of_effect(effect).items())
 
 
 def _newest(fit: Fit, held: Sequence[str]) -> str:
@@ -206,7 +206,7 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
             found = signatures(seen, held, promising(seen, every, least))
-        found = found if free is None else [one for one in found if not is_slight(one.candidate.size, one.size)]
+        found = found if free is None else [one for one in found if not is_slight(start.evidence.actuator, one.candidate.size, one.size)]
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
         exact = twins(free) if free is not None and not rounds else []
@@ -225,12 +225,13 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             fits = tuple(fit for fit in fits if not _is_slight(fit, _newest(fit, held)))
         rounds.append(Round(scores, fits))
         fits = tuple(fit for fit in fits if fit.shown(_newest(fit, held)) >= _SHOWN)
-        if fits and any(fits[0] is one for one in exact):
-            # that it is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign
-            least = min(least, _TWIN_LIMIT * max(1.0, cost / max(start.evidence.floor, 1.0)))
-        if not fits or cost - fits[0].judged < least:
+        # that a twin is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign
+        least_of_twin = min(least, _TWIN_LIMIT * max(1.0, cost / max(start.evidence.floor, 1.0)))
+        limits = [least_of_twin if any(fit is one for one in exact) else least for fit in fits]
+        enough = [(fit, limit) for fit, limit in zip(fits, limits, strict=True) if cost - fit.judged >= limit]
+        if not enough:
             break
-        best = _pruned(fits[0], least)
+        best = _pruned(*enough[0])
         steps.append(best)
         here = settled(start.evidence, best.values, best.deviations(), 1)
         cost = best.cost

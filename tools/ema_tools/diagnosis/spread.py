@@ -42,6 +42,10 @@ SLIGHT: Sequence[Mapping[str, float]] = (
     {"effects.presliding.stretch_rad": 0.001},
     {"effects.presliding.stretch_rad": 0.003},
 )
+# And further sizes at one standard deviation that are not free but not named either: of a motor's ripple, and as a share of the dry friction of its cogging and of
+# a local spot, which stands in for the ripple of a screw where a record shows less than a lead.
+_SLIGHT_SIZE: Mapping[str, float] = {"effects.torque_ripple.ratio": 0.002}
+_SLIGHT_OF_FRICTION: Mapping[str, float] = {"effects.cogging_torque.amplitude_Nm": 0.004, "effects.jam_spot.amplitude_Nm": 0.004}
 # A size of these up to so many of their standard deviations is what every machine has, and is not named without repeats.
 SLIGHT_REACH = 2.0
 # Offsets of the recorded signals, relative to the signal's size.
@@ -100,7 +104,8 @@ def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spr
     return (*from_data_sheet(actuator, 1.0 if alone else HEALTHY_FREEDOM), *standing)
 
 
-def is_slight(name: str, size: float) -> bool:
+def is_slight(actuator: Actuator, name: str, size: float) -> bool:
     """Whether a size is what every machine has of an effect; `name`: of a value, of which only sizes count."""
     usual = [changes[name] for changes in SLIGHT if name == next(iter(changes))]
-    return bool(usual) and abs(size) <= SLIGHT_REACH * max(usual)
+    usual += [_SLIGHT_SIZE.get(name, 0.0), _SLIGHT_OF_FRICTION.get(name, 0.0) * actuator["screw.csj_Nm"]]
+    return max(usual) > 0.0 and abs(size) <= SLIGHT_REACH * max(usual)

@@ -32,6 +32,7 @@ TWINS: Mapping[str, _Twin] = {
     "effects.winding_heating.rise_degC": _Twin("motor.resistance_ohm", 1.0 / _COPPER_PER_DEGC),
     "effects.magnet_weakening.loss": _Twin("motor.torque_constant_Nm_per_A", -1.0),
     "effects.inertia_change.change": _Twin("screw.inertia_kgm2", 1.0),
+    "effects.supply_sag.sag": _Twin("drive.supply_V", -1.0),
     "effects.gain_drift.drift": _Twin("control.kp_per_m", 1.0),
     "effects.sensor_gain.error": _Twin("encoder.rod_gain_error", 1.0),
     "effects.sensor_offset.offset_mm": _Twin("encoder.rod_offset_mm", 1.0),

@@ -26,7 +26,7 @@ _REPEATS = 24
 # Sizes at which an alternative's signature is taken; in between and beyond it is scaled.
 _SIZES = ("small", "medium", "large")
 # Effects that do what an error of the unit does. Without repeats how a large one bends tells nothing, as a large error of the unit bends alike: they are held as linear.
-_TWINS = ("coulomb_asymmetry", "magnet_weakening", "sensor_gain", "sensor_offset", "inertia_change", "gain_drift")
+_TWINS = ("coulomb_asymmetry", "magnet_weakening", "winding_heating", "supply_sag", "sensor_gain", "sensor_offset", "inertia_change", "gain_drift")
 _LINEAR = "edge"
 _SMOOTH_LINES = 12
 _SMOOTH_SHARE = 0.1
