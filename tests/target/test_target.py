@@ -10,6 +10,7 @@ from pathlib import Path
 import budgets
 import emulate
 import example
+import exported
 import make_records
 import same_answer
 import stack
@@ -169,14 +170,37 @@ class Budgets(unittest.TestCase):
 
 
 REPORT = {"status": "ok", "ticks": "15000", "ticks_searching": "5000", "late_ticks": "0", "tick_us": "41", "slices": "10000", "overruns": "0", "slice_us": "900",
-          "allowed_us": "2000", "verdict": "1", "adequate": "1"}
+          "allowed_us": "2000", "verdict": "1", "adequate": "1", "reasons": "00000000", "finding": "adequate", "effect": "none", "size": "0 0"}
+HIDDEN = {"verdict": "2", "adequate": "0", "reasons": "00000132", "finding": "missing", "effect": "inverter_dead_time", "size": "0 0.297"}
 
 
 def report(**changed: str) -> str:
     """What the example firmware prints when all is well, apart from what is changed."""
-    values = REPORT | {"first": "0.3001", "second": "0.0411"} | changed
-    estimates = [f"estimate 0 {values.pop('first')}", f"estimate 0 {values.pop('second')}"]
-    return "\n".join([*(f"{name} {value}" for name, value in values.items()), *estimates])
+    values = REPORT | {"first": "0.3001", "second": "0.0411", "shift": "6.6"} | changed
+    pairs = [f"estimate 0 {values.pop('first')}", f"estimate 0 {values.pop('second')}", f"shift_percent 0 {values.pop('shift')}", "shift_percent 0 7"]
+    return "\n".join([*(f"{name} {value}" for name, value in values.items()), *pairs])
+
+
+def exported_table(**changed: str) -> str:
+    """A table as `ema export` writes it, in small, apart from what is changed."""
+    values = {"effect": "4", "turn": "0x1.2p-11", "count": "-7", "bins": "250U"} | changed
+    counts = "\n".join(["    1, 2, 3,"] * 400)
+    return (f"/* one actuator */\n    {{{values['effect']}, 45, true, EMA_R({values['turn']})}}, /* an effect */\n    5, {values['count']}, 6,\n{counts}\n"
+            f"static const ema_signatures_t EMA_SIGNATURES = {{\n    .bins = {values['bins']},\n    .limit = EMA_R(30.0),\n}};\n")
+
+
+class Exported(unittest.TestCase):
+    """The table in the firmware and the one of today."""
+
+    def test_the_same(self) -> None:
+        self.assertEqual(exported.table_problem(exported_table(), exported_table().replace("one actuator", "another")), "")
+        self.assertEqual(exported.table_problem(exported_table(), exported_table(count="-8", turn="0x1.200001p-11")), "")
+
+    def test_another(self) -> None:
+        for changed in ({"effect": "5"}, {"turn": "0x1.21p-11"}, {"count": "-10"}, {"bins": "251U"}):
+            with self.subTest(changed):
+                self.assertNotEqual(exported.table_problem(exported_table(), exported_table(**changed)), "")
+        self.assertNotEqual(exported.table_problem("", ""), "")
 
 
 class Example(unittest.TestCase):
@@ -184,15 +208,29 @@ class Example(unittest.TestCase):
 
     def test_a_good_report(self) -> None:
         self.assertEqual(example.problems_of(report(), example.OK), [])
+        self.assertEqual(example.problems_of(report(**HIDDEN), example.OK, example.MACHINES[2]), [])
 
     def test_bad_reports(self) -> None:
         bad = [{"late_ticks": "1"}, {"overruns": "3"}, {"slice_us": "0"}, {"slice_us": "2001"}, {"ticks": "10000", "ticks_searching": "0"}, {"verdict": "0"},
-               {"adequate": "0"}, {"first": "0.31"}, {"second": "0.04"}, {"status": "late"}, {"slices": "1"}, {"tick_us": "0"}]
+               {"adequate": "0"}, {"first": "0.31"}, {"second": "0.04"}, {"status": "late"}, {"slices": "1"}, {"tick_us": "0"}, {"reasons": "00000010"},
+               {"finding": "missing"}, {"effect": "jam_spot"}]
         for changed in bad:
             with self.subTest(changed):
                 self.assertEqual(len(example.problems_of(report(**changed), example.OK)), 1)
         with self.assertRaises(ValueError):
             example.problems_of("", example.OK)
+
+    def test_the_row_of_the_page(self) -> None:
+        self.assertEqual(example.row_of(report(), example.WORN), f"| {example.WORN.title} | +6.6 % | +7.0 % | adequate | `FAULT` |")
+        row = example.row_of(report(**HIDDEN), example.MACHINES[2])
+        self.assertTrue(row.endswith("| missing: `inverter_dead_time`, 0.297 | `UNDECIDED` |"), row)
+
+    def test_bad_reports_of_a_hidden_effect(self) -> None:
+        bad = [{"verdict": "1"}, {"verdict": "0"}, {"adequate": "1"}, {"reasons": "00000032"}, {"finding": "unknown"}, {"effect": "none"}, {"effect": "jam_spot"},
+               {"size": "0 0.2"}, {"shift": "4.9"}]
+        for changed in bad:
+            with self.subTest(changed):
+                self.assertEqual(len(example.problems_of(report(**HIDDEN | changed), example.OK, example.MACHINES[2])), 1)
 
 
 if __name__ == "__main__":
