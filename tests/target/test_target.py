@@ -76,12 +76,12 @@ class Records(unittest.TestCase):
         return path
 
     def test_rows(self) -> None:
-        path = self.recording("# a remark\ntime_s,position_mm,command_mm\n0,0.1,-2\n")
-        bits = tuple(struct.unpack("<I", struct.pack("<f", value))[0] for value in (-2.0, 0.1))
+        path = self.recording("# a remark\ntime_s,position_mm,current_A,command_mm\n0,0.1,3,-2\n")
+        bits = tuple(struct.unpack("<I", struct.pack("<f", value))[0] for value in (-2.0, 0.1, 3.0))
         self.assertEqual(make_records.rows_of(path), [bits])
 
     def test_refused(self) -> None:
-        for text, why in (("time_s,command_mm\n0,1\n", "no column position_mm"), ("command_mm,position_mm\n", "no rows")):
+        for text, why in (("time_s,command_mm\n0,1\n", "no column position_mm"), ("command_mm,position_mm,current_A\n", "no rows")):
             with self.subTest(why), self.assertRaisesRegex(ValueError, why):
                 make_records.rows_of(self.recording(text))
 
@@ -130,8 +130,13 @@ def measured(**changed: float) -> budgets.Measured:
     counts |= {f"{name}_{which}": 300 for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
                for which in ("mean", "most")}
     counts |= {f"identify_int16_{slice_}{what}": value for slice_ in budgets.SLICES for what, value in (("", 700_000_000), ("_steps", 2_000_000))}
-    counts |= changed
-    return budgets.Measured("12.2.1", counts, 30_000, 20_000, {"ema_session_run": (2852, ("ema_session_run",))})
+    counts |= {f"size_ema_{name}_t": 300 for name in ("guarded", "command", "onboard")} | {"size_table": 90_000, "table_products": 184, "table_bin_rows": 40}
+    counts["size_ema_guarded_t"] = 7300
+    counts |= {f"{name}_{which}": 300 for name in ("guarded_init", "guarded_feed", "guarded_result", "guarded_slice_1", "guarded_slice_200", "guarded_function_slice_200",
+                                                   "onboard_start", "onboard_slice_200", "onboard_result") for which in ("mean", "most")}
+    counts |= {f"guarded_{what}": value for what, value in (("identify", 500_000_000), ("steps", 1_500_000), ("function_identify", 900_000_000), ("function_steps", 2_000_000))}
+    counts |= {"onboard_whole": 4_000_000} | changed
+    return budgets.Measured("12.2.1", counts, 30_000, 20_000, {"ema_session_run": (2852, ("ema_session_run",))}, 33_000)
 
 
 class Budgets(unittest.TestCase):
@@ -141,7 +146,9 @@ class Budgets(unittest.TestCase):
         self.assertEqual(budgets.problems_of(measured(), budgets.document(measured())), [])
 
     def test_another_number(self) -> None:
-        self.assertRegex(" ".join(budgets.problems_of(measured(session_feed_mean=301), budgets.document(measured()))), "is now")
+        for name in ("session_feed_mean", "guarded_slice_200_most", "onboard_start_mean", "size_ema_onboard_t", "onboard_whole"):
+            with self.subTest(name):
+                self.assertRegex(" ".join(budgets.problems_of(measured(**{name: 1e6}), budgets.document(measured()))), "is now")
 
     def test_no_document(self) -> None:
         self.assertRegex(" ".join(budgets.problems_of(measured(), "")), "no document")
@@ -149,9 +156,11 @@ class Budgets(unittest.TestCase):
     def test_a_missed_target(self) -> None:
         slow = measured(identify_int16_200=1_100_000_000)
         self.assertRegex(" ".join(budgets.problems_of(slow, budgets.document(slow))), "mend it")
+        large = measured(size_table=140_000)
+        self.assertRegex(" ".join(budgets.problems_of(large, budgets.document(large))), "table of signatures.*mend it")
 
     def test_a_reason_too_many(self) -> None:
-        small = budgets.Measured("12.2.1", measured().counts, 20_000, 10_000, measured().stacks)
+        small = budgets.Measured("12.2.1", measured().counts, 20_000, 10_000, measured().stacks, 22_000)
         self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
 
     def test_the_page(self) -> None:
