@@ -88,14 +88,8 @@ typedef struct {
 
 /* A plain value: a copy is a checkpoint. */
 typedef struct {
-    ema_annealer_config_t config;
-    ema_random_t random;
-    ema_annealer_point_t current;
-    ema_annealer_point_t best;
-    ema_annealer_point_t candidate;
-    ema_annealer_point_t points[EMA_ANNEALER_POINTS_MAX];
-    ema_quadratic_t quadratic;
-    ema_real step[EMA_ANNEALER_DIMENSION_MAX];
+    ema_outcome_t outcome;
+    bool walked;               /* the candidate came from the walk */
     ema_real temperature;
     ema_real limit;            /* cost above which the candidate is not wanted */
     ema_real accept_limit;     /* cost up to which it is accepted; not above the limit */
@@ -105,9 +99,15 @@ typedef struct {
     uint32_t point_count;
     uint32_t accepted_since;   /* since the last reannealing */
     uint32_t coordinate;       /* that the walk moves next */
-    bool walked;               /* the candidate came from the walk */
-    ema_outcome_t outcome;
     ema_annealer_info_t info;
+    ema_annealer_config_t config;
+    ema_random_t random;
+    ema_real step[EMA_ANNEALER_DIMENSION_MAX];
+    ema_annealer_point_t current;
+    ema_annealer_point_t best;
+    ema_annealer_point_t candidate;
+    ema_annealer_point_t points[EMA_ANNEALER_POINTS_MAX];
+    ema_quadratic_t quadratic;
 } ema_annealer_t;
 
 /* Starts a search; the first candidate is the start. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a setting outside its range (NaN included). Cost: constant. */

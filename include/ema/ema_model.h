@@ -8,7 +8,7 @@
 #ifndef EMA_MODEL_H
 #define EMA_MODEL_H
 
-#include "ema/ema_plant.h"
+#include "ema/ema_work.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,13 +17,14 @@ extern "C" {
 typedef struct {
     ema_plant_t plant;
     ema_state_t state;
+    ema_work_t work; /* means nothing between two steps */
 } ema_model_t;
 
 /* Prepares the model of `actuator` with rod and motor at `start_mm`, at rest, the play centred. The actuator is copied as far as it is needed; only
  * learned tables that act stay where they are: then it must outlive the model, or ema_model_learned names another place.
  * Errors: EMA_ERR_NULL; EMA_ERR_NOT_FINITE, EMA_ERR_RANGE and EMA_ERR_ABSENT (ema_actuator_check names the value); EMA_ERR_RANGE for a start outside the travel or a total
  * feedback delay beyond 12 steps; EMA_ERR_STIFF; EMA_ERR_INERTIA;
- * EMA_ERR_RANGE for an anti-windup gain of two control periods or more, with which the integrator swings up. Cost: about 20 model steps. On an error the model is unchanged. */
+ * EMA_ERR_RANGE for an anti-windup gain of two control periods or more, with which the integrator swings up. Cost: about 20 model steps. On an error plant and state are unchanged. */
 ema_status_t ema_model_init(ema_model_t* model, const ema_actuator_t* actuator, ema_real start_mm);
 
 /* From now on the model reads its learned tables from `actuator`, which must hold the same ones and outlive it. Without a table that acts this does nothing. Cost: constant. */

@@ -22,7 +22,7 @@ typedef enum {
 } ema_objective_state_t;
 
 typedef struct {
-    ema_model_t model;
+    ema_objective_state_t state;
     const ema_record_t* record;
     ema_real weight[EMA_CHANNEL_COUNT];   /* of the channels in use */
     uint8_t channel[EMA_CHANNEL_COUNT];   /* which these are */
@@ -35,7 +35,7 @@ typedef struct {
     ema_real sum;
     ema_real sum_low;
     ema_real command_mm;
-    ema_objective_state_t state;
+    ema_model_t model;
 } ema_objective_t;
 
 /* Largest finite cost: what a run that leaves the finite numbers is worth. */

@@ -117,13 +117,13 @@ typedef struct {
 
 /* One run of the known machine beside a record. A copy is a checkpoint; the record's address is read at every call, so a copy may be given another place of it. */
 typedef struct {
-    ema_model_t model;
-    ema_scores_t scores;
     const ema_record_t* record;
     ema_real command_mm;
     uint32_t every_steps;
     uint32_t row;
     uint32_t step_in_row;
+    ema_scores_t scores;
+    ema_model_t model;
 } ema_onboard_t;
 
 /* Checksum of an actuator's numbers in float32, CSJ and BLK left out. Cost: four multiplications per value. */

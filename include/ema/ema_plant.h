@@ -34,6 +34,10 @@ typedef enum {
 /* Everything that changes while the model runs: a plain value without pointers. A copy is a checkpoint; writing it back resumes,
  * on the same or on another model of the same actuator. */
 typedef struct {
+    int32_t motion;            /* an ema_motion_t */
+    int32_t play_side;         /* -1 or 1 in contact, 0 inside the play */
+    uint32_t step;
+    uint32_t crowded_steps;    /* steps with more events than are located; the last of them stopped the shaft */
     ema_real current_A;
     ema_real speed_rad_s;      /* at the motor shaft */
     ema_real angle_rad;        /* of the motor */
@@ -51,10 +55,6 @@ typedef struct {
     ema_real effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
     ema_real delay_mm[EMA_DELAY_SAMPLES];
     ema_real outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
-    uint32_t step;
-    uint32_t crowded_steps;    /* steps with more events than are located; the last of them stopped the shaft */
-    int32_t motion;            /* an ema_motion_t */
-    int32_t play_side;         /* -1 or 1 in contact, 0 inside the play */
 } ema_state_t;
 
 /* What one step shows: positions, current and speed at its start, the voltage applied from then on. */
@@ -190,9 +190,10 @@ typedef enum {
 
 /* Which effects act while the model runs. */
 typedef struct {
+    bool any;                            /* one that acts on the motion */
+    uint8_t substeps;                    /* integration steps in a model step that they need */
     ema_effect_set_t at[EMA_SITE_COUNT]; /* by ema_effect_site_t; those at site PARAMETER do not act while it runs */
     ema_effect_set_t tables;             /* all learned tables, wherever they act */
-    bool any;                            /* one that acts on the motion */
 } ema_active_t;
 
 /* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables stay where they lie. */
@@ -229,15 +230,17 @@ typedef struct {
 } ema_held_effects_t;
 
 typedef struct {
+    bool tries_whole_step;     /* effects ask for substeps that the plant itself does not need */
+    ema_active_t active;
+    uint32_t substeps;
+    const ema_effects_t* learned; /* where the tables lie; NULL while none acts */
     ema_pid_t pid;
     ema_drive_t drive;
     ema_motor_t motor;
     ema_gearbox_t gearbox;
     ema_screw_t screw;
     ema_encoder_t encoder;
-    ema_active_t active;
     ema_held_effects_t effects;
-    const ema_effects_t* learned; /* where the tables lie; NULL while none acts */
     ema_circuit_t motor_circuit;
     ema_circuit_t current_loop;
     ema_circuit_t whole_step;  /* of the circuit that the drive's mode uses, over a whole model step */
@@ -246,8 +249,6 @@ typedef struct {
     ema_real start_mm;
     ema_real step_s;
     ema_real substep_s;
-    uint32_t substeps;
-    bool tries_whole_step;     /* effects ask for substeps that the plant itself does not need */
 } ema_plant_t;
 
 #endif

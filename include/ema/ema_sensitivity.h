@@ -22,8 +22,7 @@ extern "C" {
 #define EMA_IDENTIFIED_MAX 4U
 
 typedef struct {
-    ema_model_t model[1U + EMA_IDENTIFIED_MAX];
-    ema_output_t row_output[1U + EMA_IDENTIFIED_MAX];
+    bool pushed[2];             /* the run at the estimate has pushed the rod back, and forward */
     const ema_record_t* record;
     ema_real weight[EMA_CHANNEL_COUNT];
     ema_real delta[EMA_IDENTIFIED_MAX];
@@ -40,8 +39,11 @@ typedef struct {
     uint32_t every_steps;
     uint32_t row;
     uint32_t step_in_row;
-    uint32_t next_model;        /* whose turn it is */
-    bool pushed[2];             /* the run at the estimate has pushed the rod back, and forward */
+    uint32_t next_run;          /* whose turn it is */
+    ema_output_t row_output[1U + EMA_IDENTIFIED_MAX];
+    ema_work_t work; /* one for all of them */
+    ema_state_t state[1U + EMA_IDENTIFIED_MAX];
+    ema_plant_t plant[1U + EMA_IDENTIFIED_MAX]; /* of each run, and its state */
 } ema_sensitivity_t;
 
 typedef struct {

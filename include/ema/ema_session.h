@@ -5,8 +5,8 @@
  *     while (ema_session_run(&session, 200) == EMA_OK && ema_session_phase(&session) != EMA_PHASE_DONE) { }   in slices
  *     ema_session_result(&session, &result);
  *
- * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 8 KiB and 4 bytes a row of command and rod position
- * as int16. The deepest call, a model step that locates an event, takes under 1 KiB of stack in float32: docs/BUDGETS.md. It is a plain value apart from the
+ * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 9 KiB and 4 bytes a row of command and rod position
+ * as int16. The deepest call takes half a KiB of stack in float32: docs/BUDGETS.md. It is a plain value apart from the
  * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
  */
 #ifndef EMA_SESSION_H
@@ -34,14 +34,14 @@ typedef struct {
 
 /* Constant during the session and must outlive it. */
 typedef struct {
-    const ema_actuator_t* actuator;  /* healthy */
-    ema_record_config_t record;
-    ema_real weight[EMA_CHANNEL_COUNT]; /* of the objective, by ema_channel_t */
-    ema_identified_t identified[EMA_IDENTIFIED_MAX];
-    uint32_t identified_count;
-    ema_annealer_config_t annealer;  /* dimension and start are set by the session */
     bool start_at_healthy;           /* else at `annealer.start` */
     bool abandon;                    /* give a run up once it exceeds what the annealer could use; changes no decision */
+    uint32_t identified_count;
+    const ema_actuator_t* actuator;  /* healthy */
+    ema_identified_t identified[EMA_IDENTIFIED_MAX];
+    ema_record_config_t record;
+    ema_real weight[EMA_CHANNEL_COUNT]; /* of the objective, by ema_channel_t */
+    ema_annealer_config_t annealer;  /* dimension and start are set by the session */
 } ema_session_config_t;
 
 typedef enum {
@@ -98,7 +98,15 @@ typedef struct {
 } ema_result_t;
 
 typedef struct {
+    ema_phase_t phase;
+    bool starts_healthy;       /* the search starts at the healthy values */
+    bool healthy_done;         /* the cost at the healthy values is known */
+    bool weighed;              /* the estimate could be weighed */
     const ema_session_config_t* config;
+    uint32_t evaluations;
+    uint64_t model_steps;
+    ema_real start_mm;
+    ema_real healthy_cost;
     ema_record_t record;
     ema_annealer_t annealer;
     ema_actuator_t actuator;   /* with the identified values where the present run has them */
@@ -107,14 +115,6 @@ typedef struct {
         ema_sensitivity_t weighing; /* the model runs at the end */
         ema_onboard_t scoring; /* beside a table of signatures, before the search and after the weighing: ema_guarded.h */
     };
-    ema_real start_mm;
-    ema_real healthy_cost;
-    uint64_t model_steps;
-    uint32_t evaluations;
-    bool starts_healthy;       /* the search starts at the healthy values */
-    bool healthy_done;         /* the cost at the healthy values is known */
-    bool weighed;              /* the estimate could be weighed */
-    ema_phase_t phase;
 } ema_session_t;
 
 /* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone and the given record. */

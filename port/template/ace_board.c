@@ -40,7 +40,7 @@ uint32_t ace_board_hz(void)
     return COUNTER_HZ;
 }
 
-/* Real: read both encoders and scale them to mm at the rod. */
+/* Real: read both encoders and scale them to mm at the rod; the current as the drive last converted it, scaled to A. */
 ace_sensors_t ace_board_sensors(void)
 {
     return ace_plant_sensors();

@@ -1,4 +1,4 @@
-/* What a board supplies to the example firmware: a counter, a timer interrupt, two sensors and a drive.
+/* What a board supplies to the example firmware: a counter, a timer interrupt, three sensors and a drive.
  *
  * A new board copies ace_board.c of this folder, which needs no hardware, and replaces its functions one by one; port/cortex_m/ace_board.c is one that was
  * filled in. Nothing here knows the module, and the module knows nothing of this.
@@ -8,10 +8,11 @@
 
 #include <stdint.h>
 
-/* What the encoders say at this instant, in mm at the rod. */
+/* What the sensors say at this instant: both encoders in mm at the rod, and the motor's current. */
 typedef struct {
     float rod_mm;
     float motor_mm;
+    float current_A;
 } ace_sensors_t;
 
 /* What the timer interrupt calls. */

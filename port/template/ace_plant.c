@@ -15,6 +15,9 @@
 #define VISCOUS_NM_S_PER_RAD 1.0e-4f
 #define LEAD_MM_PER_RAD (5.0f / (6.2831853f * 4.0f))
 
+/* Near zero current the dead time takes off less. */
+#define DEAD_TIME_WIDTH_A 0.2f
+
 typedef struct {
     float voltage_V;
     float current_A;
@@ -42,7 +45,8 @@ static float next_speed(float speed_rad_s, float torque_Nm)
 
 static void step(void)
 {
-    const float change_V = plant.voltage_V - (RESISTANCE_OHM * plant.current_A) - (BACK_EMF_V_S_PER_RAD * plant.speed_rad_s);
+    const float drop_V = ACE_PLANT_DEAD_TIME_V * clamp(plant.current_A / DEAD_TIME_WIDTH_A, -1.0f, 1.0f);
+    const float change_V = plant.voltage_V - drop_V - (RESISTANCE_OHM * plant.current_A) - (BACK_EMF_V_S_PER_RAD * plant.speed_rad_s);
     const float before_A = plant.current_A;
     const float before_rad_s = plant.speed_rad_s;
     plant.current_A += (STEP_S / INDUCTANCE_H) * change_V;
@@ -72,7 +76,7 @@ ace_sensors_t ace_plant_sensors(void)
         plant.rod_mm = clamp(plant.rod_mm, motor_mm() - half_mm, motor_mm() + half_mm);
     }
     plant.started = true;
-    const ace_sensors_t sensors = {plant.rod_mm, motor_mm()};
+    const ace_sensors_t sensors = {plant.rod_mm, motor_mm(), plant.current_A};
     return sensors;
 }
 

@@ -5,9 +5,16 @@
 
 #include "ace_board.h"
 
-/* Dry friction and play of this machine: case A of the project's recordings. */
+/* Dry friction and play of this machine, unless the build names another: case A of the project's recordings. */
+#ifndef ACE_PLANT_CSJ_NM
 #define ACE_PLANT_CSJ_NM 0.3f
 #define ACE_PLANT_BLK_MM 0.04125f
+#endif
+
+/* What the inverter's dead time takes off the voltage, against the current: the firmware's model has nothing of it. */
+#ifndef ACE_PLANT_DEAD_TIME_V
+#define ACE_PLANT_DEAD_TIME_V 0.0f
+#endif
 
 /* At rest in the middle of its travel and its play, no voltage. */
 void ace_plant_reset(void);

@@ -7,3 +7,9 @@ void ema_gearbox_prepare(ema_gearbox_t* gearbox, const ema_params_t* params)
     gearbox->loss_opposing = (EMA_R(1.0) / params->efficiency) - EMA_R(1.0);
     gearbox->loss_aiding = EMA_R(1.0) - params->efficiency;
 }
+
+ema_real ema_gearbox_loss(const ema_gearbox_t* gearbox, ema_real load_torque_Nm, ema_real direction)
+{
+    const ema_real against_Nm = load_torque_Nm * direction;
+    return (against_Nm > EMA_R(0.0)) ? (gearbox->loss_opposing * against_Nm) : (gearbox->loss_aiding * -against_Nm);
+}

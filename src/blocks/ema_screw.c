@@ -21,3 +21,21 @@ void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const e
     screw->stop_lower_rad = -screw->stop_upper_rad;
     screw->half_play_mm = EMA_R(0.5) * params->blk_mm;
 }
+
+void ema_screw_play_keep(const ema_screw_t* screw, ema_state_t* state, ema_real input_mm)
+{
+    ema_screw_play(screw, state, input_mm);
+}
+
+ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm, ema_real level_forward_Nm, ema_real level_backward_Nm)
+{
+    ema_motion_t motion = EMA_MOTION_STUCK;
+    if ((torque_Nm > level_forward_Nm) && (angle_rad < screw->stop_upper_rad)) {
+        motion = EMA_MOTION_FORWARD;
+    } else if ((torque_Nm < -level_backward_Nm) && (angle_rad > screw->stop_lower_rad)) {
+        motion = EMA_MOTION_BACKWARD;
+    } else {
+        /* held by dry friction or by the stop */
+    }
+    return motion;
+}

@@ -28,6 +28,9 @@ static inline ema_real ema_screw_play_at(const ema_screw_t* screw, ema_real play
     return output_mm;
 }
 
+/* The function below where it is not in the way of every model step. */
+void ema_screw_play_keep(const ema_screw_t* screw, ema_state_t* state, ema_real input_mm);
+
 /* Output of the play for the motor position `input_mm`: stays while inside, then follows at half its width. */
 static inline void ema_screw_play(const ema_screw_t* screw, ema_state_t* state, ema_real input_mm)
 {
@@ -46,17 +49,6 @@ static inline void ema_screw_play(const ema_screw_t* screw, ema_state_t* state, 
 
 /* Which way a shaft at rest goes under a net torque, for the levels of dry friction against each direction.
  * At an end stop it can only leave inward. */
-static inline ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm, ema_real level_forward_Nm, ema_real level_backward_Nm)
-{
-    ema_motion_t motion = EMA_MOTION_STUCK;
-    if ((torque_Nm > level_forward_Nm) && (angle_rad < screw->stop_upper_rad)) {
-        motion = EMA_MOTION_FORWARD;
-    } else if ((torque_Nm < -level_backward_Nm) && (angle_rad > screw->stop_lower_rad)) {
-        motion = EMA_MOTION_BACKWARD;
-    } else {
-        /* held by dry friction or by the stop */
-    }
-    return motion;
-}
+ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm, ema_real level_forward_Nm, ema_real level_backward_Nm);
 
 #endif

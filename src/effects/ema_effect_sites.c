@@ -27,51 +27,32 @@ typedef struct {
 /* A learned table lies where the configuration does. */
 #define EMA_LEARNED(plant, name) (&(plant)->learned->name)
 
-ema_active_t ema_effects_active(const ema_effects_t* effects)
-{
-    ema_active_t active = {0};
-    const ema_real* size = (const ema_real*)(const void*)effects; /* EMA-D4 */
-    for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
-        const ema_effect_row_t* const row = &ema_effect_rows[k];
-        if (*size != EMA_R(0.0)) {
-            const uint32_t site = row->site & (uint32_t)EMA_SITE_MASK;
-            const ema_effect_set_t bit = (ema_effect_set_t)1 << k;
-            active.at[site] |= bit;
-            active.tables |= (row->site != site) ? bit : 0U;
-            active.any = active.any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
-        }
-        size = &size[row->values];
-    }
-    return active;
-}
-
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 {
+    const ema_active_t none = {0};
+    ema_active_t* const active = &plant->active;
     const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
     ema_real* held = (ema_real*)(void*)&plant->effects; /* EMA-D4 */
+    *active = none;
+    active->substeps = 1U;
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
-        if ((row->site != (uint8_t)EMA_SITE_PARAMETER) && ((row->site & (uint8_t)EMA_SITE_IS_TABLE) == 0U)) {
+        const uint32_t site = row->site & (uint32_t)EMA_SITE_MASK;
+        const bool table = row->site != site;
+        if (*value != EMA_R(0.0)) {
+            const ema_effect_set_t bit = (ema_effect_set_t)1 << k;
+            active->at[site] |= bit;
+            active->tables |= table ? bit : 0U;
+            active->any = active->any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
+            active->substeps = (row->substeps > active->substeps) ? row->substeps : active->substeps;
+        }
+        if ((site != (uint32_t)EMA_SITE_PARAMETER) && !table) {
             (void)memcpy(held, value, row->values * sizeof(ema_real));
             held = &held[row->values];
         }
         value = &value[row->values];
     }
-    plant->active = ema_effects_active(effects);
-    plant->learned = (plant->active.tables != 0U) ? effects : NULL;
-}
-
-uint32_t ema_effects_substeps(const ema_effects_t* effects)
-{
-    uint32_t most = 1U;
-    const ema_real* size = (const ema_real*)(const void*)effects; /* EMA-D4 */
-    for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
-        if ((*size != EMA_R(0.0)) && ((uint32_t)ema_effect_rows[k].substeps > most)) {
-            most = ema_effect_rows[k].substeps;
-        }
-        size = &size[ema_effect_rows[k].values];
-    }
-    return most;
+    plant->learned = (active->tables != 0U) ? effects : NULL;
 }
 
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
@@ -218,22 +199,23 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
     return reading_mm;
 }
 
-/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at `rod`. */
-static ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* shaft, const ema_site_t* rod)
+/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at the rod's position. */
+static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* state, ema_site_t* site)
 {
     ema_real outside_ratio = EMA_R(0.0);
 #undef EMA_CALL_FRICTION_TABLE
 #undef EMA_CALL_TORQUE_TABLE
 #undef EMA_CALL_VOLTAGE_TABLE
 #undef EMA_CALL_READING_TABLE
-#define EMA_OUTSIDE(name, site)                                                                                        \
+#define EMA_OUTSIDE(name, seen_mm)                                                                                     \
     if (EMA_RUNS(plant->active.tables, name)) { \
+        site->position_mm = (seen_mm);                                                                                 \
         outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site), outside_ratio);     \
     }
-#define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, shaft)
-#define EMA_CALL_TORQUE_TABLE(name) EMA_OUTSIDE(name, shaft)
-#define EMA_CALL_VOLTAGE_TABLE(name) EMA_OUTSIDE(name, shaft)
-#define EMA_CALL_READING_TABLE(name) EMA_OUTSIDE(name, rod)
+#define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
+#define EMA_CALL_TORQUE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
+#define EMA_CALL_VOLTAGE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
+#define EMA_CALL_READING_TABLE(name) EMA_OUTSIDE(name, state->rod_mm)
 #include "ema/ema_effects.def"
 #undef EMA_CALL_FRICTION_TABLE
 #undef EMA_CALL_TORQUE_TABLE
@@ -246,19 +228,12 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_site_t* sha
     return outside_ratio;
 }
 
-/* The state as learned tables see it, at the motor's or at the rod's position. */
-static ema_site_t ema_state_site(const ema_plant_t* plant, const ema_state_t* state, ema_real position_mm)
-{
-    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, position_mm, state->current_A, EMA_R(0.0)};
-    return site;
-}
-
 ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state)
 {
-    const ema_site_t shaft = ema_state_site(plant, state, state->motor_mm);
-    const ema_site_t rod = ema_state_site(plant, state, state->rod_mm);
-    state->outside_ratio = ema_max(ema_site_outside(plant, &shaft, &rod), state->outside_ratio);
-    return ema_site_reading(plant, &rod);
+    ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, state->rod_mm, state->current_A, EMA_R(0.0)};
+    state->outside_ratio = ema_max(ema_site_outside(plant, state, &site), state->outside_ratio);
+    site.position_mm = state->rod_mm;
+    return ema_site_reading(plant, &site);
 }
 
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad)
@@ -285,15 +260,25 @@ void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_re
 #define EMA_CALL_PRESLIDING(name)
 }
 
-ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory)
+void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod)
 {
-    ema_rod_t rod = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
+    const ema_rod_t rigid = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
+    *rod = rigid;
 #undef EMA_CALL_TRANSMISSION
 #define EMA_CALL_TRANSMISSION(name)                                                                  \
     if (EMA_RUNS(plant->active.at[EMA_SITE_TRANSMISSION], name)) { \
-        rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);        \
+        *rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);       \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_TRANSMISSION
-    return rod;
+}
+
+void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm, ema_real span_s, ema_rod_t* rod)
+{
+    ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        memory[k] = state->effect_memory[k];
+    }
+    const ema_transmission_t step = {state->play_mm, play_end_mm, span_s, plant->gearbox.lead_mm_per_rad};
+    ema_site_transmission(plant, &step, memory, rod);
 }

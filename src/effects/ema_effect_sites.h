@@ -4,6 +4,7 @@
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
 
+#include "ema/ema_work.h"
 #include "ema_effect_rows.h"
 
 /* What an effect may look at, all at the same instant. */
@@ -23,13 +24,6 @@ typedef struct {
     ema_real step_s;
     ema_real lead_mm_per_rad;
 } ema_transmission_t;
-
-typedef struct {
-    ema_real rod_mm;             /* rod position and speed at the end of the step */
-    ema_real rod_speed_mm_s;
-    ema_real reaction_start_Nm;  /* on the motor shaft */
-    ema_real reaction_end_Nm;
-} ema_rod_t;
 
 /* The function that an effect's file supplies, by site. */
 #define EMA_DECLARE_PARAMETER(name) void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
@@ -62,11 +56,9 @@ typedef struct {
 #undef EMA_DECLARE_VOLTAGE_TABLE
 #undef EMA_DECLARE_READING_TABLE
 
-/* Before the run: which effects differ from zero and act at which site; the substeps they need; and what those at site PARAMETER make of the parameters. */
-ema_active_t ema_effects_active(const ema_effects_t* effects);
-uint32_t ema_effects_substeps(const ema_effects_t* effects);
+/* Before the run: what those at site PARAMETER make of the parameters. */
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
-/* Gives the plant the sets of active effects and the values that they look at while it runs. */
+/* Gives the plant the sets of effects that differ from zero, the substeps that they need, and the values that they look at while it runs. */
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
 
 /* Whether effects act at a site of this plant; constant where the build has none there. */
@@ -101,6 +93,8 @@ void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_re
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
 /* What learned tables add to the rod sensor's reading at this state; keeps in it how far tables are used outside the range that they were seen in. */
 ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state);
-ema_rod_t ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory);
+void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod);
+/* The same from the state, which it leaves as it is, to the end `play_end_mm` of the play. */
+void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm, ema_real span_s, ema_rod_t* rod);
 
 #endif

@@ -61,7 +61,7 @@ ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t ste
             objective->command_mm = ema_record_command(objective->record, objective->row, state->step);
         }
         ema_output_t simulated;
-        ema_tick(&objective->model.plant, state, objective->command_mm, &simulated);
+        ema_tick(&objective->model.plant, state, &objective->model.work, objective->command_mm, &simulated);
         if (objective->step_in_row == 0U) {
             ema_add_compensated(&objective->sum, &objective->sum_low, ema_objective_row(objective, &simulated) * objective->period_s);
             if (!(objective->sum <= objective->limit)) {

@@ -164,7 +164,7 @@ uint32_t ema_onboard_run(ema_onboard_t* self, uint32_t steps)
             self->command_mm = ema_record_command(record, self->row, self->model.state.step);
         }
         ema_output_t simulated;
-        ema_tick(&self->model.plant, &self->model.state, self->command_mm, &simulated);
+        ema_tick(&self->model.plant, &self->model.state, &self->model.work, self->command_mm, &simulated);
         ++made;
         if (self->step_in_row == 0U) {
             for (uint32_t k = 0; k < table->channels; ++k) {

@@ -67,22 +67,22 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
         return EMA_ERR_FULL;
     }
     const bool scaled = record->format == EMA_RECORD_INT16;
+    ema_real row[1U + EMA_CHANNEL_COUNT];
     for (uint32_t place = 0; place < record->stride; ++place) {
-        const ema_real value = ema_sample_value(record, sample, place);
-        if (!ema_is_finite(value)) {
+        row[place] = ema_sample_value(record, sample, place);
+        if (!ema_is_finite(row[place])) {
             return EMA_ERR_NOT_FINITE;
         }
-        if (scaled && (ema_abs(value) > (record->unit[place] * EMA_INT16_FULL))) {
+        if (scaled && (ema_abs(row[place]) > (record->unit[place] * EMA_INT16_FULL))) {
             return EMA_ERR_SCALE;
         }
     }
     const size_t start = (size_t)record->count * record->stride;
     for (uint32_t place = 0; place < record->stride; ++place) {
-        const ema_real value = ema_sample_value(record, sample, place);
         if (scaled) {
-            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_clamp(ema_floor((value / record->unit[place]) + EMA_R(0.5)), -EMA_INT16_FULL, EMA_INT16_FULL);
+            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_clamp(ema_floor((row[place] / record->unit[place]) + EMA_R(0.5)), -EMA_INT16_FULL, EMA_INT16_FULL);
         } else {
-            ((ema_real*)record->buffer)[start + place] = value;
+            ((ema_real*)record->buffer)[start + place] = row[place];
         }
     }
     ++record->count;
@@ -102,6 +102,16 @@ ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t 
         sample->channel[channel] = (record->place[channel] < 0) ? EMA_R(0.0) : ema_record_value(record, row, (uint32_t)record->place[channel]);
     }
     return EMA_OK;
+}
+
+ema_real ema_record_at(const ema_record_t* record, uint32_t row, uint32_t place)
+{
+    return ema_record_value(record, row, place);
+}
+
+ema_real ema_record_asked(const ema_record_t* record, uint32_t row, uint32_t step)
+{
+    return ema_record_command(record, row, step);
 }
 
 bool ema_record_weights(const ema_record_t* record, const ema_real* weight)

@@ -27,4 +27,8 @@ static inline ema_real ema_record_command(const ema_record_t* record, uint32_t r
     return (record->command != NULL) ? ema_command_at(record->command, step) : ema_record_value(record, row, 0U);
 }
 
+/* The value and the command as functions, where they are not in the way of every model step. */
+ema_real ema_record_at(const ema_record_t* record, uint32_t row, uint32_t place);
+ema_real ema_record_asked(const ema_record_t* record, uint32_t row, uint32_t step);
+
 #endif

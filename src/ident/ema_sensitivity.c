@@ -2,6 +2,7 @@
 
 #include "ema_linear.h"
 #include "ema_math.h"
+#include "ema_prepare.h"
 #include "ema_record_row.h"
 #include "ema_tick.h"
 
@@ -42,13 +43,13 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
         self->weight[channel] = weight[channel];
         self->channels += (weight[channel] > EMA_R(0.0)) ? 1U : 0U;
     }
-    ema_status_t status = ema_model_init(&self->model[0], actuator, start_mm);
+    ema_status_t status = ema_run_prepare(&self->plant[0], &self->state[0], &self->work, actuator, start_mm);
     for (uint32_t k = 0; (status == EMA_OK) && (k < count); ++k) {
         ema_real value = EMA_R(0.0);
         (void)ema_actuator_get(actuator, ids[k], &value);
         (void)ema_actuator_set(actuator, ids[k], value + delta[k]);
         self->delta[k] = delta[k];
-        status = ema_model_init(&self->model[1U + k], actuator, start_mm);
+        status = ema_run_prepare(&self->plant[1U + k], &self->state[1U + k], &self->work, actuator, start_mm);
         (void)ema_actuator_set(actuator, ids[k], value);
     }
     return status;
@@ -57,14 +58,14 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
 void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actuator)
 {
     for (uint32_t k = 0; k <= self->parameters; ++k) {
-        ema_model_learned(&self->model[k], actuator);
+        ema_plant_learned(&self->plant[k], actuator);
     }
 }
 
 /* Adds one row to the sums once every run has passed it. */
 static void ema_sensitivity_row(ema_sensitivity_t* self)
 {
-    const ema_real residual_mm = ema_record_value(self->record, self->row, (uint32_t)self->record->place[EMA_CHANNEL_POSITION]) - self->row_output[0].position_mm;
+    const ema_real residual_mm = ema_record_at(self->record, self->row, (uint32_t)self->record->place[EMA_CHANNEL_POSITION]) - self->row_output[0].position_mm;
     self->position_square += residual_mm * residual_mm;
     self->position_neighbours += residual_mm * self->position_last_mm;
     self->position_last_mm = residual_mm;
@@ -73,12 +74,12 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
         self->block_square += self->block_mm * self->block_mm;
         self->block_mm = EMA_R(0.0);
     }
-    self->pushed[0] = self->pushed[0] || (self->model[0].state.play_side < 0);
-    self->pushed[1] = self->pushed[1] || (self->model[0].state.play_side > 0);
+    self->pushed[0] = self->pushed[0] || (self->state[0].play_side < 0);
+    self->pushed[1] = self->pushed[1] || (self->state[0].play_side > 0);
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         if (self->weight[channel] > EMA_R(0.0)) {
             const ema_real base = ema_output_channel(&self->row_output[0], channel);
-            const ema_real residual = ema_record_value(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
+            const ema_real residual = ema_record_at(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
             ema_real slope[EMA_IDENTIFIED_MAX];
             self->weighted_square += self->weight[channel] * residual * residual;
             for (uint32_t i = 0; i < self->parameters; ++i) {
@@ -100,16 +101,16 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
 {
     uint32_t made = 0U;
     while ((made < steps) && !ema_sensitivity_done(self)) {
-        ema_model_t* const model = &self->model[self->next_model];
-        if ((self->next_model == 0U) && ((self->step_in_row == 0U) || (self->record->command != NULL))) {
-            self->command_mm = ema_record_command(self->record, self->row, model->state.step);
+        ema_state_t* const state = &self->state[self->next_run];
+        if ((self->next_run == 0U) && ((self->step_in_row == 0U) || (self->record->command != NULL))) {
+            self->command_mm = ema_record_asked(self->record, self->row, state->step);
         }
         /* between rows nothing reads them */
-        ema_tick(&model->plant, &model->state, self->command_mm, &self->row_output[self->next_model]);
+        ema_tick(&self->plant[self->next_run], state, &self->work, self->command_mm, &self->row_output[self->next_run]);
         ++made;
-        ++self->next_model;
-        if (self->next_model > self->parameters) {
-            self->next_model = 0U;
+        ++self->next_run;
+        if (self->next_run > self->parameters) {
+            self->next_run = 0U;
             if (self->step_in_row == 0U) {
                 ema_sensitivity_row(self);
             }
@@ -146,7 +147,7 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     result->residual_rms_mm = ema_sqrt(self->position_square / rows);
     result->residual_correlation = (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
 
-    result->outside_ratio = self->model[0].state.outside_ratio;
+    result->outside_ratio = self->state[0].outside_ratio;
     result->crossed = self->pushed[0] && self->pushed[1];
 
     /* unit diagonal: the parameters have different units */

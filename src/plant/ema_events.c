@@ -8,8 +8,12 @@
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
-void ema_regime_update(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input, const ema_event_t* last, ema_regime_t* regime)
+void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
+    const ema_circuit_t* const circuit = work->circuit;
+    const ema_event_t* const last = &work->event;
+    ema_regime_t* const regime = &work->regime;
+    const ema_real input = work->segment.forces.input;
     const ema_real limit_A = plant->drive.current_limit_A;
     const ema_real reached_A = (last->kind == EMA_EVENT_CURRENT) ? ema_abs(last->value) : EMA_R(-1.0);
     ema_real current_A = state->current_A;
@@ -34,37 +38,37 @@ void ema_regime_update(const ema_plant_t* plant, const ema_circuit_t* circuit, c
     }
 }
 
-/* The segment as a series, its end, and the terms of its angle. */
-static void ema_located_build(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment,
-                              ema_series_t* series, ema_real* terms)
+void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    const bool saturated = regime->saturated_Nm != EMA_R(0.0);
-    ema_span_t span;
-    span.current_A = state->current_A;
-    span.speed_rad_s = state->speed_rad_s;
-    span.input = segment->forces.input;
-    span.input_rise = segment->input_rise;
-    span.torque_Nm = segment->forces.torque_Nm + regime->saturated_Nm;
-    span.torque_rise_Nm = segment->torque_rise_Nm;
-    span.span_s = span_s;
-    span.torque_gain_Nm_per_A = saturated ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;
-    span.at_rest = state->motion == 0;
-    span.current_held = regime->held;
-    if (span.current_held && circuit->algebraic) {
-        span.current_A = ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * span.input), -plant->drive.current_limit_A, plant->drive.current_limit_A);
+    const ema_circuit_t* const circuit = work->circuit;
+    ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
+    ema_series_t* const series = &work->series;
+    span->current_A = state->current_A;
+    span->speed_rad_s = state->speed_rad_s;
+    span->input = segment->forces.input;
+    span->input_rise = segment->input_rise;
+    span->torque_Nm = segment->forces.torque_Nm + work->regime.saturated_Nm;
+    span->torque_rise_Nm = segment->torque_rise_Nm;
+    span->span_s = work->span_s;
+    span->torque_gain_Nm_per_A = (work->regime.saturated_Nm != EMA_R(0.0)) ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;
+    span->at_rest = state->motion == 0;
+    span->current_held = work->regime.held;
+    if (span->current_held && circuit->algebraic) {
+        span->current_A = ema_circuit_follow(plant, circuit, state, span->input);
     }
-    ema_series_build(series, plant, circuit, &span);
+    ema_series_build(series, plant, circuit, span);
     segment->end.current_A = ema_series_at(series->current_A, EMA_R(1.0));
     segment->end.speed_rad_s = ema_series_at(series->speed_rad_s, EMA_R(1.0));
-    ema_series_angle(series, span_s, terms);
-    segment->end.angle_rad = state->angle_rad + ema_series_at(terms, EMA_R(1.0));
+    ema_series_angle(series, work->span_s, work->terms);
+    segment->end.angle_rad = state->angle_rad + ema_series_at(work->terms, EMA_R(1.0));
     /* at rest the terms of the speed are free to hold those of the torque, which say when the shaft breaks away */
-    if (span.at_rest) {
+    if (span->at_rest) {
         for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
-            series->speed_rad_s[k] = span.torque_gain_Nm_per_A * series->current_A[k];
+            series->speed_rad_s[k] = span->torque_gain_Nm_per_A * series->current_A[k];
         }
-        series->speed_rad_s[0] += span.torque_Nm;
-        series->speed_rad_s[1] += span.torque_rise_Nm;
+        series->speed_rad_s[0] += span->torque_Nm;
+        series->speed_rad_s[1] += span->torque_rise_Nm;
     }
 }
 
@@ -83,21 +87,22 @@ static void ema_event_take(ema_event_t* event, ema_event_kind_t kind, ema_real* 
 }
 
 /* Crossings of +-bound by the current, from inside or from outside. */
-static void ema_event_current(ema_event_t* event, const ema_segment_t* segment, ema_series_t* series, ema_real bound_A, bool outside)
+static void ema_event_current(ema_work_t* work, ema_real bound_A, bool outside)
 {
-    const ema_real end_A = segment->end.current_A;
-    const ema_real start_A = series->current_A[0];
+    ema_real* const terms_A = work->series.current_A;
+    const ema_real end_A = work->segment.end.current_A;
+    const ema_real start_A = terms_A[0];
     if (outside) {
         const ema_real side_A = (start_A > EMA_R(0.0)) ? bound_A : -bound_A;
         if ((end_A * side_A) < (bound_A * bound_A)) {
-            ema_event_take(event, EMA_EVENT_CURRENT, series->current_A, side_A, EMA_R(0.0));
+            ema_event_take(&work->event, EMA_EVENT_CURRENT, terms_A, side_A, EMA_R(0.0));
         }
     } else if (ema_abs(end_A) > bound_A) {
         const ema_real side_A = (end_A > EMA_R(0.0)) ? bound_A : -bound_A;
         const ema_real from = (start_A == side_A) ? EMA_ROOT_FROM : EMA_R(0.0);
-        const ema_real from_A = ema_series_at(series->current_A, from);
+        const ema_real from_A = ema_series_at(terms_A, from);
         if ((end_A > EMA_R(0.0)) ? (from_A < side_A) : (from_A > side_A)) {
-            ema_event_take(event, EMA_EVENT_CURRENT, series->current_A, side_A, from);
+            ema_event_take(&work->event, EMA_EVENT_CURRENT, terms_A, side_A, from);
         }
     } else {
         /* stays inside */
@@ -105,27 +110,30 @@ static void ema_event_current(ema_event_t* event, const ema_segment_t* segment, 
 }
 
 /* A held current is let go when the circuit on its own would bring it inward. */
-static void ema_event_release(ema_event_t* event, const ema_circuit_t* circuit, const ema_state_t* state, const ema_segment_t* segment, const ema_series_t* series,
-                              ema_real* terms)
+static void ema_event_release(const ema_state_t* state, ema_work_t* work)
 {
+    const ema_circuit_t* const circuit = work->circuit;
+    ema_real* const terms = work->terms;
     for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
-        terms[k] = (state->motion == 0) ? EMA_R(0.0) : (circuit->rate_speed * series->speed_rad_s[k]);
+        terms[k] = (state->motion == 0) ? EMA_R(0.0) : (circuit->rate_speed * work->series.speed_rad_s[k]);
     }
-    const ema_real held_A = series->current_A[0];
-    terms[0] += (circuit->rate_current * held_A) + (circuit->rate_voltage * segment->forces.input);
-    terms[1] += circuit->rate_voltage * segment->input_rise;
+    const ema_real held_A = work->series.current_A[0];
+    terms[0] += (circuit->rate_current * held_A) + (circuit->rate_voltage * work->segment.forces.input);
+    terms[1] += circuit->rate_voltage * work->segment.input_rise;
     if (circuit->algebraic) {
         terms[0] -= held_A;
     }
     if (((ema_series_at(terms, EMA_R(1.0)) * held_A) < EMA_R(0.0)) && ((terms[0] * held_A) > EMA_R(0.0))) {
-        ema_event_take(event, EMA_EVENT_RELEASE, terms, EMA_R(0.0), EMA_R(0.0));
+        ema_event_take(&work->event, EMA_EVENT_RELEASE, terms, EMA_R(0.0), EMA_R(0.0));
     }
+    ema_series_angle(&work->series, work->span_s, terms);
 }
 
-static void ema_event_at_rest(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, const ema_segment_t* segment, ema_series_t* series)
+static void ema_event_at_rest(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    const ema_forces_t* const forces = &segment->forces;
-    ema_real* const torque_Nm = series->speed_rad_s;
+    const ema_forces_t* const forces = &work->segment.forces;
+    ema_event_t* const event = &work->event;
+    ema_real* const torque_Nm = work->series.speed_rad_s;
     /* a current that follows the voltage at once can break away at the very start */
     const ema_motion_t at_start = ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm[0], forces->level_forward_Nm, forces->level_backward_Nm);
     const ema_motion_t at_end = ema_screw_break_away(&plant->screw, state->angle_rad, ema_series_at(torque_Nm, EMA_R(1.0)), forces->level_forward_Nm, forces->level_backward_Nm);
@@ -142,12 +150,13 @@ static void ema_event_at_rest(ema_event_t* event, const ema_plant_t* plant, cons
 }
 
 /* The speed reaches zero. */
-static void ema_event_reversal(ema_event_t* event, const ema_state_t* state, const ema_segment_t* segment, ema_series_t* series)
+static void ema_event_reversal(const ema_state_t* state, ema_work_t* work)
 {
+    ema_event_t* const event = &work->event;
     const ema_real direction = (ema_real)state->motion;
-    ema_real* const speed_rad_s = series->speed_rad_s;
+    ema_real* const speed_rad_s = work->series.speed_rad_s;
     const ema_real from = (state->speed_rad_s == EMA_R(0.0)) ? EMA_ROOT_FROM : EMA_R(0.0);
-    if (!((direction * segment->end.speed_rad_s) > EMA_R(0.0))) {
+    if (!((direction * work->segment.end.speed_rad_s) > EMA_R(0.0))) {
         if ((direction * ema_series_at(speed_rad_s, from)) > EMA_R(0.0)) {
             ema_event_take(event, EMA_EVENT_REST, speed_rad_s, EMA_R(0.0), from);
         } else if ((event->kind == EMA_EVENT_NONE) || (from < event->at)) {
@@ -160,9 +169,10 @@ static void ema_event_reversal(ema_event_t* event, const ema_state_t* state, con
 }
 
 /* An end of travel that the shaft moves towards. */
-static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const ema_state_t* state, const ema_segment_t* segment, ema_real* angle_terms)
+static void ema_event_stop(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    const ema_real end_rad = segment->end.angle_rad;
+    ema_event_t* const event = &work->event;
+    const ema_real end_rad = work->segment.end.angle_rad;
     ema_real stop_rad = EMA_R(0.0);
     bool reached = false;
     if ((end_rad >= plant->screw.stop_upper_rad) && (end_rad > state->angle_rad)) {
@@ -176,47 +186,37 @@ static void ema_event_stop(ema_event_t* event, const ema_plant_t* plant, const e
     }
     if (reached) {
         const ema_real before = event->at;
-        ema_event_take(event, EMA_EVENT_STOP, angle_terms, stop_rad - state->angle_rad, EMA_R(0.0));
+        ema_event_take(event, EMA_EVENT_STOP, work->terms, stop_rad - state->angle_rad, EMA_R(0.0));
         if (event->at != before) {
             event->value = stop_rad;
         }
     }
 }
 
-void ema_segment_end(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment)
+void ema_event_find(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    ema_series_t series;
-    ema_real terms[EMA_SERIES_TERMS + 1U];
-    ema_located_build(plant, circuit, state, regime, span_s, segment, &series, terms);
-}
-
-void ema_event_find(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, const ema_regime_t* regime, ema_real span_s, ema_segment_t* segment,
-                    ema_event_t* event)
-{
-    ema_series_t series;
-    ema_real terms[EMA_SERIES_TERMS + 1U];
-    ema_located_build(plant, circuit, state, regime, span_s, segment, &series, terms);
+    ema_event_t* const event = &work->event;
+    ema_segment_end(plant, state, work);
     event->kind = EMA_EVENT_NONE;
     event->at = EMA_R(1.0);
     event->value = EMA_R(0.0);
-    if (regime->held) {
-        ema_event_release(event, circuit, state, segment, &series, terms);
-        ema_series_angle(&series, span_s, terms);
+    if (work->regime.held) {
+        ema_event_release(state, work);
     } else {
-        ema_event_current(event, segment, &series, plant->drive.current_limit_A, false);
-        ema_event_current(event, segment, &series, plant->torque_limit_A, regime->saturated_Nm != EMA_R(0.0));
+        ema_event_current(work, plant->drive.current_limit_A, false);
+        ema_event_current(work, plant->torque_limit_A, work->regime.saturated_Nm != EMA_R(0.0));
     }
     event->speed_rad_s = state->speed_rad_s;
     event->turn_rad = EMA_R(0.0);
     if (state->motion == 0) {
-        ema_event_at_rest(event, plant, state, segment, &series);
+        ema_event_at_rest(plant, state, work);
     } else {
         if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
-            ema_event_reversal(event, state, segment, &series);
+            ema_event_reversal(state, work);
         }
-        ema_event_stop(event, plant, state, segment, terms);
-        event->speed_rad_s = ema_series_at(series.speed_rad_s, event->at);
-        event->turn_rad = ema_series_at(terms, event->at);
+        ema_event_stop(plant, state, work);
+        event->speed_rad_s = ema_series_at(work->series.speed_rad_s, event->at);
+        event->turn_rad = ema_series_at(work->terms, event->at);
     }
-    event->current_A = ema_series_at(series.current_A, event->at);
+    event->current_A = ema_series_at(work->series.current_A, event->at);
 }

@@ -43,8 +43,10 @@ static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
     return speed;
 }
 
-void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, const ema_point_t* point, ema_forces_t* forces)
+void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_point_t* point)
 {
+    const ema_drive_output_t* const applied = &work->applied;
+    ema_forces_t* const forces = &work->forces;
     const ema_site_t site = {plant,
                              ema_force_speed(state->motion, point->speed_rad_s),
                              point->angle_rad,
@@ -80,43 +82,36 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, const ema
     }
 }
 
-static ema_rod_t ema_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm, ema_real span_s)
+void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
-    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
-        memory[k] = state->effect_memory[k];
-    }
-    const ema_transmission_t step = {state->play_mm, play_end_mm, span_s, plant->gearbox.lead_mm_per_rad};
-    return ema_site_transmission(plant, &step, memory);
-}
-
-void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
-{
+    ema_segment_t* const segment = &work->segment;
     segment->start.current_A = state->current_A;
     segment->start.speed_rad_s = state->speed_rad_s;
     segment->start.angle_rad = state->angle_rad;
     segment->end = segment->start;
-    ema_forces_at(plant, state, applied, &segment->start, &segment->forces);
+    ema_forces_at(plant, state, work, &segment->start);
+    segment->forces = work->forces;
     segment->input_rise = EMA_R(0.0);
     segment->torque_rise_Nm = EMA_R(0.0);
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        segment->forces.torque_Nm += ema_transmission_trial(plant, state, state->play_mm, span_s).reaction_start_Nm;
+        ema_site_transmission_trial(plant, state, state->play_mm, work->span_s, &work->rod);
+        segment->forces.torque_Nm += work->rod.reaction_start_Nm;
     }
 }
 
-void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s, ema_segment_t* segment)
+void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    ema_forces_t forces;
+    ema_segment_t* const segment = &work->segment;
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        ema_forces_at(plant, state, applied, &segment->start, &forces);
+        ema_forces_at(plant, state, work, &segment->start);
         const ema_real play_end_mm = ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
-        const ema_rod_t rod = ema_transmission_trial(plant, state, play_end_mm, span_s);
-        segment->forces.torque_Nm = forces.torque_Nm + rod.reaction_start_Nm;
-        ema_forces_at(plant, state, applied, &segment->end, &forces);
-        segment->torque_rise_Nm = (forces.torque_Nm + rod.reaction_end_Nm) - segment->forces.torque_Nm;
+        ema_site_transmission_trial(plant, state, play_end_mm, work->span_s, &work->rod);
+        segment->forces.torque_Nm = work->forces.torque_Nm + work->rod.reaction_start_Nm;
+        ema_forces_at(plant, state, work, &segment->end);
+        segment->torque_rise_Nm = (work->forces.torque_Nm + work->rod.reaction_end_Nm) - segment->forces.torque_Nm;
     } else {
-        ema_forces_at(plant, state, applied, &segment->end, &forces);
-        segment->torque_rise_Nm = forces.torque_Nm - segment->forces.torque_Nm;
+        ema_forces_at(plant, state, work, &segment->end);
+        segment->torque_rise_Nm = work->forces.torque_Nm - segment->forces.torque_Nm;
     }
-    segment->input_rise = forces.input - segment->forces.input;
+    segment->input_rise = work->forces.input - segment->forces.input;
 }

@@ -2,21 +2,21 @@
 
 #include "ema_motion.h"
 
-/* What was asked `age` steps ago. */
-static ema_drive_output_t ema_late_asked(const ema_plant_t* plant, const ema_state_t* state, uint32_t age)
+/* Applies what was asked `age` steps ago. */
+static void ema_late_apply(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, uint32_t age)
 {
     const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
-    return ema_drive_apply(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
+    ema_drive_apply(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
 }
 
-ema_drive_output_t ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_real output)
+void ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output)
 {
     state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
     const bool parted = plant->drive.delay_part > EMA_R(0.0);
-    return ema_late_asked(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U));
+    ema_late_apply(plant, state, work, plant->drive.delay_steps + (parted ? 1U : 0U));
 }
 
-void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_drive_output_t* applied)
+void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
     ema_real span_s = plant->substep_s;
     uint32_t parts = 1U;
@@ -26,12 +26,12 @@ void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_drive_outpu
     }
     for (; parts > 0U; --parts) {
         for (uint32_t k = 0; k < plant->substeps; ++k) {
-            ema_motion_located(plant, state, applied, span_s);
+            ema_motion_located(plant, state, work, span_s);
         }
         if (parts == 2U) {
             span_s = (EMA_R(1.0) - plant->drive.delay_part) * plant->substep_s;
-            *applied = ema_late_asked(plant, state, plant->drive.delay_steps);
-            ema_drive_current(plant, state, applied);
+            ema_late_apply(plant, state, work, plant->drive.delay_steps);
+            ema_drive_current(plant, state, &work->applied);
         }
     }
 }

@@ -7,17 +7,16 @@
 /* Current of a circuit without a time constant, from the instant on at which the drive applies its input. */
 static inline void ema_drive_current(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    const ema_circuit_t* const circuit = ema_circuit_of(plant, applied);
     if (circuit->algebraic) {
-        state->current_A = ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * applied->input), -plant->drive.current_limit_A,
-                                     plant->drive.current_limit_A);
+        state->current_A = ema_circuit_follow(plant, circuit, state, applied->input);
     }
 }
 
-/* Keeps the output, and what is applied at the start of the model step. */
-ema_drive_output_t ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_real output);
+/* Keeps the output; what is applied at the start of the model step goes to the work. */
+void ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output);
 
 /* The model step under it: first what was asked before, over its share, then what was asked later; each in as many integration steps as a whole one. */
-void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_drive_output_t* applied);
+void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
 #endif

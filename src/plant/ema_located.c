@@ -6,7 +6,7 @@
 #include "ema_motor.h"
 
 /* The speed is zero: dry friction holds the shaft, or it reverses at once. */
-static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
     /* a turning point beyond a stop is the stop */
     if (state->angle_rad > plant->screw.stop_upper_rad) {
@@ -19,14 +19,14 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, const 
         /* inside the travel */
     }
     /* a turning point is the extreme that the play sees */
-    ema_screw_play(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
+    ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
     state->speed_rad_s = EMA_R(0.0);
     state->motion = (int32_t)EMA_MOTION_STUCK;
     const ema_point_t here = {state->current_A, EMA_R(0.0), state->angle_rad};
-    ema_forces_t forces;
-    ema_forces_at(plant, state, applied, &here, &forces);
-    const ema_real torque_Nm = forces.torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
-    state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces.level_forward_Nm, forces.level_backward_Nm);
+    const ema_forces_t* const forces = &work->forces;
+    ema_forces_at(plant, state, work, &here);
+    const ema_real torque_Nm = forces->torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
+    state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces->level_forward_Nm, forces->level_backward_Nm);
 }
 
 /* How a shaft moves once it has left its rest. */
@@ -35,11 +35,12 @@ static int32_t ema_motion_left(const ema_plant_t* plant, ema_motion_t direction)
     return ema_acts(plant, EMA_SITE_PRESLIDING) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)direction;
 }
 
-static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, const ema_event_t* event)
+static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
+    const ema_event_t* const event = &work->event;
     switch (event->kind) {
     case EMA_EVENT_REST:
-        ema_motion_rest(plant, state, applied);
+        ema_motion_rest(plant, state, work);
         break;
     case EMA_EVENT_STOP:
         state->angle_rad = event->value;
@@ -63,38 +64,38 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, const 
     }
 }
 
-void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s)
+void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
-    ema_real left_s = span_s;
+    ema_event_t* const event = &work->event;
     uint32_t events = 0U;
     bool done = false;
-    ema_segment_t segment;
-    ema_event_t event = {EMA_EVENT_NONE, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
-    ema_regime_t regime = {false, EMA_R(0.0)};
+    event->kind = EMA_EVENT_NONE;
+    work->regime.held = false;
+    work->regime.saturated_Nm = EMA_R(0.0);
     while (!done && (events < EMA_EVENTS_MAX)) {
-        ema_segment_open(plant, state, applied, left_s, &segment);
-        ema_regime_update(plant, circuit, state, segment.forces.input, &event, &regime);
+        ema_segment_open(plant, state, work);
+        ema_regime_update(plant, state, work);
         if (ema_acts_on_motion(plant)) {
-            ema_segment_end(plant, circuit, state, &regime, left_s, &segment);
-            ema_segment_correct(plant, state, applied, left_s, &segment);
+            ema_segment_end(plant, state, work);
+            ema_segment_correct(plant, state, work);
         }
-        ema_event_find(plant, circuit, state, &regime, left_s, &segment, &event);
-        state->current_A = event.current_A;
+        ema_event_find(plant, state, work);
+        state->current_A = event->current_A;
         if (state->motion != (int32_t)EMA_MOTION_STUCK) {
-            state->speed_rad_s = event.speed_rad_s;
-            ema_motion_turn(plant, state, event.turn_rad);
+            state->speed_rad_s = event->speed_rad_s;
+            ema_motion_turn(plant, state, event->turn_rad);
         }
         /* an excursion beyond the limit that another event cuts short is not located */
         if (ema_abs(state->current_A) > plant->drive.current_limit_A) {
             state->current_A = ema_clamp(state->current_A, -plant->drive.current_limit_A, plant->drive.current_limit_A);
         }
-        ema_event_apply(plant, state, applied, &event);
-        if (event.kind == EMA_EVENT_NONE) {
+        ema_event_apply(plant, state, work);
+        if (event->kind == EMA_EVENT_NONE) {
             done = true;
         } else {
-            left_s -= left_s * event.at;
+            work->span_s -= work->span_s * event->at;
             ++events;
-            done = !(left_s > EMA_R(0.0));
+            done = !(work->span_s > EMA_R(0.0));
         }
     }
     if (!done) {

@@ -11,16 +11,16 @@
 #include "ema_screw.h"
 
 /* An integration step, or a part of one, with effects or with events, which are located inside it. */
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s);
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s);
 
-/* The same with its events alone: ema_located.c. */
-void ema_motion_events(const ema_plant_t* plant, const ema_circuit_t* circuit, ema_state_t* state, const ema_drive_output_t* applied, ema_real span_s);
+/* The same with its events alone, over the work's span: ema_located.c. */
+void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
 /* Turns the shaft; an elastic contact follows. */
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad);
 
 /* A whole model step in one integration step, with effects; false, and nothing changed, when something happens in it or the effects change too much for it. */
-bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied);
+bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
 static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s, ema_real input, ema_real torque_Nm)
 {
@@ -30,7 +30,7 @@ static inline ema_real ema_response_at(const ema_response_t* response, ema_real 
 /* One integration step in which nothing happens; false, and nothing changed, when something would. NaN answers false. */
 static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    const ema_circuit_t* const circuit = applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    const ema_circuit_t* const circuit = ema_circuit_of(plant, applied);
     const ema_real current_A = state->current_A;
     /* on a limit or beyond it, the step is not the linear one even when it ends inside */
     bool plain = ema_abs(current_A) < plant->linear_current_A;
@@ -62,15 +62,15 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
     return plain;
 }
 
-/* What the drive applies over a whole model step. */
-static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+/* What the work says that the drive applies, over a whole model step. */
+static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
-    if (ema_acts_on_motion(plant) && plant->tries_whole_step && ema_motion_whole(plant, state, applied)) {
+    if (ema_acts_on_motion(plant) && plant->tries_whole_step && ema_motion_whole(plant, state, work)) {
         return;
     }
     for (uint32_t k = 0; k < plant->substeps; ++k) {
-        if (ema_acts_on_motion(plant) || !ema_motion_plain(plant, state, applied)) {
-            ema_motion_located(plant, state, applied, plant->substep_s);
+        if (ema_acts_on_motion(plant) || !ema_motion_plain(plant, state, &work->applied)) {
+            ema_motion_located(plant, state, work, plant->substep_s);
         }
     }
 }

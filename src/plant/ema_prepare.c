@@ -73,13 +73,13 @@ static ema_status_t ema_plant_check(const ema_params_t* params, const ema_option
     return status;
 }
 
-static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options, const ema_effects_t* effects)
+static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, const ema_options_t* options)
 {
     /* checked already: the bound says so where it is converted */
     const ema_real needed = ema_clamp(ema_substeps_needed(params, options), EMA_R(0.0), (ema_real)EMA_SUBSTEPS_MAX);
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
     plant->tries_whole_step = plant->substeps == 1U;
-    const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : ema_effects_substeps(effects);
+    const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : plant->active.substeps;
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
@@ -94,21 +94,72 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
 }
 
-ema_status_t ema_plant_prepare(ema_plant_t* plant, const ema_actuator_t* actuator, ema_real start_mm)
+ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm)
 {
-    ema_params_t params = actuator->params;
-    ema_effects_adjust(&actuator->effects, &params);
-    const ema_status_t status = ema_plant_check(&params, &actuator->options, actuator->params.inertia_kgm2, start_mm);
+    ema_params_t* const params = &work->params;
+    const ema_options_t* const options = &actuator->options;
+    *params = actuator->params;
+    ema_effects_adjust(&actuator->effects, params);
+    const ema_status_t status = ema_plant_check(params, options, actuator->params.inertia_kgm2, start_mm);
     if (status == EMA_OK) {
         plant->start_mm = start_mm;
         ema_effects_hold(plant, &actuator->effects);
-        ema_pid_prepare(&plant->pid, &params, &actuator->options);
-        ema_drive_prepare(&plant->drive, &params, &actuator->options);
-        ema_motor_prepare(&plant->motor, &params);
-        ema_gearbox_prepare(&plant->gearbox, &params);
-        ema_screw_prepare(&plant->screw, &plant->gearbox, &params);
-        ema_encoder_prepare(&plant->encoder, &params, &actuator->options);
-        ema_motion_prepare(plant, &params, &actuator->options, &actuator->effects);
+        ema_pid_prepare(&plant->pid, params, options);
+        ema_drive_prepare(&plant->drive, params, options);
+        ema_motor_prepare(&plant->motor, params);
+        ema_gearbox_prepare(&plant->gearbox, params);
+        ema_screw_prepare(&plant->screw, &plant->gearbox, params);
+        ema_encoder_prepare(&plant->encoder, params, options);
+        ema_motion_prepare(plant, params, options);
+    }
+    return status;
+}
+
+/* The responses that this plant's drive and effects use. */
+static void ema_circuits_prepare(ema_plant_t* plant, ema_work_t* work)
+{
+    ema_circuit_prepare(&plant->motor_circuit, plant, work, plant->substep_s);
+    if (plant->drive.current_mode) {
+        ema_circuit_prepare(&plant->current_loop, plant, work, plant->substep_s);
+    }
+    if (plant->tries_whole_step) {
+        ema_circuit_prepare(&plant->whole_step, plant, work, plant->step_s);
+    }
+}
+
+void ema_plant_learned(ema_plant_t* plant, const ema_actuator_t* actuator)
+{
+    if (plant->learned != NULL) {
+        plant->learned = &actuator->effects;
+    }
+}
+
+void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
+{
+    const ema_state_t rest = {0};
+    *state = rest;
+    state->motion = ema_acts(plant, EMA_SITE_PRESLIDING) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
+    state->angle_rad = plant->start_mm / plant->gearbox.lead_mm_per_rad;
+    state->motor_mm = plant->start_mm;
+    state->play_mm = plant->start_mm;
+    state->rod_mm = plant->start_mm;
+    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, plant->start_mm, state->current_A, EMA_R(0.0)};
+    const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm) + (ema_acts(plant, EMA_SITE_READING) ? ema_site_reading(plant, &site) : EMA_R(0.0));
+    const ema_real seen_mm = plant->encoder.at_rod ? rod_mm : plant->start_mm;
+    for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
+        state->delay_mm[k] = seen_mm;
+    }
+}
+
+ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm)
+{
+    ema_status_t status = ema_is_finite(start_mm) ? ema_actuator_check(actuator, NULL) : EMA_ERR_NOT_FINITE;
+    if (status == EMA_OK) {
+        status = ema_plant_prepare(plant, work, actuator, start_mm);
+    }
+    if (status == EMA_OK) {
+        ema_circuits_prepare(plant, work);
+        ema_state_rest(state, plant);
     }
     return status;
 }

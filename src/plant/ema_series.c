@@ -88,37 +88,35 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
     return root;
 }
 
-/* Responses at the end of the span, `column` of those of current, speed and angle. */
-static void ema_circuit_column(const ema_plant_t* plant, ema_circuit_t* circuit, const ema_span_t* span, uint32_t column)
+/* Responses at the end of the work's span, `column` of those of current, speed and angle. */
+static void ema_circuit_column(const ema_plant_t* plant, ema_circuit_t* circuit, ema_work_t* work, uint32_t column)
 {
-    ema_series_t series;
-    ema_real terms[EMA_SERIES_TERMS + 1U];
-    ema_series_build(&series, plant, circuit, span);
-    ema_series_angle(&series, span->span_s, terms);
-    ((ema_real*)(void*)&circuit->current)[column] = ema_series_at(series.current_A, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&circuit->speed)[column] = ema_series_at(series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&circuit->angle)[column] = ema_series_at(terms, EMA_R(1.0)); /* EMA-D4 */
+    ema_series_build(&work->series, plant, circuit, &work->span);
+    ema_series_angle(&work->series, work->span.span_s, work->terms);
+    ((ema_real*)(void*)&circuit->current)[column] = ema_series_at(work->series.current_A, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&circuit->speed)[column] = ema_series_at(work->series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&circuit->angle)[column] = ema_series_at(work->terms, EMA_R(1.0)); /* EMA-D4 */
 }
 
-void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_real span_s)
+void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
 {
     const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), span_s, plant->motor.torque_constant_Nm_per_A, false, false};
     /* at rest first: its responses, to current, voltage and rise of the voltage, are kept aside before those of the motion take their places */
-    ema_span_t span = none;
-    ema_real* const driven = (ema_real*)(void*)&span; /* EMA-D4 */
-    span.at_rest = true;
+    ema_real* const driven = (ema_real*)(void*)&work->span; /* EMA-D4 */
+    work->span = none;
+    work->span.at_rest = true;
     for (uint32_t column = 0; column < EMA_RESPONSES; column += 2U) {
         driven[column] = EMA_R(1.0);
-        ema_circuit_column(plant, circuit, &span, column);
+        ema_circuit_column(plant, circuit, work, column);
         driven[column] = EMA_R(0.0);
     }
     circuit->stuck_from_current = circuit->current.from_current;
     circuit->stuck_from_voltage = circuit->current.from_voltage;
     circuit->stuck_from_voltage_rise = circuit->current.from_voltage_rise;
-    span.at_rest = false;
+    work->span.at_rest = false;
     for (uint32_t column = 0; column < EMA_RESPONSES; ++column) {
         driven[column] = EMA_R(1.0);
-        ema_circuit_column(plant, circuit, &span, column);
+        ema_circuit_column(plant, circuit, work, column);
         driven[column] = EMA_R(0.0);
     }
 }

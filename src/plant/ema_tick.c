@@ -7,7 +7,7 @@
 #include "ema_motion.h"
 #include "ema_pid.h"
 
-void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_real command_mm, ema_output_t* row)
+void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real command_mm, ema_output_t* row)
 {
     row->position_mm = ema_encoder_rod(&plant->encoder, state->rod_mm);
     if (ema_acts_by_table(plant)) {
@@ -16,17 +16,17 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_real command_mm,
     row->motor_position_mm = state->motor_mm;
     const ema_real feedback_mm = ema_encoder_step(&plant->encoder, state, state->motor_mm, row->position_mm);
     const ema_real output = ema_pid_step(&plant->pid, state, command_mm, feedback_mm);
-    ema_drive_output_t applied = ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s);
-    row->voltage_V = applied.voltage_V;
+    ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
+    row->voltage_V = work->applied.voltage_V;
     if (plant->drive.delayed) {
-        applied = ema_late_output(plant, state, output);
+        ema_late_output(plant, state, work, output);
     }
-    ema_drive_current(plant, state, &applied);
+    ema_drive_current(plant, state, &work->applied);
     row->current_A = state->current_A;
     if (plant->drive.delayed) {
-        ema_late_step(plant, state, &applied);
+        ema_late_step(plant, state, work);
     } else {
-        ema_motion_step(plant, state, &applied);
+        ema_motion_step(plant, state, work);
     }
     ema_motion_arrive(plant, state);
     ++state->step;

@@ -70,9 +70,8 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     }
     const ema_annealer_point_t* const best = &annealer->best;
     ema_real spread = EMA_R(0.0);
-    for (uint32_t i = 0; i < dimension; ++i) {
-        quadratic->scale[i] = EMA_R(0.0);
-    }
+    const ema_quadratic_t fresh = {0};
+    *quadratic = fresh;
     for (uint32_t p = 0; p < annealer->point_count; ++p) {
         spread = ema_max(spread, annealer->points[p].cost - best->cost);
         for (uint32_t i = 0; i < dimension; ++i) {
@@ -89,12 +88,6 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
 
     ema_real* const normal = quadratic->normal;
     ema_real* const right = quadratic->right;
-    for (uint32_t a = 0; a < EMA_TRIANGLE(unknowns); ++a) {
-        normal[a] = EMA_R(0.0);
-    }
-    for (uint32_t a = 0; a < unknowns; ++a) {
-        right[a] = EMA_R(0.0);
-    }
     for (uint32_t p = 0; p < annealer->point_count; ++p) {
         ema_real terms[EMA_ANNEALER_UNKNOWNS_MAX];
         for (uint32_t i = 0; i < dimension; ++i) {
@@ -121,9 +114,6 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
 
     /* curvature in units of the cost */
     uint32_t at = 1U + dimension;
-    for (uint32_t i = 0; i < EMA_TRIANGLE(dimension); ++i) {
-        quadratic->factor[i] = EMA_R(0.0);
-    }
     for (uint32_t i = 0; i < dimension; ++i) {
         const uint32_t last = (dimension <= EMA_FULL_DIMENSION_MAX) ? dimension : (i + 1U);
         for (uint32_t j = i; j < last; ++j) {

@@ -3,9 +3,6 @@
 #include "ema_math.h"
 #include "ema_record_row.h"
 
-/* Step of the sensitivities, as a share of the healthy value: large against rounding, small against the parameter. */
-#define EMA_DELTA_SHARE EMA_R(0.01)
-
 /* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
 #define EMA_START_NOISE EMA_R(4.0)
 
@@ -14,8 +11,7 @@ ema_real ema_identified_at(const ema_identified_t* identified, ema_real x)
     return identified->lower + (x * (identified->upper - identified->lower));
 }
 
-/* Moves the session's actuator to a point of the unit box. */
-static void ema_actuator_move(ema_session_t* session, const ema_real* x)
+void ema_runs_move(ema_session_t* session, const ema_real* x)
 {
     for (uint32_t i = 0; i < session->config->identified_count; ++i) {
         const ema_identified_t* const identified = &session->config->identified[i];
@@ -27,8 +23,8 @@ ema_real ema_runs_start_mm(const ema_session_t* session)
 {
     const ema_params_t* const params = &session->config->actuator->params;
     const ema_record_t* const record = &session->record;
-    const ema_real command_mm = ema_record_command(record, 0U, 0U);
-    const ema_real position_mm = ema_record_value(record, 0U, (uint32_t)record->place[EMA_CHANNEL_POSITION]);
+    const ema_real command_mm = ema_record_asked(record, 0U, 0U);
+    const ema_real position_mm = ema_record_at(record, 0U, (uint32_t)record->place[EMA_CHANNEL_POSITION]);
     const ema_real apart_mm = ema_abs(position_mm - command_mm);
     const ema_real doubt_mm = (EMA_R(0.5) * params->blk_upper_mm) + (EMA_START_NOISE * params->position_noise_mm);
     return (apart_mm <= doubt_mm) ? command_mm : position_mm;
@@ -39,7 +35,7 @@ static ema_status_t ema_search_start(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
     if (session->healthy_done) {
-        ema_actuator_move(session, ema_annealer_candidate(&session->annealer));
+        ema_runs_move(session, ema_annealer_candidate(&session->annealer));
     } else {
         session->actuator = *config->actuator;
     }
@@ -52,30 +48,6 @@ static ema_status_t ema_search_start(ema_session_t* session)
         session->run.state = EMA_OBJECTIVE_DIVERGED;
         session->run.sum = EMA_COST_MAX;
         status = EMA_OK;
-    }
-    return status;
-}
-
-static ema_status_t ema_weighing_start(ema_session_t* session)
-{
-    const ema_session_config_t* const config = session->config;
-    ema_actuator_move(session, session->annealer.best.x);
-    ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
-    ema_real delta[EMA_IDENTIFIED_MAX] = {0};
-    for (uint32_t i = 0; i < config->identified_count; ++i) {
-        const ema_identified_t* const identified = &config->identified[i];
-        ema_real healthy = EMA_R(0.0);
-        const ema_real value = ema_identified_at(identified, session->annealer.best.x[i]);
-        ids[i] = identified->id;
-        (void)ema_actuator_get(config->actuator, identified->id, &healthy);
-        delta[i] = EMA_DELTA_SHARE * ema_abs(healthy);
-        if ((value + delta[i]) > identified->upper) {
-            delta[i] = -delta[i];
-        }
-    }
-    const ema_status_t status = ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
-    if (status == EMA_OK) {
-        ema_sensitivity_learned(&session->weighing, config->actuator);
     }
     return status;
 }
@@ -98,7 +70,7 @@ ema_status_t ema_runs_next(ema_session_t* session)
         status = ema_search_start(session);
     } else {
         /* an estimate beside which no model can be made is left unweighed: the result then says that the record does not determine it */
-        session->weighed = ema_weighing_start(session) == EMA_OK;
+        session->weighed = ema_runs_weigh(session) == EMA_OK;
         session->phase = session->weighed ? EMA_PHASE_WEIGHING : EMA_PHASE_DONE;
     }
     return status;

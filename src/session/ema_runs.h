@@ -7,11 +7,17 @@
 /* Value of an identified parameter at the coordinate `x` of the unit box. */
 ema_real ema_identified_at(const ema_identified_t* identified, ema_real x);
 
+/* Moves the session's actuator to a point of the unit box. */
+void ema_runs_move(ema_session_t* session, const ema_real* x);
+
 /* Where the rod rests before the record: at the command when the first sample agrees with it within play and noise. */
 ema_real ema_runs_start_mm(const ema_session_t* session);
 
 /* Starts the first run. Errors: those of ema_objective_start. */
 ema_status_t ema_runs_begin(ema_session_t* session);
+
+/* Starts the runs that weigh the best point: ema_weigh.c. Errors: those of ema_sensitivity_start. */
+ema_status_t ema_runs_weigh(ema_session_t* session);
 
 /* A model run has ended: its cost goes to the annealer, and the next run, or the weighing, begins. */
 ema_status_t ema_runs_next(ema_session_t* session);

@@ -1,13 +1,15 @@
 """Compiles without linking, for facts that the build does not show.
 
 `headers`: every header of include and src compiles alone, and twice. `clang`: clang's own warning about hidden
-conversions between float types, which gcc lacks; without clang the check is skipped (exit code 77).
-Both in float32 and in float64.
+conversions between float types, which gcc lacks; without clang the check is skipped (exit code 77). `snippets`: every
+block of C in README.md and docs compiles as it stands there; rows of effects are taken as effects of one's own.
+All in float32 and in float64.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +20,15 @@ from sources import c_files, finish
 
 SKIP = 77
 CLANGS = ("clang", *(f"clang-{version}" for version in range(22, 13, -1)))
+# Documents that live by their C: one in which no block is found has lost it, or hides it from this check.
+DOCUMENTS = ("README.md", "docs/FIRMWARE.md", "docs/ONBOARD_DIAGNOSIS.md", "docs/YOUR_OWN_EFFECT.md", "docs/ADD_AN_EFFECT.md")
+BLOCK = re.compile(r"^ {0,3}```+[ \t]*[cC]\b[^\n]*\n(.*?)^ {0,3}```", re.MULTILINE | re.DOTALL)
+ROW = re.compile(r"^EMA_EFFECT\((\w+),", re.MULTILINE)
+# What the documents call the headers that `ema export` writes, and where such ones are.
+EXPORTED = {"ema_actuator_data.h": "ace_actuator.h", "ema_signatures.h": "ace_signatures.h"}
+# Whatever reads rows of effects: their sites, the structures, the ranges of their values.
+ROWS_READ = ("ema_effect_sites.h", "ema_actuator.c")
+UNITY = ["-DUNITY_INCLUDE_DOUBLE", "-DUNITY_SUPPORT_64"]
 COMMON = ["-std=c11", "-fsyntax-only", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
 
 
@@ -66,17 +77,74 @@ def check_clang(root: Path, compiler: str) -> tuple[list[str], int]:
     return problems, len(files)
 
 
+def blocks_of(root: Path, document: Path) -> list[str]:
+    """The document's blocks of C, each beginning with its place; an effect that the library already has gets another name."""
+    text = document.read_text(encoding="utf-8")
+    taken = set(ROW.findall((root / "include/ema/ema_effects.def").read_text(encoding="utf-8")))
+    blocks = []
+    for match in BLOCK.finditer(text):
+        line = text.count("\n", 0, match.start(1)) + 1
+        blocks.append(f'#line {line} "{document.relative_to(root)}"\n{match[1]}')
+    for name in {name for block in blocks for name in ROW.findall(block)} & taken:
+        blocks = [block.replace(name, f"{name}_shown") for block in blocks]
+    return blocks
+
+
+def check_snippets(root: Path, compiler: str, also: list[str], documents: tuple[str, ...] = DOCUMENTS) -> tuple[list[str], int]:
+    """Every block of C in the documents; `also`: folders of headers that are not the project's."""
+    problems: list[str] = []
+    checked = 0
+    found = sorted({root / "README.md", *(root / name for name in documents), *(root / "docs").rglob("*.md")})
+    for document in found:
+        if not document.is_file():
+            problems.append(f"{document.relative_to(root)}: not there: correct DOCUMENTS in check_compiles.py")
+            continue
+        blocks = blocks_of(root, document)
+        checked += len(blocks)
+        if not blocks and str(document.relative_to(root)) in documents:
+            problems.append(f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py")
+        with tempfile.TemporaryDirectory() as folder:
+            problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, also, Path(folder), blocks)]
+    return problems, checked
+
+
+def snippet_errors(root: Path, compiler: str, also: list[str], folder: Path, blocks: list[str]) -> list[str]:
+    """First error of each of a document's blocks, in each precision."""
+    errors: list[str] = []
+    for name, exported in EXPORTED.items():
+        (folder / name).write_text(f'#include "{root / "port/cortex_m/example" / exported}"\n', encoding="utf-8")
+    rows = [block for block in blocks if ROW.search(block)]
+    flags = ["-I", str(folder), *include_flags(root), "-I", str(root / "tests/support"), *UNITY, *(flag for place in also for flag in ("-isystem", place))]
+    units = [block for block in blocks if block not in rows]
+    if rows:
+        (folder / "own_effects.def").write_text("\n".join(rows), encoding="utf-8")
+        flags.append('-DEMA_OWN_EFFECTS="own_effects.def"')
+        units.insert(0, "".join(f'#include "{name}"\n' for name in ROWS_READ))
+    for number, text in enumerate(units):
+        unit = folder / f"snippet_{number}.c"
+        unit.write_text(text, encoding="utf-8")
+        for real64 in (0, 1):
+            error = compile_errors(compiler, [*flags, f"-DEMA_REAL64={real64}"], unit)
+            if error:
+                errors.append(f"EMA_REAL64={real64}: {error}")
+    return errors
+
+
 def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("headers", "clang"))
+    parser.add_argument("what", choices=("headers", "clang", "snippets"))
     parser.add_argument("--root", type=Path, required=True)
     parser.add_argument("--compiler", default="cc")
+    parser.add_argument("--also", action="append", default=[], help="snippets: a folder of headers that are not the project's")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
     if arguments.what == "headers":
         problems, checked = check_headers(root, arguments.compiler)
         return finish("headers", problems, checked, "headers")
+    if arguments.what == "snippets":
+        problems, checked = check_snippets(root, arguments.compiler, arguments.also)
+        return finish("snippets", problems, checked, "blocks of C")
     clang = next((path for name in CLANGS if (path := shutil.which(name))), None)
     if clang is None:
         print("clang: not on this machine, check skipped: install the package clang to run it")

@@ -361,6 +361,45 @@ class Compiles(Tree):
         self.write("src/base/a.c", "double a(float x);\ndouble a(float x) { return x; }\n")
         self.assertEqual(len(check_compiles.check_clang(self.root, clang)[0]), 2)
 
+    def snippets(self, **texts: str) -> list[str]:
+        """Problems of documents that must show C, by name."""
+        for name, text in texts.items():
+            self.write(f"docs/{name}.md", text)
+        return check_compiles.check_snippets(self.root, str(COMPILER), [], tuple(f"docs/{name}.md" for name in texts))[0]
+
+    @unittest.skipUnless(COMPILER, "needs a compiler")
+    def test_snippets(self) -> None:
+        """A block that no longer compiles, one that was lost, and one that no document must have."""
+        self.write("include/ema/ema_effects.def", "")
+        self.write("include/ema/a.h", "#include <stdint.h>\nint32_t a(int32_t n);\n")
+        self.write("README.md", "no C\n")
+        good = 'Text.\n\n```c\n#include "ema/a.h"\nint32_t b(void);\nint32_t b(void)\n{\n    return a(1);\n}\n```\n'
+        self.assertEqual(self.snippets(page=good), [])
+        for bad in (good.replace("a(1)", "a(1, 2)"), good.replace("a(1)", "c(1)"), good.replace("ema/a.h", "ema/c.h"), good.replace("a(1);", "a(1)")):
+            problems = self.snippets(page=bad)
+            self.assertEqual(len(problems), 2)
+            self.assertRegex(problems[0], r"^docs/page\.md, EMA_REAL64=0: docs/page\.md:[4-9]")
+        self.assertIn("no block of C", self.snippets(page=good.replace("```c", "```"))[0])
+        self.assertEqual(len(self.snippets(page=good + "\n```C\nint;;\n```\n")), 2)
+        (self.root / "docs/page.md").unlink()
+        self.assertIn("not there", check_compiles.check_snippets(self.root, str(COMPILER), [], ("docs/page.md",))[0][0])
+        self.write("docs/other.md", good.replace("a(1)", "c(1)"))
+        self.assertEqual(len(check_compiles.check_snippets(self.root, str(COMPILER), [], ())[0]), 2)
+
+    @unittest.skipUnless(COMPILER, "needs a compiler")
+    def test_rows_of_effects(self) -> None:
+        """A row is an effect of one's own beside the library's, also where the library has one of its name."""
+        read = '#define EMA_EFFECT(name, field) typedef struct { int field; } ema_##name##_t;\n#include "ema/ema_effects.def"\n#undef EMA_EFFECT\n'
+        self.write("include/ema/ema_effects.def", "EMA_EFFECT(drag, size)\n#ifdef EMA_OWN_EFFECTS\n#include EMA_OWN_EFFECTS\n#endif\n")
+        self.write("src/effects/ema_effect_sites.h", f"#ifndef SITES_H\n#define SITES_H\n{read}#endif\n")
+        self.write("src/base/ema_actuator.c", '#include "ema_effect_sites.h"\nextern int ema_actuator_check;\n')
+        row = "```c\nEMA_EFFECT(drag, force)\n```\n"
+        code = '\n```c\n#include "ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
+        self.write("README.md", "no C\n")
+        self.assertEqual(self.snippets(page=row + code), [])
+        self.assertEqual(len(self.snippets(page=row + code.replace("->force", "->size"))), 2)
+        self.assertGreaterEqual(len(self.snippets(page=row.replace("drag, force", "drag, force, 1"))), 2)
+
     def test_nothing(self) -> None:
         """An empty project fails."""
         self.assertEqual(self.exit_code("check_compiles.py", "headers", "--root", str(self.root)), 1)

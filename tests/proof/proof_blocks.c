@@ -31,6 +31,7 @@ static ema_options_t options;
 static ema_effects_t effects;
 static ema_plant_t plant;
 static ema_state_t state;
+static ema_work_t work;
 
 static ema_real ema_within(ema_real size)
 {
@@ -114,20 +115,20 @@ static void ema_block_control(void)
     const ema_real output = ema_pid_step(&plant.pid, &state, command_mm, feedback_mm);
     //@ assert output: -1.0 <= output <= 1.0;
     plant.drive.loop_s = (Frama_C_interval(0, 1) != 0) ? 0.0f : Frama_C_float_interval(EMA_BOX_SHORTEST_S, 1.0f);
-    const ema_drive_output_t applied = ema_drive_step(&plant.drive, &plant.motor, output, state.current_A, state.speed_rad_s);
-    //@ assert input: -5000.0 <= applied.input <= 5000.0;
+    ema_drive_step(&plant.drive, &plant.motor, output, state.current_A, state.speed_rad_s, &work.applied);
+    //@ assert input: -5000.0 <= work.applied.input <= 5000.0;
 }
 
 /* Loads, friction and every effect, at rest and in motion. */
 static void ema_block_forces(void)
 {
-    ema_forces_t forces;
     const ema_point_t point = {ema_within(EMA_BOX_CURRENT_A), ema_within(EMA_BOX_SPEED_RAD_S), ema_within(EMA_BOX_ANGLE_RAD)};
     const ema_drive_output_t applied = {ema_within(5000.0f), ema_within(1.0e20f), Frama_C_interval(0, 1) != 0};
-    ema_forces_at(&plant, &state, &applied, &point, &forces);
-    //@ assert torque: -1.0e17 <= forces.torque_Nm <= 1.0e17;
-    //@ assert input: -2.0e14 <= forces.input <= 2.0e14;
-    //@ assert level: 0.0 <= forces.level_forward_Nm <= 1.0e17 && 0.0 <= forces.level_backward_Nm <= 1.0e17;
+    work.applied = applied;
+    ema_forces_at(&plant, &state, &work, &point);
+    //@ assert torque: -1.0e17 <= work.forces.torque_Nm <= 1.0e17;
+    //@ assert input: -2.0e14 <= work.forces.input <= 2.0e14;
+    //@ assert level: 0.0 <= work.forces.level_forward_Nm <= 1.0e17 && 0.0 <= work.forces.level_backward_Nm <= 1.0e17;
 }
 
 /* Play, ends of travel and what lies behind the play. */
@@ -136,7 +137,7 @@ static void ema_block_rod(void)
     ema_screw_play(&plant.screw, &state, ema_within(EMA_BOX_POSITION_MM));
     //@ assert play: -2.1e4 <= state.play_mm <= 2.1e4;
     const ema_transmission_t step = {ema_within(EMA_BOX_POSITION_MM), state.play_mm, Frama_C_float_interval(1.0e-7f, 2.0e-2f), plant.gearbox.lead_mm_per_rad};
-    const ema_rod_t rod = ema_site_transmission(&plant, &step, state.effect_memory);
+    ema_site_transmission(&plant, &step, state.effect_memory, &work.rod);
     const ema_real share = ema_site_presliding(&plant, state.effect_memory, ema_within(EMA_BOX_ANGLE_RAD));
     const ema_site_t site = {&plant, 0.0f, state.angle_rad, state.rod_mm, state.current_A, 0.0f};
     const ema_real reading_mm = ema_site_reading(&plant, &site);

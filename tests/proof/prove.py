@@ -29,7 +29,7 @@ ELEMENTARY = "ema_floor,ema_exp,ema_log,ema_sin,ema_cos"
 
 # Functions in which paths are kept apart, and how many: a check says nothing once its ways out are merged.
 CHECKS = ("ema_values_within:1000,ema_ranges_check:1000,ema_tables_check:50,ema_table_check:50,ema_actuator_check:1000,ema_any_actuator:2000,"
-          "ema_plant_prepare:100,ema_plant_check:100,ema_model_init:20")
+          "ema_plant_prepare:100,ema_plant_check:100,ema_model_init:20,ema_run_prepare:20")
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "ace_actuator.h"
+#include "ace_signatures.h"
+#include "ema/ema_guarded.h"
 #include "ema/ema_sensitivity.h"
 #include "ema_counter.h"
 #include "ema_recorded.h"
@@ -182,6 +185,115 @@ static void count_calls(void)
     }
 }
 
+/* Full scale of the current in a record. */
+#define FULL_SCALE_A EMA_R(30.0)
+
+static ema_guarded_t guarded;
+static ema_onboard_t onboard;
+static ema_command_t chirp;
+static ema_session_config_t guarded_config;
+
+/* Starts a session behind the table and feeds it case A with its current; the command is recorded too, or a function. The buffer of the cases is used. */
+static ema_status_t guarded_start(bool function, ticks_t* init, ticks_t* feed)
+{
+    static const ema_command_config_t command = {
+        .kind = EMA_COMMAND_CHIRP, .amplitude_mm = EMA_R(2.0), .start_hz = EMA_R(0.1), .end_hz = EMA_R(4.0), .duration_s = EMA_R(10.0)};
+    const ema_real full_scale_mm = EMA_ACTUATOR.params.travel_mm;
+    ema_record_config_t record = {.buffer = &recorded.buffer, .buffer_bytes = sizeof recorded.buffer, .format = EMA_RECORD_INT16, .command_full_scale_mm = full_scale_mm};
+    record.command = function ? &chirp : NULL;
+    record.full_scale[EMA_CHANNEL_POSITION] = full_scale_mm;
+    record.keep[EMA_CHANNEL_CURRENT] = true;
+    record.full_scale[EMA_CHANNEL_CURRENT] = FULL_SCALE_A;
+    ema_sample_t sample;
+    ema_status_t status = ema_command_init(&chirp, &command, EMA_ACTUATOR.params.step_s);
+    if (status == EMA_OK) {
+        status = ema_session_config_default(&guarded_config, &EMA_ACTUATOR, &record);
+    }
+    if (status == EMA_OK) {
+        const uint32_t from = ema_counter_now();
+        status = ema_guarded_init(&guarded, &guarded_config, &EMA_SIGNATURES);
+        take(init, from, ema_counter_now());
+    }
+    for (uint32_t row = 0; (status == EMA_OK) && ema_recorded_row('a', row, &sample); ++row) {
+        const uint32_t from = ema_counter_now();
+        status = ema_guarded_feed(&guarded, &sample);
+        take(feed, from, ema_counter_now());
+    }
+    return status;
+}
+
+/* A whole identification of case A behind the table: every slice, and what it came to. */
+static void count_guarded(uint32_t slice, bool function, const char* name)
+{
+    ticks_t init = {0};
+    ticks_t feed = {0};
+    ticks_t run = {0};
+    ticks_t once = {0};
+    ema_result_t result;
+    ema_finding_t finding;
+    ema_status_t status = guarded_start(function, &init, &feed);
+    while ((status == EMA_OK) && (ema_guarded_phase(&guarded) != EMA_GUARDED_DONE)) {
+        const uint32_t from = ema_counter_now();
+        status = ema_guarded_run(&guarded, slice);
+        take(&run, from, ema_counter_now());
+    }
+    if (status == EMA_OK) {
+        const uint32_t from = ema_counter_now();
+        status = ema_guarded_result(&guarded, &result, &finding);
+        take(&once, from, ema_counter_now());
+    }
+    if (status != EMA_OK) {
+        fail(name, status);
+    }
+    if ((result.verdict != EMA_VERDICT_FAULT) || (finding.kind != EMA_FINDING_ADEQUATE)) {
+        /* another course through the code than the one that is to be counted */
+        (void)printf("failed %s: verdict %d, finding %d\n", name, (int)result.verdict, (int)finding.kind);
+        exit(1);
+    }
+    char label[48];
+    (void)snprintf(label, sizeof label, "%s_slice_%" PRIu32, name, slice);
+    print_mean(label, &run);
+    if (slice > 1U) {
+        (void)snprintf(label, sizeof label, "%s_init", name);
+        print_mean(label, &init);
+        (void)snprintf(label, sizeof label, "%s_feed", name);
+        print_mean(label, &feed);
+        (void)snprintf(label, sizeof label, "%s_result", name);
+        print_mean(label, &once);
+        (void)printf("%s_identify %llu\n%s_runs %" PRIu32 "\n", name, instructions(run.sum), name, result.evaluations);
+        (void)printf("%s_steps %llu\n", name, (unsigned long long)result.model_steps);
+    }
+}
+
+/* One run beside the table, without a session, on the record that is there. */
+static void count_onboard(void)
+{
+    ticks_t start = {0};
+    ticks_t run = {0};
+    ticks_t once = {0};
+    ema_finding_t finding;
+    uint32_t from = ema_counter_now();
+    ema_status_t status = ema_onboard_start(&onboard, &EMA_SIGNATURES, &EMA_ACTUATOR, &guarded.session.record, EMA_R(0.0));
+    take(&start, from, ema_counter_now());
+    while ((status == EMA_OK) && !ema_onboard_done(&onboard)) {
+        from = ema_counter_now();
+        (void)ema_onboard_run(&onboard, 200U);
+        take(&run, from, ema_counter_now());
+    }
+    from = ema_counter_now();
+    if (status == EMA_OK) {
+        status = ema_onboard_result(&onboard, &finding);
+    }
+    take(&once, from, ema_counter_now());
+    if (status != EMA_OK) {
+        fail("onboard", status);
+    }
+    print_mean("onboard_start", &start);
+    print_mean("onboard_slice_200", &run);
+    print_mean("onboard_result", &once);
+    (void)printf("onboard_whole %llu\n", instructions(run.sum));
+}
+
 #define PAINTED_WORDS 2048U
 #define PAINT 0xA5C3F00DU
 
@@ -253,8 +365,11 @@ static void print_sizes(void)
     PRINT_SIZE(ema_annealer_config_t);
     PRINT_SIZE(ema_annealer_t);
     PRINT_SIZE(ema_command_t);
+    PRINT_SIZE(ema_finding_t);
+    PRINT_SIZE(ema_guarded_t);
     PRINT_SIZE(ema_model_t);
     PRINT_SIZE(ema_objective_t);
+    PRINT_SIZE(ema_onboard_t);
     PRINT_SIZE(ema_output_t);
     PRINT_SIZE(ema_plant_t);
     PRINT_SIZE(ema_random_t);
@@ -267,6 +382,8 @@ static void print_sizes(void)
     PRINT_SIZE(ema_session_t);
     PRINT_SIZE(ema_state_t);
     (void)printf("size_record_10s_int16 %u\n", (unsigned)EMA_RECORD_INT16_BYTES(EMA_RECORDED_ROWS, 2U));
+    (void)printf("size_table %u\n", (unsigned)(sizeof EMA_SIGNATURES + sizeof ema_exported_patterns + sizeof ema_exported_units + sizeof ema_exported_values));
+    (void)printf("table_products %u\ntable_bin_rows %u\n", (unsigned)(EMA_SIGNATURES.rows * EMA_SIGNATURES.channels), (unsigned)EMA_SIGNATURES.bin_rows);
 }
 
 int main(void)
@@ -285,6 +402,10 @@ int main(void)
     count_slices(1U);
     count_slices(200U);
     count_slices(1000U);
+    count_guarded(200U, true, "guarded_function");
+    count_guarded(1U, false, "guarded");
+    count_guarded(200U, false, "guarded");
+    count_onboard();
     (void)puts("counted all");
     return 0;
 }

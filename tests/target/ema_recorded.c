@@ -20,13 +20,14 @@ static ema_real number(uint32_t bits)
 
 bool ema_recorded_row(char name, uint32_t row, ema_sample_t* sample)
 {
-    const uint32_t(*const table)[2] = (name == 'a') ? case_a : (name == 'b') ? case_b : (name == 'c') ? case_c : NULL;
+    const uint32_t(*const table)[3] = (name == 'a') ? case_a : (name == 'b') ? case_b : (name == 'c') ? case_c : NULL;
     const bool there = (table != NULL) && (row < EMA_RECORDED_ROWS);
     if (there) {
         const ema_sample_t fresh = {0};
         *sample = fresh;
         sample->command_mm = number(table[row][0]);
         sample->channel[EMA_CHANNEL_POSITION] = number(table[row][1]);
+        sample->channel[EMA_CHANNEL_CURRENT] = number(table[row][2]);
     }
     return there;
 }

@@ -1,4 +1,9 @@
-"""The example firmware's configuration must be what `ema export` writes today for the reference actuator, remarks aside. Python's standard library alone."""
+"""What the example firmware compiles in must be what `ema export` writes today for the reference actuator: configuration and table of signatures, remarks aside.
+
+The table needs runs of the healthy machine: five are simulated here, with the noise of sensors and the scatter of friction that a machine has. The configuration must
+be equal to the letter. A number of the table may be off by what two machines' linear algebra makes it. With --write both headers are written instead. Python's
+standard library alone.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +15,71 @@ import sys
 import tempfile
 from pathlib import Path
 
+NOISE = "position_mm=0.002,current_A=0.03"
+# Dry friction of the healthy runs: its scatter from run to run.
+LEVELS_NM = (0.1375, 0.1383, 0.1377, 0.1386, 0.1379)
+# What two machines' linear algebra may make of a count of 16 bits, and of a real.
+COUNTS = 2
+SHARE = 1e-4
+LEAST = 1e-12
+REAL = re.compile(r"EMA_R\((.*?)\)")
+LINE_OF_COUNTS = re.compile(r"^(?: *-?\d+,)+$", re.MULTILINE)
+
+
+class ExportError(Exception):
+    """Why nothing was exported, or what differs."""
+
 
 def without_remarks(text: str) -> str:
     """C without its comments."""
     return re.sub(r"\s*/\*.*?\*/", "", text, flags=re.DOTALL)
+
+
+def numbers_of(text: str) -> tuple[str, list[float], list[int]]:
+    """C with a mark for each real and each line of counts, the reals, and the counts."""
+    reals: list[float] = []
+    counts: list[int] = []
+
+    def real(match: re.Match[str]) -> str:
+        reals.append(float.fromhex(match[1]) if "x" in match[1] else float(match[1]))
+        return "real"
+
+    def line(match: re.Match[str]) -> str:
+        counts.extend(int(word) for word in match[0].split(",") if word.strip())
+        return "counts"
+
+    return REAL.sub(real, LINE_OF_COUNTS.sub(line, without_remarks(text))), reals, counts
+
+
+def table_problem(old: str, fresh: str) -> str:
+    """How the two tables differ beyond the last digits; empty when they do not."""
+    (text, reals, counts), (fresh_text, fresh_reals, fresh_counts) = numbers_of(old), numbers_of(fresh)
+    if text != fresh_text or "EMA_SIGNATURES" not in text or len(counts) < 1000:
+        return "another shape"
+    apart = [(ours, now) for ours, now in zip(counts, fresh_counts, strict=True) if abs(ours - now) > COUNTS]
+    apart += [(ours, now) for ours, now in zip(reals, fresh_reals, strict=True) if abs(ours - now) > SHARE * abs(now) + LEAST]
+    return f"{len(apart)} of {len(counts) + len(reals)} numbers: {apart[0][0]} is now {apart[0][1]}" if apart else ""
+
+
+def export(given: argparse.Namespace, folder: Path) -> tuple[str, str]:
+    """Configuration and table as they are written today. Raises ExportError."""
+    build = given.python.parents[2]
+    settings = {**os.environ, "EMA_LIBRARY_DIR": str(build / "lib"), "EMA_BIN_DIR": str(build / "bin"), "OPENBLAS_NUM_THREADS": "1"}
+
+    def ema(*words: object) -> None:
+        command = [str(given.python), "-B", "-m", "ema_tools", *map(str, words)]
+        done = subprocess.run(command, cwd=given.root / "tools", env=settings, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise ExportError(f"ema {words[0]} failed: {done.stderr.strip()}")
+
+    actuator = given.root / "actuators" / "reference.toml"
+    healthy: list[object] = []
+    for seed, level in enumerate(LEVELS_NM, start=1):
+        record = folder / f"healthy{seed}.csv"
+        ema("simulate", actuator, "--command", "chirp", "--noise", NOISE, "--seed", seed, "--set", f"screw.csj_Nm={level}", "-o", record)
+        healthy += ["--healthy", record]
+    ema("export", actuator, "-o", folder / "actuator.h", "--signatures", folder / "signatures.h", *healthy)
+    return (folder / "actuator.h").read_text(encoding="utf-8"), (folder / "signatures.h").read_text(encoding="utf-8")
 
 
 def main() -> int:
@@ -21,24 +87,32 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--python", type=Path, required=True, help="the Python of the tools")
     parser.add_argument("--root", type=Path, required=True, help="the project")
-    parser.add_argument("header", type=Path, help="the header that the firmware compiles in")
+    parser.add_argument("--write", action="store_true", help="write the headers instead of comparing them")
+    parser.add_argument("header", type=Path, help="the configuration that the firmware compiles in")
+    parser.add_argument("table", type=Path, help="its table of signatures")
     given = parser.parse_args()
-    build = given.python.parents[2]
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "actuator.h"
-        command = [str(given.python), "-B", "-m", "ema_tools", "export", str(given.root / "actuators" / "reference.toml"), "-o", str(out)]
-        settings = {**os.environ, "EMA_LIBRARY_DIR": str(build / "lib"), "EMA_BIN_DIR": str(build / "bin"), "OPENBLAS_NUM_THREADS": "1"}
-        done = subprocess.run(command, cwd=given.root / "tools", env=settings, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            print(f"ema export failed: {done.stderr.strip()}", file=sys.stderr)
-            return 1
-        text = out.read_text(encoding="utf-8")
-    fresh = without_remarks(text)
-    if "EMA_ACTUATOR" not in fresh or fresh != without_remarks(given.header.read_text(encoding="utf-8")):
-        print(f"{given.header.name} is not what ema export writes: export actuators/reference.toml there again", file=sys.stderr)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            header, table = export(given, Path(folder))
+    except (ExportError, OSError) as error:
+        print(error, file=sys.stderr)
         return 1
-    print(f"{given.header.name}: {len(text.splitlines())} lines as exported")
-    return 0
+    if given.write:
+        given.header.write_text(header, encoding="utf-8")
+        given.table.write_text(table, encoding="utf-8")
+        print(f"{given.header.name} and {given.table.name} written")
+        return 0
+    problems = []
+    fresh = without_remarks(header)
+    if "EMA_ACTUATOR" not in fresh or fresh != without_remarks(given.header.read_text(encoding="utf-8")):
+        problems.append(f"{given.header.name} is not what ema export writes")
+    difference = table_problem(given.table.read_text(encoding="utf-8"), table)
+    if difference:
+        problems.append(f"{given.table.name} is not what ema export writes: {difference}")
+    for problem in problems:
+        print(f"{problem}: write it anew with --write", file=sys.stderr)
+    print(f"{given.header.name}, {given.table.name}: {len(header.splitlines())} and {len(table.splitlines())} lines compared")
+    return 1 if problems else 0
 
 
 if __name__ == "__main__":

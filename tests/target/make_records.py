@@ -1,4 +1,4 @@
-"""Turns recordings into a C table: command and rod position of every row, as bit patterns of float32.
+"""Turns recordings into a C table: command, rod position and current of every row, as bit patterns of float32.
 
 The values are rounded once, as the host program's parser of recordings does, so both get the same inputs. Python's standard library alone.
 """
@@ -11,7 +11,7 @@ import struct
 import sys
 from pathlib import Path
 
-COLUMNS = ("command_mm", "position_mm")
+COLUMNS = ("command_mm", "position_mm", "current_A")
 
 
 def rows_of(path: Path) -> list[tuple[int, ...]]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import budgets
 import emulate
 import example
+import exported
 import make_records
 import same_answer
 import stack
@@ -75,12 +76,12 @@ class Records(unittest.TestCase):
         return path
 
     def test_rows(self) -> None:
-        path = self.recording("# a remark\ntime_s,position_mm,command_mm\n0,0.1,-2\n")
-        bits = tuple(struct.unpack("<I", struct.pack("<f", value))[0] for value in (-2.0, 0.1))
+        path = self.recording("# a remark\ntime_s,position_mm,current_A,command_mm\n0,0.1,3,-2\n")
+        bits = tuple(struct.unpack("<I", struct.pack("<f", value))[0] for value in (-2.0, 0.1, 3.0))
         self.assertEqual(make_records.rows_of(path), [bits])
 
     def test_refused(self) -> None:
-        for text, why in (("time_s,command_mm\n0,1\n", "no column position_mm"), ("command_mm,position_mm\n", "no rows")):
+        for text, why in (("time_s,command_mm\n0,1\n", "no column position_mm"), ("command_mm,position_mm,current_A\n", "no rows")):
             with self.subTest(why), self.assertRaisesRegex(ValueError, why):
                 make_records.rows_of(self.recording(text))
 
@@ -129,8 +130,13 @@ def measured(**changed: float) -> budgets.Measured:
     counts |= {f"{name}_{which}": 300 for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
                for which in ("mean", "most")}
     counts |= {f"identify_int16_{slice_}{what}": value for slice_ in budgets.SLICES for what, value in (("", 700_000_000), ("_steps", 2_000_000))}
-    counts |= changed
-    return budgets.Measured("12.2.1", counts, 30_000, 20_000, {"ema_session_run": (2852, ("ema_session_run",))})
+    counts |= {f"size_ema_{name}_t": 300 for name in ("guarded", "command", "onboard")} | {"size_table": 90_000, "table_products": 184, "table_bin_rows": 40}
+    counts["size_ema_guarded_t"] = 7300
+    counts |= {f"{name}_{which}": 300 for name in ("guarded_init", "guarded_feed", "guarded_result", "guarded_slice_1", "guarded_slice_200", "guarded_function_slice_200",
+                                                   "onboard_start", "onboard_slice_200", "onboard_result") for which in ("mean", "most")}
+    counts |= {f"guarded_{what}": value for what, value in (("identify", 500_000_000), ("steps", 1_500_000), ("function_identify", 900_000_000), ("function_steps", 2_000_000))}
+    counts |= {"onboard_whole": 4_000_000} | changed
+    return budgets.Measured("12.2.1", counts, 24_000, 20_000, {"ema_session_run": (500, ("ema_session_run",))}, 27_000)
 
 
 class Budgets(unittest.TestCase):
@@ -140,7 +146,9 @@ class Budgets(unittest.TestCase):
         self.assertEqual(budgets.problems_of(measured(), budgets.document(measured())), [])
 
     def test_another_number(self) -> None:
-        self.assertRegex(" ".join(budgets.problems_of(measured(session_feed_mean=301), budgets.document(measured()))), "is now")
+        for name in ("session_feed_mean", "guarded_slice_200_most", "onboard_start_mean", "size_ema_onboard_t", "onboard_whole"):
+            with self.subTest(name):
+                self.assertRegex(" ".join(budgets.problems_of(measured(**{name: 1e6}), budgets.document(measured()))), "is now")
 
     def test_no_document(self) -> None:
         self.assertRegex(" ".join(budgets.problems_of(measured(), "")), "no document")
@@ -148,15 +156,17 @@ class Budgets(unittest.TestCase):
     def test_a_missed_target(self) -> None:
         slow = measured(identify_int16_200=1_100_000_000)
         self.assertRegex(" ".join(budgets.problems_of(slow, budgets.document(slow))), "mend it")
+        large = measured(size_table=140_000)
+        self.assertRegex(" ".join(budgets.problems_of(large, budgets.document(large))), "table of signatures.*mend it")
 
     def test_a_reason_too_many(self) -> None:
-        small = budgets.Measured("12.2.1", measured().counts, 20_000, 10_000, measured().stacks)
+        small = budgets.Measured("12.2.1", measured().counts, 20_000, 10_000, measured().stacks, 22_000)
         self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
 
     def test_the_page(self) -> None:
         page = "before\n<!-- budgets: x -->\n<!-- end of budgets -->\nafter\n"
         once = budgets.with_summary(page, measured())
-        self.assertRegex(once, r"(?s)^before\n<!-- budgets: x -->\n\| what .*29\.3 KiB.*\|\n<!-- end of budgets -->\nafter\n$")
+        self.assertRegex(once, r"(?s)^before\n<!-- budgets: x -->\n\| what .*23\.4 KiB.*\|\n<!-- end of budgets -->\nafter\n$")
         self.assertEqual(budgets.with_summary(once, measured()), once)
         self.assertNotEqual(budgets.with_summary(once, measured(slice_200_most=301)), once)
         with self.assertRaisesRegex(budgets.BudgetError, "no marks"):
@@ -169,14 +179,37 @@ class Budgets(unittest.TestCase):
 
 
 REPORT = {"status": "ok", "ticks": "15000", "ticks_searching": "5000", "late_ticks": "0", "tick_us": "41", "slices": "10000", "overruns": "0", "slice_us": "900",
-          "allowed_us": "2000", "verdict": "1", "adequate": "1"}
+          "allowed_us": "2000", "verdict": "1", "adequate": "1", "reasons": "00000000", "finding": "adequate", "effect": "none", "size": "0 0"}
+HIDDEN = {"verdict": "2", "adequate": "0", "reasons": "00000132", "finding": "missing", "effect": "inverter_dead_time", "size": "0 0.297"}
 
 
 def report(**changed: str) -> str:
     """What the example firmware prints when all is well, apart from what is changed."""
-    values = REPORT | {"first": "0.3001", "second": "0.0411"} | changed
-    estimates = [f"estimate 0 {values.pop('first')}", f"estimate 0 {values.pop('second')}"]
-    return "\n".join([*(f"{name} {value}" for name, value in values.items()), *estimates])
+    values = REPORT | {"first": "0.3001", "second": "0.0411", "shift": "6.6"} | changed
+    pairs = [f"estimate 0 {values.pop('first')}", f"estimate 0 {values.pop('second')}", f"shift_percent 0 {values.pop('shift')}", "shift_percent 0 7"]
+    return "\n".join([*(f"{name} {value}" for name, value in values.items()), *pairs])
+
+
+def exported_table(**changed: str) -> str:
+    """A table as `ema export` writes it, in small, apart from what is changed."""
+    values = {"effect": "4", "turn": "0x1.2p-11", "count": "-7", "bins": "250U"} | changed
+    counts = "\n".join(["    1, 2, 3,"] * 400)
+    return (f"/* one actuator */\n    {{{values['effect']}, 45, true, EMA_R({values['turn']})}}, /* an effect */\n    5, {values['count']}, 6,\n{counts}\n"
+            f"static const ema_signatures_t EMA_SIGNATURES = {{\n    .bins = {values['bins']},\n    .limit = EMA_R(30.0),\n}};\n")
+
+
+class Exported(unittest.TestCase):
+    """The table in the firmware and the one of today."""
+
+    def test_the_same(self) -> None:
+        self.assertEqual(exported.table_problem(exported_table(), exported_table().replace("one actuator", "another")), "")
+        self.assertEqual(exported.table_problem(exported_table(), exported_table(count="-8", turn="0x1.200001p-11")), "")
+
+    def test_another(self) -> None:
+        for changed in ({"effect": "5"}, {"turn": "0x1.21p-11"}, {"count": "-10"}, {"bins": "251U"}):
+            with self.subTest(changed):
+                self.assertNotEqual(exported.table_problem(exported_table(), exported_table(**changed)), "")
+        self.assertNotEqual(exported.table_problem("", ""), "")
 
 
 class Example(unittest.TestCase):
@@ -184,15 +217,29 @@ class Example(unittest.TestCase):
 
     def test_a_good_report(self) -> None:
         self.assertEqual(example.problems_of(report(), example.OK), [])
+        self.assertEqual(example.problems_of(report(**HIDDEN), example.OK, example.MACHINES[2]), [])
 
     def test_bad_reports(self) -> None:
         bad = [{"late_ticks": "1"}, {"overruns": "3"}, {"slice_us": "0"}, {"slice_us": "2001"}, {"ticks": "10000", "ticks_searching": "0"}, {"verdict": "0"},
-               {"adequate": "0"}, {"first": "0.31"}, {"second": "0.04"}, {"status": "late"}, {"slices": "1"}, {"tick_us": "0"}]
+               {"adequate": "0"}, {"first": "0.31"}, {"second": "0.04"}, {"status": "late"}, {"slices": "1"}, {"tick_us": "0"}, {"reasons": "00000010"},
+               {"finding": "missing"}, {"effect": "jam_spot"}]
         for changed in bad:
             with self.subTest(changed):
                 self.assertEqual(len(example.problems_of(report(**changed), example.OK)), 1)
         with self.assertRaises(ValueError):
             example.problems_of("", example.OK)
+
+    def test_the_row_of_the_page(self) -> None:
+        self.assertEqual(example.row_of(report(), example.WORN), f"| {example.WORN.title} | +6.6 % | +7.0 % | adequate | `FAULT` |")
+        row = example.row_of(report(**HIDDEN), example.MACHINES[2])
+        self.assertTrue(row.endswith("| missing: `inverter_dead_time`, 0.297 | `UNDECIDED` |"), row)
+
+    def test_bad_reports_of_a_hidden_effect(self) -> None:
+        bad = [{"verdict": "1"}, {"verdict": "0"}, {"adequate": "1"}, {"reasons": "00000032"}, {"finding": "unknown"}, {"effect": "none"}, {"effect": "jam_spot"},
+               {"size": "0 0.2"}, {"shift": "4.9"}]
+        for changed in bad:
+            with self.subTest(changed):
+                self.assertEqual(len(example.problems_of(report(**HIDDEN | changed), example.OK, example.MACHINES[2])), 1)
 
 
 if __name__ == "__main__":

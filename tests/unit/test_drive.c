@@ -27,7 +27,9 @@ static ema_drive_output_t applied(double output, double current_A, double speed_
     ema_motor_t motor;
     ema_drive_prepare(&drive, &actuator.params, &actuator.options);
     ema_motor_prepare(&motor, &actuator.params);
-    return ema_drive_step(&drive, &motor, (ema_real)output, (ema_real)current_A, (ema_real)speed_rad_s);
+    ema_drive_output_t found;
+    ema_drive_step(&drive, &motor, (ema_real)output, (ema_real)current_A, (ema_real)speed_rad_s, &found);
+    return found;
 }
 
 static void assert_applied(ema_drive_output_t actual, double input, double voltage_V, bool current_loop, unsigned line)

@@ -115,6 +115,14 @@ static void test_every_effect_is_felt_when_it_is_not_zero(void)
     }
 }
 
+/* The sets that a plant gets from the actuator's effects. */
+static ema_active_t active_now(void)
+{
+    static ema_plant_t plant;
+    ema_effects_hold(&plant, &actuator.effects);
+    return plant.active;
+}
+
 static void test_effects_add_up_over_sites(void)
 {
     actuator.effects.stribeck_friction.rise = EMA_R(0.1);
@@ -122,13 +130,15 @@ static void test_effects_add_up_over_sites(void)
     actuator.effects.constant_load.torque_Nm = EMA_R(0.1);
     actuator.effects.inverter_dead_time.drop_V = EMA_R(0.1);
     actuator.effects.spring_load.stiffness_Nm_per_mm = EMA_R(0.1);
-    const ema_active_t active = ema_effects_active(&actuator.effects);
+    const ema_active_t active = active_now();
     TEST_ASSERT_TRUE((active.at[EMA_SITE_FRICTION] != 0U) && (active.at[EMA_SITE_TORQUE] != 0U) && (active.at[EMA_SITE_VOLTAGE] != 0U)
                      && (active.at[EMA_SITE_LOAD] != 0U) && active.any);
     TEST_ASSERT_EQUAL_UINT32(0U, active.at[EMA_SITE_TRANSMISSION]);
+    TEST_ASSERT_EQUAL_UINT8(8U, active.substeps);
     actuator = ema_rig_actuator();
     actuator.effects.constant_load.torque_Nm = EMA_R(0.1);
-    TEST_ASSERT_FALSE(ema_effects_active(&actuator.effects).any);
+    TEST_ASSERT_FALSE(active_now().any);
+    TEST_ASSERT_EQUAL_UINT8(1U, active_now().substeps);
 }
 
 /* An ideal drive that is asked for no current, and nothing that brakes. */
@@ -280,7 +290,7 @@ static void test_constant_load_acts_against_extension(void)
 static void test_winding_heating_is_a_resistance(void)
 {
     actuator.effects.winding_heating.rise_degC = EMA_R(100.0);
-    TEST_ASSERT_FALSE(ema_effects_active(&actuator.effects).any);
+    TEST_ASSERT_FALSE(active_now().any);
     actuator.params.csj_Nm = EMA_R(100.0);
     ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
     (void)ema_rig_hold(&model, EMA_R(20.0), 50U);
@@ -454,7 +464,8 @@ static void test_a_site_without_active_effects_adds_nothing(void)
     TEST_ASSERT_TRUE(ema_site_presliding(plant, memory, EMA_R(0.1)) == EMA_R(0.0));
     ema_site_presliding_keep(plant, memory, EMA_R(0.5));
     const ema_transmission_t step = {EMA_R(0.0), EMA_R(0.3), plant->substep_s, plant->gearbox.lead_mm_per_rad};
-    const ema_rod_t rod = ema_site_transmission(plant, &step, memory);
+    ema_rod_t rod;
+    ema_site_transmission(plant, &step, memory, &rod);
     TEST_ASSERT_TRUE(rod.rod_mm == EMA_R(0.3));
     TEST_ASSERT_TRUE(rod.rod_speed_mm_s == EMA_R(0.0));
     for (uint32_t k = 0; k <= (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {

@@ -130,12 +130,13 @@ static void test_plant_refuses_what_effects_must_not_leave(void)
     static const ema_real bad[3] = {EMA_R(0.0), EMA_R(-1.0e-6), EMA_R(0.0)};
     static ema_plant_t plant;
     static ema_plant_t before;
+    static ema_work_t work;
     for (uint32_t k = 0; k < 3U; ++k) {
         ema_actuator_t left = actuator;
-        EMA_ASSERT_STATUS(EMA_OK, ema_plant_prepare(&plant, &left, EMA_R(0.0)));
+        EMA_ASSERT_STATUS(EMA_OK, ema_plant_prepare(&plant, &work, &left, EMA_R(0.0)));
         (void)memcpy(&before, &plant, sizeof before);
         EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&left, ids[k], bad[k]));
-        EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_plant_prepare(&plant, &left, EMA_R(0.0)));
+        EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_plant_prepare(&plant, &work, &left, EMA_R(0.0)));
         EMA_ASSERT_SAME_BITS(&before, &plant, sizeof before);
     }
 }

@@ -294,7 +294,7 @@ static void test_play_that_was_only_pushed_back_is_not_crossed(void)
     ema_rig_record(&record, &config, &actuator, &back, ROWS / 8U);
     start(position_only, deltas, 2U);
     const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
-    TEST_ASSERT_TRUE(sensitivity.model[0].state.play_mm < EMA_R(0.0));
+    TEST_ASSERT_TRUE(sensitivity.state[0].play_mm < EMA_R(0.0));
     TEST_ASSERT_TRUE(result.determined);
     TEST_ASSERT_FALSE(result.crossed);
 }

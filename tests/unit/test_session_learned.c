@@ -86,7 +86,7 @@ static void test_the_verdict_says_that_a_table_was_left(void)
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
     TEST_ASSERT_EQUAL_HEX32(EMA_REASON_LEARNED_RANGE, result.reasons);
     TEST_ASSERT_TRUE(result.adequate);
-    TEST_ASSERT_TRUE(result.outside_ratio == session.weighing.model[0].state.outside_ratio);
+    TEST_ASSERT_TRUE(result.outside_ratio == session.weighing.state[0].outside_ratio);
     TEST_ASSERT_TRUE(result.outside_ratio > EMA_R(0.1));
 }
 

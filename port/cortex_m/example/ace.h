@@ -1,12 +1,13 @@
-/* An example ACE: a position loop at 1 kHz in the timer interrupt, the identification in the background.
+/* An example ACE: a position loop at 1 kHz in the timer interrupt, the identification and the onboard diagnosis in the background.
  *
- * The interrupt commands the chirp, closes the loop and feeds the session a row; once the record is full, the background gives the session its slices while
- * the loop goes on. How late a tick came and how long a slice took are measured against what is allowed.
+ * The interrupt commands the chirp, closes the loop and feeds the guarded session a row; once the record is full, the background gives it its slices while the
+ * loop goes on. The answer is CSJ and BLK, what the table of signatures found missing from the model, and a verdict that knows both. How late a tick came and
+ * how long a slice took are measured against what is allowed.
  */
 #ifndef ACE_H
 #define ACE_H
 
-#include "ema/ema_session.h"
+#include "ema/ema_guarded.h"
 
 #define ACE_TICK_HZ 1000U
 #define ACE_ROWS 10000U
@@ -37,7 +38,8 @@ typedef struct {
     uint32_t overruns;
     uint32_t slice_us;        /* what the longest took, interrupts not counted */
     uint32_t allowed_us;
-    ema_result_t result;      /* when status is not ACE_REFUSED */
+    ema_result_t result;      /* when status is not ACE_REFUSED; its verdict is the guarded one */
+    ema_finding_t finding;    /* likewise: the effect that the model lacks, and its size */
 } ace_report_t;
 
 /* The whole ground test: chirp, record, identification. */

@@ -28,6 +28,18 @@ static void print_result(const ema_result_t* result)
     (void)printf("verdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->verdict, (int)result->adequate, result->reasons);
 }
 
+/* What the model lacks, beside what was estimated with it. */
+static void print_finding(const ema_finding_t* finding)
+{
+    static const char* const kinds[] = {"adequate", "missing", "unknown", "none"};
+    const bool named = finding->kind == EMA_FINDING_MISSING;
+    (void)printf("finding %s\neffect %s\n", kinds[finding->kind], named ? ema_effect_name(finding->effect) : "none");
+    print_real("size", named ? finding->size : EMA_R(0.0));
+    print_real("score", finding->score);
+    print_real("limit", finding->limit);
+    print_real("energy", finding->energy);
+}
+
 static uint32_t number(int argc, char* argv[], int place, uint32_t otherwise)
 {
     return (argc > place) ? (uint32_t)strtoul(argv[place], NULL, 10) : otherwise;
@@ -46,6 +58,7 @@ int main(int argc, char* argv[])
                  report.allowed_us);
     if (report.status != ACE_REFUSED) {
         print_result(&report.result);
+        print_finding(&report.finding);
     }
     return (int)report.status;
 }

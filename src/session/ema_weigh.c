@@ -1,0 +1,29 @@
+#include "ema_math.h"
+#include "ema_runs.h"
+
+/* Step of the sensitivities, as a share of the healthy value: large against rounding, small against the parameter. */
+#define EMA_DELTA_SHARE EMA_R(0.01)
+
+ema_status_t ema_runs_weigh(ema_session_t* session)
+{
+    const ema_session_config_t* const config = session->config;
+    ema_runs_move(session, session->annealer.best.x);
+    ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
+    ema_real delta[EMA_IDENTIFIED_MAX] = {0};
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const ema_identified_t* const identified = &config->identified[i];
+        ema_real healthy = EMA_R(0.0);
+        const ema_real value = ema_identified_at(identified, session->annealer.best.x[i]);
+        ids[i] = identified->id;
+        (void)ema_actuator_get(config->actuator, identified->id, &healthy);
+        delta[i] = EMA_DELTA_SHARE * ema_abs(healthy);
+        if ((value + delta[i]) > identified->upper) {
+            delta[i] = -delta[i];
+        }
+    }
+    const ema_status_t status = ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+    if (status == EMA_OK) {
+        ema_sensitivity_learned(&session->weighing, config->actuator);
+    }
+    return status;
+}
