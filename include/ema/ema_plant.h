@@ -94,6 +94,10 @@ typedef struct {
 
 /* The six blocks, prepared from an actuator: constant while the model runs. */
 typedef struct {
+    bool cascade;
+    bool derivative_on_speed;
+    bool average_speed;
+    bool plain; /* proportional and integral action only */
     ema_real period_s;
     ema_real rate_hz;
     ema_real kp_per_m;
@@ -106,14 +110,11 @@ typedef struct {
     ema_real speed_integral_per_m;
     ema_real speed_limit_m_s; /* largest finite number when there is none */
     uint32_t every_steps;
-    bool cascade;
-    bool derivative_on_speed;
-    bool average_speed;
-    bool plain; /* proportional and integral action only */
 } ema_pid_t;
 
 typedef struct {
     bool current_mode;
+    bool delayed;
     ema_real supply_V;
     ema_real current_scale_A;
     ema_real command_scale_V;
@@ -121,7 +122,6 @@ typedef struct {
     ema_real loop_s;
     uint32_t delay_steps;
     ema_real delay_part;
-    bool delayed;
 } ema_drive_t;
 
 typedef struct {

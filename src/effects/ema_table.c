@@ -37,21 +37,21 @@ typedef struct {
     ema_real period;
 } ema_place_t;
 
-static ema_place_t ema_table_place(const ema_real* table, const ema_site_t* site)
+static void ema_table_place(const ema_real* table, const ema_site_t* site, ema_place_t* place)
 {
     ema_real at = EMA_R(0.0);
-    ema_place_t place = {EMA_R(0.0), EMA_R(0.0)};
+    place->period = EMA_R(0.0);
     switch ((ema_axis_t)(int32_t)table[EMA_TABLE_AXIS]) {
     case EMA_AXIS_SPEED:
         at = site->speed_rad_s;
         break;
     case EMA_AXIS_LEAD:
         at = site->position_mm;
-        place.period = site->plant->gearbox.lead_mm;
+        place->period = site->plant->gearbox.lead_mm;
         break;
     case EMA_AXIS_TURN:
         at = site->angle_rad;
-        place.period = EMA_TURN_RAD;
+        place->period = EMA_TURN_RAD;
         break;
     case EMA_AXIS_CURRENT:
         at = site->current_A;
@@ -61,17 +61,17 @@ static ema_place_t ema_table_place(const ema_real* table, const ema_site_t* site
         at = site->position_mm;
         break;
     }
-    place.from_first = at - table[EMA_TABLE_FIRST];
-    if (place.period > EMA_R(0.0)) {
-        place.from_first -= place.period * ema_floor(place.from_first / place.period);
+    place->from_first = at - table[EMA_TABLE_FIRST];
+    if (place->period > EMA_R(0.0)) {
+        place->from_first -= place->period * ema_floor(place->from_first / place->period);
     }
-    return place;
 }
 
 ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
 {
     const ema_real* const node = &table[EMA_TABLE_NODES];
-    const ema_place_t place = ema_table_place(table, site);
+    ema_place_t place;
+    ema_table_place(table, site, &place);
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
     ema_real value = node[EMA_TABLE_SPANS];
     if ((place.period > EMA_R(0.0)) && (place.from_first > range)) {
@@ -91,7 +91,8 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
 
 ema_real ema_table_outside(const ema_real* table, const ema_site_t* site)
 {
-    const ema_place_t place = ema_table_place(table, site);
+    ema_place_t place;
+    ema_table_place(table, site, &place);
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
     ema_real beyond = ema_max(-place.from_first, place.from_first - range);
     if (place.period > EMA_R(0.0)) {

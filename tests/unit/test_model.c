@@ -16,6 +16,13 @@ void tearDown(void)
 {
 }
 
+/* Plant and state of the one are those of the other; the memory that steps are worked out in means nothing. */
+static void assert_same_model(const ema_model_t* expected, const ema_model_t* actual, unsigned line)
+{
+    ema_assert_same_bits(&expected->plant, &actual->plant, sizeof expected->plant, line);
+    ema_assert_same_bits(&expected->state, &actual->state, sizeof expected->state, line);
+}
+
 /* A refused actuator must leave the model as it was. */
 static void assert_refused(ema_status_t expected, ema_real start_mm, unsigned line)
 {
@@ -23,7 +30,7 @@ static void assert_refused(ema_status_t expected, ema_real start_mm, unsigned li
     (void)memset(&model, 0x5A, sizeof model);
     const ema_model_t before = model;
     ema_assert_status(expected, ema_model_init(&model, &actuator, start_mm), line);
-    ema_assert_same_bits(&before, &model, sizeof before, line);
+    assert_same_model(&before, &model, line);
 }
 
 #define ASSERT_REFUSED(expected, start_mm) assert_refused((expected), (start_mm), (unsigned)__LINE__)
@@ -380,9 +387,9 @@ static void test_restart_goes_back_to_the_start_bit_for_bit(void)
     ema_model_t model = ema_rig_model(&actuator, EMA_R(1.25));
     const ema_model_t fresh = model;
     (void)ema_rig_hold(&model, EMA_R(-1.0), 500U);
-    TEST_ASSERT_TRUE(ema_first_difference(&fresh, &model, sizeof fresh) < sizeof fresh);
+    TEST_ASSERT_TRUE(ema_first_difference(&fresh.state, &model.state, sizeof fresh.state) < sizeof fresh.state);
     ema_model_restart(&model);
-    EMA_ASSERT_SAME_BITS(&fresh, &model, sizeof fresh);
+    assert_same_model(&fresh, &model, (unsigned)__LINE__);
 }
 
 static void test_stepping_changes_the_state_alone(void)
