@@ -18,7 +18,7 @@ from ema_tools.records import Record
 from support import chirp_record
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
-SIZES = {"rise_degC": 12.0, "loss": 0.03, "change": 0.06, "drift": 0.006, "error": 0.0004, "offset_mm": 0.004, "asymmetry": 0.005}
+SIZES = {"rise_degC": 12.0, "loss": 0.03, "sag": 0.01, "change": 0.06, "drift": 0.006, "error": 0.0004, "offset_mm": 0.004, "asymmetry": 0.005}
 
 
 @pytest.mark.parametrize("name", TWINS)
