@@ -9,7 +9,7 @@
  *     while (!ema_onboard_done(&onboard)) { ema_onboard_run(&onboard, 200); }              in slices
  *     ema_onboard_result(&onboard, &finding);
  *
- * A session that is given the table does this itself: ema_session_config_t.
+ * A guarded session does this itself: ema_guarded.h.
  */
 #ifndef EMA_ONBOARD_H
 #define EMA_ONBOARD_H

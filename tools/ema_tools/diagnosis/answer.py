@@ -201,7 +201,8 @@ def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Recor
         if same_command(record, other):
             _check_signals(record, other)
         elif holdout is None or not same_command(holdout, other):
-            raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out: give healthy records of the same command")
+            rows = "" if other.rows == record.rows else f" ({other.rows} rows, {record.file} has {record.rows})"
+            raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out{rows}: give healthy records of the same command")
 
 
 def check_apart(record: Record, healthy: Sequence[Record]) -> None:
