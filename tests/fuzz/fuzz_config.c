@@ -25,7 +25,7 @@ static void try_model(fuzz_bytes_t* bytes, const ema_actuator_t* actuator, ema_s
     const ema_real start_mm = ((fuzz_u8(bytes) % 4U) == 0U) ? fuzz_any(bytes) : (travel_mm * (fuzz_share(bytes) - EMA_R(0.5)));
     ema_status_t status = ema_model_init(&model, actuator, start_mm);
     if (status != EMA_OK) {
-        FUZZ_REQUIRE(memcmp(&model, &before, sizeof model) == 0);
+        FUZZ_REQUIRE((memcmp(&model.plant, &before.plant, sizeof model.plant) == 0) && (memcmp(&model.state, &before.state, sizeof model.state) == 0));
         return;
     }
     FUZZ_REQUIRE(checked == EMA_OK);
