@@ -127,15 +127,15 @@ def diagnosis(console: Console, found: Answer) -> None:
 
 def _candidates(console: Console, found: Diagnosis) -> None:
     """What was accepted, and what would take off enough to be worth a look."""
-    telling = [one for one in found.named[:_PLACES] if one.accepted or one.score > _WORTH_SHOWING * found.limit]
+    telling = [one for one in found.named[:_PLACES] if one.accepted or one.score > _WORTH_SHOWING * one.limit]
     if not telling:
-        say(console, f"No effect of the library would take off a tenth of the limit of {number(found.limit, 3)}.")
+        say(console, f"No effect of the library would take off a tenth of what it must, {number(found.limit, 3)} for most.")
         return
     rows = table("What would lower the error", "effect", "looks like", "size", "takes off", "limit", "", text_columns=3)
     for one in telling:
         size = next(iter(one.values), None)
         shown_size = size_text(size, one.values[size], one.std.get(size)) if size is not None else ""
-        rows.add_row(one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(found.limit, 3), "accepted" if one.accepted else "")
+        rows.add_row(one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(one.limit, 3), "accepted" if one.accepted else "")
     console.print(rows)
 
 

@@ -162,7 +162,7 @@ def _effect_result(one: Named, diagnosis: Diagnosis) -> dict[str, Any]:
         "interval95": {name.split(".")[-1]: [one.values[name] - _INTERVAL * value, one.values[name] + _INTERVAL * value] for name, value in one.std.items()},
         "at_bound": [name.split(".")[-1] for name in one.values if name in at_bound],
         "score": one.score,
-        "limit": diagnosis.limit,
+        "limit": one.limit,
         "accepted": one.accepted,
     }
 

@@ -56,21 +56,23 @@ INSEPARABLE: Sequence[frozenset[str]] = (frozenset({"constant_load", "coulomb_as
 
 @dataclass(frozen=True)
 class Round:
-    """One round: the best score of each effect, strongest first, and the refits that followed, best first."""
+    """One round: the best score of each effect, strongest first, the refits that followed, best first, and the own limits of effects that are a parameter's twin."""
 
     scores: Mapping[str, float]
     fits: tuple[Fit, ...]
+    limits: Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Named:
-    """One effect of the answer's list: its class (itself first), values and standard errors as far as it was fitted, by how much it lowers the cost, and whether it is accepted."""
+    """One effect of the answer's list: its class (itself first), values and standard errors as far as it was fitted, by how much it lowers the cost, what it must take off to be named, and whether it is accepted."""
 
     name: str
     alike: tuple[str, ...]
     values: Mapping[str, float]
     std: Mapping[str, float]
     score: float
+    limit: float
     accepted: bool
 
 
@@ -223,15 +225,14 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
                 fits = _polished(fits, lambda fit: jointly(fit, _JOINT_ROUNDS), max(_FINALIST_REACH, _GAIN_SHARE * gain))
             fits = fits if rounds else _with_twins(fits, exact)
             fits = tuple(fit for fit in fits if not _is_slight(fit, _newest(fit, held)))
-        rounds.append(Round(scores, fits))
-        fits = tuple(fit for fit in fits if fit.shown(_newest(fit, held)) >= _SHOWN)
         # that a twin is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign
         least_of_twin = min(least, _TWIN_LIMIT * max(1.0, cost / max(start.evidence.floor, 1.0)))
-        limits = [least_of_twin if any(fit is one for one in exact) else least for fit in fits]
-        enough = [(fit, limit) for fit, limit in zip(fits, limits, strict=True) if cost - fit.judged >= limit]
+        limits = dict.fromkeys(known, least_of_twin)
+        rounds.append(Round(scores, fits, limits))
+        enough = [fit for fit in fits if fit.shown(_newest(fit, held)) >= _SHOWN and cost - fit.judged >= limits.get(_newest(fit, held), least)]
         if not enough:
             break
-        best = _pruned(*enough[0])
+        best = _pruned(enough[0], limits.get(_newest(enough[0], held), least))
         steps.append(best)
         here = settled(start.evidence, best.values, best.deviations(), 1)
         cost = best.cost
@@ -277,7 +278,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     unexplained = max(cost - floor, 0.0) / excess
     strange = cost - floor > max(noise, 2.0 * doubt)
     verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
-    named = _named(path.rounds, best, steps, verdict, doubt, before)
+    named = _named(path.rounds, best, steps, verdict, doubt, before, limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)
     # beside a large misfit a size that could be none says that something else is there
     vague = [effect for effect in best.effects if not best.determined(effect)] if best is not None and evidence.relative and verdict == "missing" else []
@@ -301,8 +302,8 @@ def _polished(fits: tuple[Fit, ...], better: Callable[[Fit], Fit], reach: float)
     return best_of_each([*each(better, near), *rest])
 
 
-def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, doubt: float, before: float) -> tuple[Named, ...]:
-    """Accepted effects in the order in which they came, then the others by what they would take off alone."""
+def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, doubt: float, before: float, limit: float) -> tuple[Named, ...]:
+    """Accepted effects in the order in which they came, then the others by what they would take off alone against what they must."""
     found: list[Named] = []
     accepted = best.effects if best is not None else ()
     tolerance = max(_ALIKE, doubt)
@@ -315,7 +316,7 @@ def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verd
         alike += [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
         std = {name: value for name, value in best.std.items() if name in best.of_effect(effect)} if best else {}
         earlier = steps[place - 1].cost if place else before
-        found.append(Named(effect, (effect, *dict.fromkeys(alike)), best.of_effect(effect) if best else {}, std, earlier - steps[place].cost, verdict == "missing"))
+        found.append(Named(effect, (effect, *dict.fromkeys(alike)), best.of_effect(effect) if best else {}, std, earlier - steps[place].cost, rounds[0].limits.get(effect, limit), verdict == "missing"))
     first = rounds[0]
     tried = {fit.effects[0]: fit for fit in reversed(first.fits)}
     others = []
@@ -325,5 +326,5 @@ def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verd
         if fit is not None and not accepted:
             alike += [other.effects[0] for other in first.fits if other.effects[0] != effect and abs(other.judged - fit.judged) < tolerance]
         score = before - fit.judged if fit is not None else first.scores[effect]
-        others.append(Named(effect, (effect, *dict.fromkeys(alike)), fit.values if fit else {}, fit.std if fit else {}, score, False))
-    return (*found, *sorted(others, key=lambda one: -one.score))
+        others.append(Named(effect, (effect, *dict.fromkeys(alike)), fit.values if fit else {}, fit.std if fit else {}, score, first.limits.get(effect, limit), False))
+    return (*found, *sorted(others, key=lambda one: -one.score / one.limit))
