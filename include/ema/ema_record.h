@@ -39,7 +39,7 @@ typedef enum {
 } ema_record_format_t;
 
 typedef struct {
-    void* buffer;                          /* aligned for an ema_real */
+    void* buffer;                          /* aligned for what it holds, int16_t or ema_real: not checked */
     size_t buffer_bytes;
     ema_record_format_t format;
     const ema_command_t* command;          /* NULL: the command is recorded with the samples */

@@ -10,6 +10,17 @@
 
 static const ema_finding_t ema_no_finding = {.kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};
 
+/* The table is refused before anything has changed. */
+static ema_status_t ema_guarded_table_check(const ema_session_config_t* config, const ema_signatures_t* signatures)
+{
+    ema_record_t record;
+    ema_status_t status = ema_actuator_check(config->actuator, NULL);
+    if (status == EMA_OK) {
+        status = ema_record_init(&record, &config->record);
+    }
+    return (status == EMA_OK) ? ema_onboard_check(signatures, config->actuator, &record) : status;
+}
+
 ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config, const ema_signatures_t* signatures)
 {
     if ((guarded == NULL) || (config == NULL)) {
@@ -20,11 +31,11 @@ ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t
         const ema_value_id_t id = config->identified[i].id;
         status = ((id == EMA_VALUE_ID(csj_Nm)) || (id == EMA_VALUE_ID(blk_mm))) ? status : EMA_ERR_RANGE;
     }
+    if ((status == EMA_OK) && (signatures != NULL)) {
+        status = ema_guarded_table_check(config, signatures);
+    }
     if (status == EMA_OK) {
         status = ema_session_init(&guarded->session, config);
-    }
-    if ((status == EMA_OK) && (signatures != NULL)) {
-        status = ema_onboard_check(signatures, config->actuator, &guarded->session.record);
     }
     if (status == EMA_OK) {
         guarded->signatures = signatures;
@@ -48,12 +59,12 @@ ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample
 static ema_status_t ema_guarded_begin(ema_guarded_t* guarded)
 {
     ema_session_t* const session = &guarded->session;
+    if (session->record.count < EMA_ROWS_MIN) {
+        return EMA_ERR_SHORT;
+    }
     if (guarded->signatures == NULL) {
         guarded->phase = EMA_GUARDED_SESSION;
         return EMA_OK;
-    }
-    if (session->record.count < EMA_ROWS_MIN) {
-        return EMA_ERR_SHORT;
     }
     const ema_status_t status = ema_onboard_start(&session->scoring, guarded->signatures, guarded->session.config->actuator, &session->record, ema_runs_start_mm(session));
     if (status == EMA_OK) {

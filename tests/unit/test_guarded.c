@@ -260,6 +260,34 @@ static void order_and_refusals(void)
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));
 }
 
+/* A call that is refused changes nothing: what has been fed stays, and feeding may go on, with a table and without. */
+static void refused_calls_lose_nothing(void)
+{
+    static ema_guarded_t before;
+    const ema_signatures_t* const tables[2] = {NULL, &rig.table};
+    const ema_sample_t sample = {EMA_R(0.0), {EMA_R(0.0)}};
+    for (uint32_t k = 0; k < 2U; ++k) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, tables[k]));
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_feed(&guarded, &sample));
+        EMA_ASSERT_STATUS(EMA_ERR_SHORT, ema_guarded_run(&guarded, 1U));
+        TEST_ASSERT_EQUAL_INT(EMA_GUARDED_FEEDING, ema_guarded_phase(&guarded));
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_feed(&guarded, &sample));
+        TEST_ASSERT_EQUAL_UINT32(2U, guarded.session.record.count);
+    }
+    before = guarded;
+    rig.table.print ^= 1U;
+    EMA_ASSERT_STATUS(EMA_ERR_TABLE, ema_guarded_init(&guarded, &config, &rig.table));
+    rig.table.print ^= 1U;
+    const ema_session_config_t sound = config;
+    config.record.buffer_bytes = 0U;
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));
+    config = sound;
+    config.actuator = NULL;
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_init(&guarded, &config, &rig.table));
+    config = sound;
+    EMA_ASSERT_SAME_BITS(&before, &guarded, sizeof before);
+}
+
 /* More values than a session takes, all of them in the table. */
 static void too_many_values(void)
 {
@@ -302,6 +330,7 @@ int main(void)
     RUN_TEST(table_that_changes);
     RUN_TEST(rod_beyond_the_travel);
     RUN_TEST(order_and_refusals);
+    RUN_TEST(refused_calls_lose_nothing);
     RUN_TEST(result_while_it_searches);
     return UNITY_END();
 }
