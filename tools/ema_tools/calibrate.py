@@ -24,6 +24,7 @@ from ema_tools.balances import (
     electrical_model,
     kinematic,
     mechanical_model,
+    noise_of,
 )
 from ema_tools.errors import InputError, MissingSignal
 from ema_tools.identify import BOUNDS
@@ -50,6 +51,8 @@ _REST_OF_DRIVE = 0.5
 
 # Share by which the loop's fit must lower the errors to be preferred to the balances'.
 _LOOP_GAIN = 0.02
+# An error of so many times its sensor's noise is no noise.
+_MANY_TIMES = 5.0
 
 Report = Callable[[float, str], None]
 
@@ -68,13 +71,18 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Calibration:
-    """The calibrated actuator, its parameters, rms errors per channel before and after, and what could not be calibrated and why."""
+    """The calibrated actuator, its parameters, rms errors per channel before and after, the noise of the sensors there, and what could not be calibrated and why."""
 
     actuator: Actuator
     parameters: tuple[Parameter, ...]
     errors_before: dict[str, float]
     errors_after: dict[str, float]
+    noise: dict[str, float]
     left_out: dict[str, str]
+
+    def unexplained(self) -> dict[str, float]:
+        """Channels whose error is many times their sensor's noise, and how many times: the values then make up for something else."""
+        return {name: error / self.noise[name] for name, error in self.errors_after.items() if self.noise[name] > 0.0 and error > _MANY_TIMES * self.noise[name]}
 
     def result(self) -> dict[str, Any]:
         """For JSON."""
@@ -92,7 +100,7 @@ class Calibration:
                 for parameter in self.parameters
             },
             "at_rod": {title: model.as_dict() for title, model in self.at_rod().items()},
-            "error": {"before": self.errors_before, "after": self.errors_after},
+            "error": {"before": self.errors_before, "after": self.errors_after, "noise": self.noise},
             "left_out": self.left_out,
         }
 
@@ -386,7 +394,9 @@ def calibrate(
         raise InputError(f"calibrate: nothing to fit without the closed loop ({why}): leave --balances-only out")
     check_followed(fitted, records)
     parameters = [_begun(found[name], actuator) for name in free if name in found]
-    return Calibration(fitted, tuple(parameters), before, channel_errors(fitted, records), left_out)
+    after = channel_errors(fitted, records)
+    noise = {name: max(noise_of(record.recorded(name)) for record in records if name in record.present) for name in after}
+    return Calibration(fitted, tuple(parameters), before, after, noise, left_out)
 
 
 def _gain(before: dict[str, float], after: dict[str, float]) -> float:

@@ -75,6 +75,10 @@ def calibration(console: Console, found: Calibration) -> None:
     for name, before in found.errors_before.items():
         errors.add_row(TITLES[name], UNITS[name], number(before), number(found.errors_after[name]))
     console.print(errors)
+    left = found.unexplained()
+    if left:
+        times = ", ".join(f"{TITLES[name]} {number(value, 2)}" for name, value in left.items())
+        say(console, f"What is left is many times the sensors' noise ({times} times): the values also make up for what the model lacks, or for a fault. Calibrate on healthy records; ema diagnose says what is missing.")
 
 
 def identification(console: Console, found: Identified) -> None:
