@@ -87,6 +87,9 @@ class Identified:
         own = self.answer.reasons
         if not self.objects or self.guarded is None:
             return tuple(own)
+        if self.guarded.skipped:
+            # of a record that cannot answer, a residual says nothing about the model
+            return (self.guarded.words(), *(reason for reason in own if reason != _NOT_ADEQUATE))
         place = own.index(_NOT_ADEQUATE) + 1 if _NOT_ADEQUATE in own else 0
         return (*own[:place], self.guarded.words(), *own[place:])
 
