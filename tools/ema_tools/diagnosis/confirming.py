@@ -17,6 +17,7 @@ from ema_tools.diagnosis.evidence import Evidence, raw_cost, settled
 from ema_tools.diagnosis.fitting import Fit
 from ema_tools.diagnosis.gathering import against_known, alone_against_known
 from ema_tools.diagnosis.search import Diagnosis
+from ema_tools.diagnosis.spread import moved
 from ema_tools.records import Record
 
 _SETTLE_ROUNDS = 3
@@ -80,10 +81,7 @@ def fitted_machine(evidence: Evidence, fit: Fit | None) -> Actuator:
     if evidence.relative:
         return evidence.actuator
     deviations = fit.deviations() if fit is not None else settled(evidence, {}).deviations
-    changes: dict[str, float] = {}
-    for one, value in zip(evidence.spread, deviations, strict=False):
-        changes |= one.changes(evidence.actuator, float(value))
-    return evidence.actuator.changed(changes)
+    return evidence.actuator.changed(moved(evidence.actuator, evidence.spread, deviations[: len(evidence.spread)]))
 
 
 def held_out(evidence: Evidence, known: Actuator, record: Record, healthy: Sequence[Record]) -> Evidence:

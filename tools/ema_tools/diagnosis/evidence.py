@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from ema_tools.actuator import Actuator
+from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.spread import Spread
 from ema_tools.diagnosis.whitening import Reals, Whitener
 from ema_tools.errors import InputError
@@ -84,10 +85,8 @@ class Evidence:
 
     def simulate(self, changes: Mapping[str, float], deviations: Reals) -> Reals:
         """Signals [channels, rows] of the model with effects at `changes` and its spread values at `deviations` [spread] of their spread."""
-        moved = dict(changes)
-        for one, value in zip(self.spread, deviations, strict=True):
-            moved = {**one.changes(self.actuator, float(value)), **moved}
-        return simulate_channels(self.actuator.changed(moved), self.record, self.channels, self.start_mm)
+        values = {**spreads.moved(self.actuator, self.spread, deviations), **changes}
+        return simulate_channels(self.actuator.changed(values), self.record, self.channels, self.start_mm)
 
 
 @dataclass(frozen=True)

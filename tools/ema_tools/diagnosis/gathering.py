@@ -92,10 +92,8 @@ def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals,
     found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), power, _zeros_of_sensors(channels, mean), start)
     standing = standing_effects(found, report)
     deviations = standing.deviations() if standing is not None else settled(found, {}).deviations
-    changes: dict[str, float] = dict(standing.values) if standing is not None else {}
-    for one, value in zip(found.spread, deviations, strict=False):
-        changes |= one.changes(actuator, float(value))
-    return actuator.changed(changes)
+    effects = dict(standing.values) if standing is not None else {}
+    return actuator.changed({**effects, **spreads.moved(actuator, found.spread, deviations[: len(found.spread)])})
 
 
 def _mean_and_level(healthy: Sequence[Record], channels: tuple[str, ...]) -> tuple[Reals, Reals, Reals]:
@@ -179,5 +177,5 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
     slight = [changes for changes in spreads.SLIGHT if _effect_of(changes) not in actuator.active_effects]
     first = with_slight(actuator, slight)
     deviations = settled(first, {}, settled(first, {}).deviations, rounds=FAR_ROUNDS, reach=FAR).deviations
-    unit = actuator.changed({name: value for one, at in zip(first.spread, deviations, strict=False) for name, value in one.changes(actuator, float(at)).items()})
+    unit = actuator.changed(spreads.moved(actuator, first.spread, deviations[: len(first.spread)]))
     return with_slight(unit, _still_slight(slight, deviations[deviations.size - len(slight) :]))

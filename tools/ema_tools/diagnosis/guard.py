@@ -324,10 +324,8 @@ def _on_unit(unit: Evidence, named: _Fit) -> _Fit:
         return named
     if not fit.determined(named.effect):
         return named
-    moved: dict[str, float] = {}
-    for one, at in zip(unit.spread, fit.deviations(), strict=False):
-        moved |= one.changes(unit.actuator, float(at))
-    return _Fit(named.effect, {**named.values, **{name: moved[name] for name in named.values if name in moved}, **fit.values}, {**named.std, **fit.std}, named.cost)
+    machine = spreads.moved(unit.actuator, unit.spread, fit.deviations()[: len(unit.spread)])
+    return _Fit(named.effect, {**named.values, **{name: machine[name] for name in named.values if name in machine}, **fit.values}, {**named.std, **fit.std}, named.cost)
 
 
 def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimates: Mapping[str, float], doubted: bool) -> Guarded:

@@ -229,10 +229,11 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         least_of_twin = min(least, _TWIN_LIMIT * max(1.0, cost / max(start.evidence.floor, 1.0)))
         limits = dict.fromkeys(known, least_of_twin)
         rounds.append(Round(scores, fits, limits))
-        enough = [fit for fit in fits if fit.shown(_newest(fit, held)) >= _SHOWN and cost - fit.judged >= limits.get(_newest(fit, held), least)]
+        shown = [(fit, limits.get(effect, least)) for fit in fits if fit.shown(effect := _newest(fit, held)) >= _SHOWN]
+        enough = [(fit, must) for fit, must in shown if cost - fit.judged >= must]
         if not enough:
             break
-        best = _pruned(enough[0], limits.get(_newest(enough[0], held), least))
+        best = _pruned(*enough[0])
         steps.append(best)
         here = settled(start.evidence, best.values, best.deviations(), 1)
         cost = best.cost
@@ -258,8 +259,9 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     before = (free or here).cost
     excess = max(before - floor, 1e-9)
     # without repeats most of what the model leaves is the unit's own, which is fitted
-    doubt = _MODEL_ERROR**2 * max((raw_cost(evidence) if evidence.relative else here.cost) - floor, 0.0)
-    further = doubt if evidence.relative else (_MODEL_ERROR_ALONE / _MODEL_ERROR) ** 2 * doubt
+    beyond = max((raw_cost(evidence) if evidence.relative else here.cost) - floor, 0.0)
+    doubt = _MODEL_ERROR**2 * beyond
+    further = doubt if evidence.relative else _MODEL_ERROR_ALONE**2 * beyond
     limit = LEAST_LIMIT
     noise = 6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size))
 

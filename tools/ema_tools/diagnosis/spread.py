@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ema_tools.actuator import Actuator, row_of
@@ -77,6 +77,11 @@ class Spread:
             value = known * (1.0 + self.std * deviations) if self.relative else known + self.std * deviations
             found[name] = min(max(value, row.lower), row.upper)
         return found
+
+
+def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Iterable[float]) -> dict[str, float]:
+    """The values of all of `spread` at their `deviations`, one for each."""
+    return {name: value for one, at in zip(spread, deviations, strict=True) for name, value in one.changes(actuator, float(at)).items()}
 
 
 def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...]:
