@@ -4,12 +4,13 @@
 
 #define EMA_INT16_FULL EMA_R(32767.0)
 
-/* Below it the value of one count has few bits left or none. */
+/* Below the least the value of one count has few bits left or none; above the largest all counts together may round to infinity. */
 #define EMA_FULL_SCALE_MIN EMA_R(1.0e-30)
+#define EMA_FULL_SCALE_MAX EMA_R(1.0e30)
 
 static bool ema_scale_valid(ema_real full_scale)
 {
-    return (full_scale >= EMA_FULL_SCALE_MIN) && ema_is_finite(full_scale);
+    return (full_scale >= EMA_FULL_SCALE_MIN) && (full_scale <= EMA_FULL_SCALE_MAX);
 }
 
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config)

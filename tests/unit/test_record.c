@@ -1,4 +1,5 @@
 /* The record: what goes in comes out within half a count, in either format, and what does not fit is refused. */
+#include <float.h>
 #include <math.h>
 
 #include "ema/ema_command.h"
@@ -111,6 +112,23 @@ static void test_int16_keeps_full_scale_on_both_sides_and_zero(void)
     TEST_ASSERT_TRUE((read.command_mm == EMA_R(0.0)) && (read.channel[EMA_CHANNEL_CURRENT] == EMA_R(0.0)));
 }
 
+static void test_the_ends_of_the_largest_and_smallest_full_scale_come_back_finite(void)
+{
+    const ema_real ends[2] = {EMA_R(1.0e-30), EMA_R(1.0e30)};
+    for (uint32_t k = 0; k < 2U; ++k) {
+        use_int16();
+        config.command_full_scale_mm = ends[k];
+        config.full_scale[EMA_CHANNEL_POSITION] = ends[k];
+        start();
+        ema_sample_t read;
+        const ema_sample_t sample = {record.unit[0] * EMA_R(32767.0), {-record.unit[1] * EMA_R(32767.0)}};
+        EMA_ASSERT_STATUS(EMA_OK, ema_record_append(&record, &sample));
+        EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, 0U, 1U, &read));
+        EMA_ASSERT_CLOSE(ends[k], read.command_mm, 0.0, 4.0 * EMA_EPS);
+        EMA_ASSERT_CLOSE(-ends[k], read.channel[EMA_CHANNEL_POSITION], 0.0, 4.0 * EMA_EPS);
+    }
+}
+
 static void test_int16_takes_two_bytes_a_value(void)
 {
     use_int16();
@@ -206,9 +224,9 @@ static void test_init_refuses_a_buffer_without_room_for_a_row(void)
 
 static void test_init_refuses_a_full_scale_that_is_none(void)
 {
-    /* of the last one's counts no number is left: a sample of zero would be nothing over nothing */
-    const ema_real bad[5] = {EMA_R(0.0), EMA_R(-1.0), (ema_real)NAN, (ema_real)INFINITY, EMA_R(1.0e-42)};
-    for (uint32_t k = 0; k < 5U; ++k) {
+    /* of 1e-42's counts no number is left: a sample of zero would be nothing over nothing; the largest float's counts together round to infinity */
+    const ema_real bad[6] = {EMA_R(0.0), EMA_R(-1.0), (ema_real)NAN, (ema_real)INFINITY, EMA_R(1.0e-42), (ema_real)FLT_MAX};
+    for (uint32_t k = 0; k < 6U; ++k) {
         use_int16();
         config.command_full_scale_mm = bad[k];
         assert_refused(__LINE__);
@@ -330,6 +348,7 @@ int main(void)
     RUN_TEST(test_reals_come_back_exactly);
     RUN_TEST(test_int16_comes_back_within_half_a_count);
     RUN_TEST(test_int16_keeps_full_scale_on_both_sides_and_zero);
+    RUN_TEST(test_the_ends_of_the_largest_and_smallest_full_scale_come_back_finite);
     RUN_TEST(test_int16_takes_two_bytes_a_value);
     RUN_TEST(test_channels_that_are_not_kept_read_zero_and_take_no_room);
     RUN_TEST(test_rod_position_is_kept_always);
