@@ -151,6 +151,21 @@ def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
     assert {one.name for one in found.effects} <= {"coulomb_asymmetry", "constant_load"}, found.sentence()
 
 
+@needs_numba
+@pytest.mark.parametrize(
+    ("effect", "size", "value", "shape"),
+    [("cogging_torque", "amplitude_Nm", 0.0148, {"periods": 72.0, "phase_rad": 1.868}), ("torque_ripple", "ratio", 0.02, {"periods": 12.0, "phase_rad": 2.327})],
+)
+def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_periods(healthy: list[Record], effect: str, size: str, value: float, shape: dict[str, float]) -> None:
+    """It shows only where the machine nearly rests: as far as the filter sees, Stribeck friction does as well."""
+    hidden = {f"{effect}.{name}": number for name, number in {size: value, **shape}.items()}
+    alone = [Record(STEP_S, one.command_mm, one.position_mm, file=one.file) for one in (run_of(hidden, 813), *healthy[:-1])]
+    found = answer(reference_actuator(), alone[0], alone[1:])
+    assert [one.name for one in found.effects] == [effect]
+    assert found.effects[0].values[f"effects.{effect}.periods"] == shape["periods"]
+    assert found.effects[0].values[f"effects.{effect}.{size}"] == pytest.approx(value, rel=0.15)
+
+
 def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow() -> None:
     steps = [Step((), "", 9.0, 8.0), Step((), "own", 5.0, 4.0), Step(("a",), "a", 2.0, 3.0), Step(("a", "b"), "b", 1.5, 3.5), Step(("a", "b", "c"), "c", 1.0, 2.0)]
     assert refuted(steps) == ("b", "c")

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from ema_tools.actuator import reference_actuator
+from ema_tools.benchmarks.hidden.catalogue import LIBRARY
+from ema_tools.benchmarks.hidden.machines import machine, measured
+from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.diagnosis.evidence import settled
 from ema_tools.diagnosis.fitting import effect_of
 from ema_tools.diagnosis.gathering import gather
@@ -15,8 +18,10 @@ from ema_tools.diagnosis.search import diagnose
 from ema_tools.diagnosis.spread import SLIGHT, SLIGHT_REACH, is_slight
 from ema_tools.diagnosis.twins import TWINS, twins
 from ema_tools.records import Record
+from ema_tools.reference.compiled import HAS_NUMBA
 from support import chirp_record
 
+needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
 SIZES = {"rise_degC": 12.0, "loss": 0.03, "sag": 0.01, "change": 0.06, "drift": 0.006, "error": 0.0004, "offset_mm": 0.004, "asymmetry": 0.005}
 
@@ -63,3 +68,18 @@ def test_slight_is_what_every_machine_has() -> None:
     # cogging and a spot of 0.8 % of the dry friction
     for name in ("effects.cogging_torque.amplitude_Nm", "effects.jam_spot.amplitude_Nm"):
         assert is_slight(sheet, name, 0.0011) and not is_slight(sheet, name, 0.0012)
+
+
+@pytest.mark.parametrize("effect", LIBRARY)
+def test_no_effect_of_a_typical_size_is_slight(effect: str) -> None:
+    """Nor one of a third of the lower end of its typical range."""
+    assert not is_slight(reference_actuator(), f"effects.{effect}.{LIBRARY[effect].size}", 0.33 * LIBRARY[effect].medium)
+
+
+@needs_numba
+@pytest.mark.parametrize("unit", [3, 5])
+def test_a_healthy_unit_that_is_known_by_its_data_sheet_alone_is_not_accused(unit: int) -> None:
+    """Contacts that stretch before they slide look a little like Stribeck friction (0.1 %), and like a spring."""
+    run = measured(machine(unit), {}, "chirp", 91)
+    found = diagnose(gather(reference_actuator(), Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file="run")))
+    assert found.verdict == "adequate", [(one.name, one.score, one.values) for one in found.named]

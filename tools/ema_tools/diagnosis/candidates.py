@@ -15,7 +15,7 @@ import numpy as np
 from ema_tools.actuator import Actuator
 from ema_tools.definitions import Effect, load_definitions
 from ema_tools.diagnosis.evidence import View
-from ema_tools.diagnosis.screening import Screen, Shaped, shapes_of
+from ema_tools.diagnosis.screening import COGGING_PERIODS, RIPPLE_PERIODS, Screen, Shaped, shapes_of
 from ema_tools.diagnosis.whitening import Reals
 from ema_tools.errors import InputError
 from ema_tools.parallel import each
@@ -38,6 +38,11 @@ _LADDER = (1.0, 8.0, 30.0, 100.0)
 # After the first round, effects that may take off this share of what is needed, and at most so many, are simulated.
 _PROMISING_SHARE = 0.3
 _PROMISING_MAX = 7
+# Without the current, a torque of dozens of periods per turn shows only where the machine nearly rests, which no linear filter sees: each number of periods is
+# simulated at so many phases, at this share of the friction or of the torque, and the best are kept.
+_FINE: Mapping[str, tuple[Sequence[float], float]] = {"cogging_torque": (COGGING_PERIODS, 0.05), "torque_ripple": (RIPPLE_PERIODS, 0.02)}
+_FINE_PHASES = 6
+_FINE_KEPT = 3
 # A limit acts only below what the signal reaches: shares of the largest current that are tried.
 _LIMIT_SHARES = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.4, 0.35, 0.3)
 # First sizes of effects that are far from proportional to their size, and the power with which they grow.
@@ -102,6 +107,8 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
         peak = float(np.max(np.abs(screen.states.current_A)))
         return [one({}, (share * peak,)) for share in _LIMIT_SHARES]
     suggested = shapes_of(screen, effect.name)
+    if effect.name in _FINE and not present and "current_A" not in view.evidence.channels:
+        suggested = [*(suggested or ()), *_by_simulation(effect, view)]
     if suggested is not None and not present:
         return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
     if suggested is not None and "phase_rad" in {value.field for value in effect.parameters}:
@@ -115,6 +122,20 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
     zero = actuator[size.name]
     first = () if present else tuple(_FIRST.get(effect.name, ()))
     return [one(dict(zip(names, values, strict=True)), first or _ladder(size.lower, size.upper, zero, _LADDER), zero) for values in itertools.product(*grid.values())]
+
+
+def _by_simulation(effect: Effect, view: View) -> list[Shaped]:
+    """The best numbers of periods and phases of an effect by one simulation each, best first."""
+    numbers, share = _FINE[effect.name]
+    first = share * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
+    phases = np.linspace(-np.pi, np.pi, _FINE_PHASES, endpoint=False)
+    shapes = [{f"effects.{effect.name}.periods": float(number), f"effects.{effect.name}.phase_rad": float(phase)} for number in numbers for phase in phases]
+
+    def tried(shape: Mapping[str, float]) -> Shaped:
+        wanted, gain = _gain(view.signature({f"effects.{effect.size.name}": first, **shape}), view.residual)
+        return Shaped(shape, first * wanted, gain)
+
+    return sorted(each(tried, shapes), key=lambda one: -one.score)[:_FINE_KEPT]
 
 
 def _same_periods(effect: Effect, actuator: Actuator, shape: Mapping[str, float]) -> bool:

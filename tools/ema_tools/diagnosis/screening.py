@@ -20,8 +20,8 @@ from ema_tools.native import library
 
 _PROBE_SHARE = 0.02  # of the friction level: far below any saturation
 _SMOOTH: Mapping[str, float] = {"screw.csj_Nm": 0.0, "screw.blk_mm": 0.0, "screw.load_torque_Nm": 0.0, "screw.friction_asymmetry": 0.0, "gearbox.efficiency": 1.0}
-_COGGING_PERIODS = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
-_RIPPLE_PERIODS = tuple(range(1, 49))
+COGGING_PERIODS = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
+RIPPLE_PERIODS = tuple(range(1, 49))
 _STRIBECK_SPEEDS = (2.0, 4.0, 7.0, 12.0, 20.0, 32.0, 50.0)
 _STRIBECK_SHAPES = (1.0, 2.0)
 _JAM_WIDTHS = (0.06, 0.12, 0.25, 0.5, 1.0)
@@ -166,7 +166,7 @@ def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
     states, actuator = screen.states, screen.actuator
     level = actuator["screw.csj_Nm"] * actuator["screw.dynamic_ratio"]
     if effect == "cogging_torque":
-        found = screen.periodic(effect, _COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
+        found = screen.periodic(effect, COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
         # cogging that is large beside the friction holds the motor at rest: then the filter, which knows no rest, is right in the periods and wrong in the phase
         phase = f"effects.{effect}.phase_rad"
         turned = [replace(one, shape={**one.shape, phase: float(np.angle(np.exp(1j * (one.shape[phase] + quarter))))}) for quarter in _QUARTERS for one in found]
@@ -174,7 +174,7 @@ def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
     if effect == "torque_ripple":
         torque = actuator["motor.torque_constant_Nm_per_A"] * states.current_A
         back_emf = -actuator["motor.back_emf_V_s_per_rad"] * states.speed_rad_s
-        return screen.periodic(effect, _RIPPLE_PERIODS, states.angle_rad, torque, back_emf, False)
+        return screen.periodic(effect, RIPPLE_PERIODS, states.angle_rad, torque, back_emf, False)
     if effect == "pitch_ripple":
         return screen.periodic(effect, (1.0,), states.angle_rad / actuator["gearbox.ratio"], -level * states.direction, None, True, 1)
     if effect == "stribeck_friction":

@@ -224,7 +224,9 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             if gain > _WORTH_FITTING * LEAST_LIMIT:
                 fits = _polished(fits, lambda fit: jointly(fit, _JOINT_ROUNDS), max(_FINALIST_REACH, _GAIN_SHARE * gain))
             fits = fits if rounds else _with_twins(fits, exact)
-            fits = tuple(fit for fit in fits if not _is_slight(fit, _newest(fit, held)))
+            slight = {_newest(fit, held) for fit in fits if _is_slight(fit, _newest(fit, held))}
+            fits = tuple(fit for fit in fits if _newest(fit, held) not in slight)
+            scores = {name: score for name, score in scores.items() if name not in slight}
         # that a twin is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign
         least_of_twin = min(least, _TWIN_LIMIT * max(1.0, cost / max(start.evidence.floor, 1.0)))
         limits = dict.fromkeys(known, least_of_twin)

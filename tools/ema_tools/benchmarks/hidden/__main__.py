@@ -36,6 +36,7 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--first", type=click.IntRange(1), help="Number of the first machine.")
 @click.option("--repeats", type=click.IntRange(2), help="Healthy repeats.")
 @click.option("--healthy", type=click.IntRange(0), help="Healthy records.")
+@click.option("--strangers", type=click.IntRange(0), help="Healthy machines without repeats.")
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
 @click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
 @click.option("-o", "--output", "folder", type=click.Path(path_type=Path, file_okay=False), default=Path("hidden"), show_default=True, help="Folder of the rows; a run that was interrupted goes on.")
@@ -49,6 +50,7 @@ def main(
     first: int | None,
     repeats: int | None,
     healthy: int | None,
+    strangers: int | None,
     pairs: int | None,
     workers: int | None,
     folder: Path,
@@ -65,6 +67,7 @@ def main(
         "first_machine": first,
         "repeats": repeats,
         "healthy": healthy,
+        "strangers": strangers,
         "pairs": pairs,
     }
     plan = replace(plan, **{name: value for name, value in given.items() if value not in (None, ())})

@@ -144,6 +144,9 @@ def _unasked(rows: Sequence[Row]) -> str:
     if healthy:
         accused = share_of(healthy, scoring.accused)
         text += f"Healthy records accused of an effect: {accused}; called unknown: {share_of(healthy, lambda row: row['verdict'] == 'unknown')}.\n\n"
+    strangers = of_kind(rows, "stranger")
+    if strangers:
+        text += f"Healthy machines known by their data sheet alone, accused: {share_of(strangers, scoring.accused)}; called unknown: {share_of(strangers, lambda row: row['verdict'] == 'unknown')}.\n\n"
     cells = []
     for name in OUTSIDE:
         some = [row for row in of_kind(rows, "outside") if row["effects"] == [name]]
@@ -155,7 +158,7 @@ def _unasked(rows: Sequence[Row]) -> str:
     if cells:
         text += "Outside effects, medium and large; `left` is the share of what they do to the signals, beyond the noise, that the nearest effect of the library leaves at its best size.\n\n"
         text += _table(("hidden", "nearest in the library", "put forward", "left", "unknown"), cells, 2)
-    return text if healthy or cells else ""
+    return text if healthy or strangers or cells else ""
 
 
 def _pairs(rows: Sequence[Row]) -> str:

@@ -18,6 +18,8 @@ Row = dict[str, Any]
 SEPARABLE = 3.0
 _TRAINING_LIMIT, _HELD_OUT_LIMIT = 1.05, 1.15
 STRONG = ("medium", "large")
+# Kinds of trial in which nothing is hidden: against repeats, and against the data sheet alone.
+HEALTHY = ("healthy", "stranger")
 
 
 @dataclass(frozen=True)
@@ -114,30 +116,33 @@ def _at_least(text: str, reached: Share, percent: float, beside: str = "") -> Go
     return Goal(text, str(reached), f">= {percent:g} %", reached.percent >= percent, beside)
 
 
+def _gap(text: str, rows: Sequence[Row]) -> Goal:
+    gap = observed(rows).percent - share_of(rows, first_right).percent
+    return Goal(f"gap to the ideal observer, {text}", f"{gap:.1f}", "<= 3 percentage points", gap <= 3.0)
+
+
 def goals(rows: Sequence[Row]) -> list[Goal]:
     """Every goal that these rows can judge."""
     found = []
     for severities, percent in ((STRONG, 99.0), (("small",), 97.0), (("edge",), 85.0)):
         some = of_kind(rows, "library", *severities)
         if some:
-            seen = observed(some)
-            found.append(_at_least(f"right name or class first, {' and '.join(severities)}", share_of(some, first_right), percent, str(seen)))
-            gap = seen.percent - share_of(some, first_right).percent
-            found.append(Goal(f"gap to the ideal observer, {' and '.join(severities)}", f"{gap:.1f}", "<= 3 percentage points", gap <= 3.0))
+            found.append(_at_least(f"right name or class first, {' and '.join(severities)}", share_of(some, first_right), percent, str(observed(some))))
+            found.append(_gap(" and ".join(severities), some))
     some = of_kind(rows, "position", "medium")
     if some:
         found.append(_at_least("the same with command and rod position alone, medium", share_of(some, first_right), 90.0, str(observed(some))))
+        found.append(_gap("with command and rod position alone, medium", some))
     for severity, percent in (("large", 90.0), ("medium", 75.0)):
         some = of_kind(rows, "alone", severity)
         if some:
-            seen = observed(some)
-            found.append(_at_least(f"right name or class first without healthy repeats, {severity}", share_of(some, first_right), percent, str(seen)))
-            gap = seen.percent - share_of(some, first_right).percent
-            found.append(Goal(f"gap to the ideal observer without healthy repeats, {severity}", f"{gap:.1f}", "<= 3 percentage points", gap <= 3.0))
-    some = of_kind(rows, "healthy")
-    if some:
-        wrong = share_of(some, accused)
-        found.append(Goal("healthy records accused", str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
+            found.append(_at_least(f"right name or class first without healthy repeats, {severity}", share_of(some, first_right), percent, str(observed(some))))
+            found.append(_gap(f"without healthy repeats, {severity}", some))
+    for kind, text in zip(HEALTHY, ("healthy records accused", "healthy machines accused without healthy repeats"), strict=True):
+        some = of_kind(rows, kind)
+        if some:
+            wrong = share_of(some, accused)
+            found.append(Goal(text, str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
     some = of_kind(rows, "outside", *STRONG)
     if some:
         found.append(_at_least("unknown for effects outside the library", share_of(some, lambda row: row["verdict"] == "unknown"), 90.0))
@@ -166,7 +171,7 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
 
 def missed(row: Row) -> bool:
     """Whether a row is worth a look."""
-    if row["kind"] in ("healthy", "placebo"):
+    if row["kind"] in (*HEALTHY, "placebo"):
         return accused(row)
     if row["kind"] == "outside":
         return bool(row["verdict"] != "unknown")
@@ -187,13 +192,13 @@ def confusions(rows: Sequence[Row]) -> dict[str, Counter[str]]:
 def show(console: Console, rows: Sequence[Row]) -> None:
     """The main figures, and every miss."""
     main = table("hidden effects", "kind", "severity", "right first", "put forward, alone", "wrongly put forward", "observer", "processor, s", text_columns=2)
-    for kind in ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", "healthy", "time"):
+    for kind in ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", *HEALTHY, "time"):
         for severity in ("", *SEVERITIES):
             some = of_kind(rows, kind, severity)
             if some:
-                named = "-" if kind in ("outside", "healthy", "pair") else str(share_of(some, first_right))
-                alone = "-" if kind in ("outside", "healthy") else str(share_of(some, exact_set))
-                wrong = share_of(some, accused if kind in ("placebo", "outside", "healthy") else wrongly_accused)
+                named = "-" if kind in ("outside", "pair", *HEALTHY) else str(share_of(some, first_right))
+                alone = "-" if kind in ("outside", *HEALTHY) else str(share_of(some, exact_set))
+                wrong = share_of(some, accused if kind in ("placebo", "outside", *HEALTHY) else wrongly_accused)
                 main.add_row(kind, severity, named, alone, str(wrong), str(observed(some)), f"{np.median([row['cpu_s'] for row in some]):.1f}")
     console.print(main)
     for row in filter(missed, rows):

@@ -15,7 +15,7 @@ from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, 
 from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, Machine, machine, measured, seed_of
 from ema_tools.reference.recording import Recording
 
-KINDS = ("library", "fault", "outside", "healthy", "pair", "position", "alone", "same", "placebo", "time")
+KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position", "alone", "same", "placebo", "time")
 OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
@@ -56,7 +56,7 @@ def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], comman
 
 @dataclass(frozen=True)
 class Plan:
-    """How many trials of what: `seeds` machines for each effect and severity, every third under another command; the others by their counts.
+    """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command; the others by their counts.
 
     `timed`: trials that run one after the other on all cores, with nothing remembered, as a user's diagnosis does.
     """
@@ -66,6 +66,7 @@ class Plan:
     effects: tuple[str, ...] = ()
     kinds: tuple[str, ...] = KINDS
     healthy: int = 200
+    strangers: int = 40
     pairs: int = 40
     outside_seeds: int = 2
     repeats: int = 5
@@ -98,6 +99,9 @@ class Plan:
             place, day = divmod(count, _DAYS)
             command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
             found.append(Trial("healthy", (), "", command, self.first_machine + place, self.repeats, day))
+        for place in range(self.strangers):
+            command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
+            found.append(Trial("stranger", (), "", command, self.first_machine + place, 0))
         found += [Trial("time", (name,), strong[0], "chirp", first, self.repeats) for name in library[: self.timed] if strong]
         return [trial for trial in found if trial.kind in self.kinds]
 
