@@ -15,7 +15,7 @@ from scipy.optimize import lsq_linear
 from ema_tools.actuator import Actuator
 from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.spread import Spread
-from ema_tools.diagnosis.whitening import Reals, Whitener
+from ema_tools.diagnosis.whitening import Complexes, Reals, Whitener
 from ema_tools.errors import InputError
 from ema_tools.native import library
 from ema_tools.parallel import each
@@ -135,7 +135,7 @@ class View:
         own = self.deviations[: len(self.evidence.spread)]
         return self.projected(self.evidence.simulate({**self.values, **changes}, own) - self.base)
 
-    def unwhitened(self) -> Reals:
+    def unwhitened(self) -> Complexes:
         """The residual's lines [channels, lines] weighted once more: their product with a signal's lines is the product of whitened vectors."""
         count = self.deviations.size
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights

@@ -454,7 +454,7 @@ def print_next(console: Console, found: Next) -> None:
     heads = ("worst pair",) if many else ()
     rows = table("Separation, standard deviations", "command", "numbers", *heads, "apart", *(() if many else (f"shows {effect}" for effect in found.effects)), text_columns=3 if many else 2)
     for option in found.options:
-        worst = (" / ".join(min(option.pairs, key=lambda pair: option.pairs[pair])),) if many else ()
+        worst = (" / ".join(min(option.pairs.items(), key=lambda pair: pair[1])[0]),) if many else ()
         visible = () if many else (number(option.shown[effect], 3) for effect in found.effects)
         rows.add_row(option.title, _numbers(option.command), *worst, number(option.separation, 3), *visible)
     console.print(rows)

@@ -422,8 +422,11 @@ class _Search:
             assert not isinstance(pattern, str)
             return self.bench.fit(fit.samples, (*others, pattern), np.column_stack([rest, self.bench.decimated(pattern.columns)]))
 
+        def square(point: Reals) -> float:
+            return at(point).square(rows)
+
         start = np.array([last.shape[name] for name in names]) / scale
-        found = minimize(lambda point: at(point).square(rows), start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-4 * fit.square(rows), "maxfev": 60})
+        found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-4 * fit.square(rows), "maxfev": 60})
         best = at(found.x)
         return best if best.square(rows) < fit.square(rows) and not outside(best, last.effect) else fit
 

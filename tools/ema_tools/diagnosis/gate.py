@@ -301,7 +301,7 @@ def _unit_guess(name: str, scale: float, actuator: Actuator) -> str:
 def lag_s(signal_one: Reals, signal_two: Reals, period_s: float, most_s: float = _LAG_MAX_S) -> float:
     """By how much the first signal comes later than the second, s, from the peak of their cross-correlation; both [rows]."""
     one, two = signal_one - signal_one.mean(), signal_two - signal_two.mean()
-    most = min(max(2, round(most_s / period_s)), one.size // 4)
+    most = min(max(2, round(most_s / period_s)), signal_one.size // 4)
     product = signal.correlate(one, two, mode="full", method="fft")
     middle = two.size - 1
     near = product[middle - most : middle + most + 1]

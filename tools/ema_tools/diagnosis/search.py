@@ -215,7 +215,11 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         known = {fit.effects[0] for fit in exact}
         finalists = _finalists([one for one in found if one.candidate.effect not in known], free is not None) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
         values = dict(steps[-1].values) if steps else {}
-        fits = best_of_each(each(lambda one, values=values, seen=here if rounds else None: refit(seen or one.view, joined(values, one.start())), finalists))
+
+        def refitted(one: Signature, values: Mapping[str, float] = values, seen: View | None = here if rounds else None) -> Fit:
+            return refit(seen or one.view, joined(values, one.start()))
+
+        fits = best_of_each(each(refitted, finalists))
         if free is None:
             reach = max(_FINALIST_REACH, 0.3 * fits[0].judged) if fits else 0.0
             fits = _polished(fits, lambda fit: polished(fit, _POLISH_ROUNDS[fit.view.evidence.relative]), reach)

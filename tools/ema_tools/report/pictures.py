@@ -123,7 +123,7 @@ def _around(values: Series, room: float = 0.08) -> tuple[float, float]:
 
 def of_record(curves: Curves, added: str) -> str:
     """Measured and simulated signals with their difference, before and after."""
-    time = curves.start_s + curves.period_s * np.arange(curves.rows)
+    time = curves.start_s + curves.period_s * np.arange(curves.rows, dtype=np.float64)
     ends = (float(time[0]), float(time[-1]))
     titles = {"before": "the model before", "after": f"with {added}"}
     shown = {name: shape for name, shape in _CHANNELS.items() if name in curves.channels()}
