@@ -139,7 +139,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         while not ran or sum(one.executions for one in ran) < options.executions:
             with ThreadPoolExecutor(options.jobs) as pool:
-                ran += pool.map(lambda target: run(target, options.programs, options.corpus, options.work, options.seconds, options.least, seed), options.targets)
+                ran += pool.map(lambda target, seed=seed: run(target, options.programs, options.corpus, options.work, options.seconds, options.least, seed), options.targets)
             seed += 1
             if options.executions:
                 print(f"{told(ran)}\n", flush=True)

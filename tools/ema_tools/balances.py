@@ -267,7 +267,7 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool
 
 def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
     """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
-    found = [float(getattr(effect, "stretch_rad")) for _, effect in _active(actuator, "PRESLIDING")]
+    found = [float(effect.stretch_rad) for _, effect in _active(actuator, "PRESLIDING")]
     direction = np.sign(motion.speed_rad_s)
     return (stretched(motion.angle_rad, found[0]), True) if found else (direction, False)
 

@@ -102,7 +102,8 @@ def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ..
     if std:
         comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
-    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, "rows": record.rows, "period_s": record.period_s, "settings": list(settings), "noise": std, "seed": seed, "precision": int(precision)}, force)
+    told = {"rows": record.rows, "period_s": record.period_s, "settings": list(settings), "noise": std, "seed": seed, "precision": int(precision)}
+    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, **told}, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
 

@@ -52,7 +52,8 @@ class Evidence:
     """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
     `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
-    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation of 1 each, such as the zero of a sensor.
+    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
+    of 1 each, such as the zero of a sensor.
     """
 
     actuator: Actuator
@@ -156,7 +157,8 @@ class View:
         return float(self._plain @ self._plain)
 
     def free_slopes(self, around: Mapping[str, Sequence[tuple[float, float]]]) -> Reals:
-        """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness, and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
+        """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness,
+        and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
 
         Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends. Where the model refuses one of the sides, what scatters keeps the
         view's own direction, and a value has none.

@@ -34,7 +34,8 @@ _JOINT_DONE = 0.1  # of the cost
 
 @dataclass(frozen=True)
 class Fit:
-    """Effects fitted together: their values, the covariance of those that are fitted [fitted, fitted] (they come first), the cost left, the values that lie on a bound, and the evidence seen from there.
+    """Effects fitted together: their values, the covariance of those that are fitted [fitted, fitted] (they come first), the cost left, the values that lie on a bound,
+    and the evidence seen from there.
 
     `cost` is that of the residual; `judged` adds what the choice of shapes explains of noise.
     """

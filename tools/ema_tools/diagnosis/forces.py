@@ -677,7 +677,8 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         "residual_before_Nm": first.residual,
         "residual_after_Nm": accepted.residual,
     }
-    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless})), floor_of(bench, accepted), bench.laps, record.period_s, curves)
+    refusals = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}))
+    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), refusals, floor_of(bench, accepted), bench.laps, record.period_s, curves)
 
 
 def _given(actuator: Actuator, bench: Bench) -> Errors:

@@ -252,7 +252,8 @@ def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Re
         found.append(Remark("coverage", "weakens", text, "record a chirp or a multisine"))
     if found:
         return found
-    text = f"{reversals:.0f} reversals, {leads:.2g} leads, speeds to {coverage['fastest_rad_s']:.3g} rad/s, frequencies to {coverage['top_hz']:.2g} Hz, {coverage['slow_percent']:.0f} % of the time near standstill"
+    reached = f"speeds to {coverage['fastest_rad_s']:.3g} rad/s, frequencies to {coverage['top_hz']:.2g} Hz"
+    text = f"{reversals:.0f} reversals, {leads:.2g} leads, {reached}, {coverage['slow_percent']:.0f} % of the time near standstill"
     return [Remark("coverage", "fine", text)]
 
 

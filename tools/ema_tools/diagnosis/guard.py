@@ -356,4 +356,5 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     best = best if as_filed else _on_unit(gathered, best)
     own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
     beside = {name: best.values[name] for name in known.faults}
-    return Guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)
+    std = {name: best.std[name] for name in own if name in best.std}
+    return Guarded(verdict, (best.effect, *alike), own, std, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)

@@ -162,9 +162,8 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
         reference = found.references.get(name)
         if found.relative and reference is None:
             continue
-        if reference is not None:
-            own = replace(own, residual=own.residual - reference.mean)
-        unknowns.append(unknown_of(own, motion, reference))
+        left = own if reference is None else replace(own, residual=own.residual - reference.mean)
+        unknowns.append(unknown_of(left, motion, reference))
     return tuple(sorted(unknowns, key=lambda one: -one.merit))
 
 

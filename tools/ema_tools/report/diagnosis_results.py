@@ -281,7 +281,8 @@ def _points(part: Reader) -> Line:
 def _pictures(pictures: Reader) -> Iterator[Picture]:
     """Bins by balance and axis, torque against speed, orders, hysteresis."""
     for part in pictures.tables("bins"):
-        yield Picture(part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""), {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"), friction=bool(part.data.get("friction", False)))
+        heads = (part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""))
+        yield Picture(*heads, {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"), friction=bool(part.data.get("friction", False)))
     if pictures.data.get("torque_speed") is not None:
         part = pictures.table("torque_speed")
         lines = {"points": _points(part.table("points"))}

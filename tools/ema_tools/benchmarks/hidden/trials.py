@@ -56,7 +56,8 @@ def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], comman
 
 @dataclass(frozen=True)
 class Plan:
-    """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command; the others by their counts.
+    """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command;
+    the others by their counts.
 
     `timed`: trials that run one after the other on all cores, with nothing remembered, as a user's diagnosis does.
     """
