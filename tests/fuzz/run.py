@@ -94,7 +94,8 @@ def keep(target: str, programs: Path, corpus: Path, work: Path) -> int:
         sources = [path for path in (corpus / target, work / target / "corpus") if path.is_dir()]
         command = [str(program_of(target, programs)), "-merge=1", f"-max_len={LENGTHS.get(target, 512)}", str(merged), *map(str, sources)]
         subprocess.run(command, capture_output=True, check=True)
-        chosen, size = [], 0
+        chosen: list[Path] = []
+        size = 0
         for path in sorted(merged.iterdir(), key=lambda path: (path.stat().st_size, path.name)):
             size += path.stat().st_size
             if size <= KEPT_BYTES and len(chosen) < KEPT_FILES:
