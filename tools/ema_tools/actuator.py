@@ -8,6 +8,8 @@ from __future__ import annotations
 import copy
 import difflib
 import math
+import re
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -285,7 +287,9 @@ def read_actuator(path: str | Path) -> Actuator:
     try:
         document = tomlkit.parse(text)
     except TOMLKitError as error:
-        raise InputError(f"{file}: not TOML: {str(error)[:1].lower()}{str(error)[1:]}: correct that line") from None
+        if Path(path).suffix.lower() == ".csv":
+            raise InputError(f"{file}: a recording where an actuator is wanted: give the actuator's TOML file first, then the recording") from None
+        raise InputError(f"{file}: not TOML: {_reason(error, text)}: correct that line") from None
     known = load_definitions()
     values = defaults()
     content = document.unwrap()
@@ -299,6 +303,19 @@ def read_actuator(path: str | Path) -> Actuator:
         _take(table, {row.field: row for row in sections[section]}, section, values, file)
     _require(content, sections, file)
     return Actuator(values=values, document=document, file=file, about=about)
+
+
+def _reason(error: TOMLKitError, text: str) -> str:
+    """The parser's reason, with the place, which it leaves out for a key that is given twice."""
+    reason = f"{str(error)[:1].lower()}{str(error)[1:]}".rstrip(".")
+    if " line " in reason:
+        return reason
+    try:
+        tomllib.loads(text)
+    except tomllib.TOMLDecodeError as placed:
+        at = re.search(r"at line \d+", str(placed))
+        return f"{reason} {at[0]}" if at else reason
+    return reason
 
 
 def _about(table: object, file: str) -> dict[str, str]:

@@ -59,9 +59,11 @@ class Identified:
 
     @property
     def objects(self) -> bool:
-        """Whether the guard takes the fault back: the model is not adequate, or CSJ or BLK would be another one beside the missing effect."""
+        """Whether the guard takes the fault back: the model is not adequate, or CSJ or BLK would be another one beside the missing effect; or says why a strange answer is none."""
         if self.guarded is None or self.guarded.verdict == "adequate":
             return False
+        if self.guarded.verdict == "unknown" and self.guarded.skipped and self.answer.verdict == "undecided":
+            return True
         return not self.answer.adequate or (self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified))
 
     def _moved(self, estimate: Estimate) -> bool:

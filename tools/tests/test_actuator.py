@@ -124,7 +124,7 @@ BAD = [
     ("unknown key about the actuator", lambda: edited("[actuator]", "[actuator]\nnmae = 'x'"), "a.toml: actuator.nmae: unknown key (did you mean name?)"),
     ("a number for a name", lambda: edited('name = "reference actuator"', "name = 3"), "a.toml: actuator.name = 3: not a text: put it in quotes"),
     ("broken TOML", lambda: edited("[motor]", "[motor"), "a.toml: not TOML: "),
-    ("the same key twice", lambda: edited("[motor]\n", "[motor]\ninductance_H = 1e-3\n"), "a.toml: not TOML: "),
+    ("the same key twice", lambda: edited("[motor]\n", "[motor]\ninductance_H = 1e-3\n"), "a.toml: not TOML: key \"inductance_H\" already exists at line "),
 ]
 
 

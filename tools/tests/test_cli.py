@@ -71,7 +71,7 @@ BAD = [
     (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"), "simulate: the step is too long for a time constant"),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "."), ".: is a folder: name a file"),
     (("compare", REFERENCE, "none.csv"), "none.csv: there is no such file; check the path"),
-    (("compare", RECORDINGS / "case_a.csv", RECORDINGS / "case_a.csv"), "case_a.csv: not TOML: "),
+    (("compare", RECORDINGS / "case_a.csv", RECORDINGS / "case_a.csv"), "case_a.csv: a recording where an actuator is wanted: give the actuator's TOML file first"),
     (("compare", REFERENCE, REFERENCE), "reference.toml: "),
     (("identify", REFERENCE, "none.mat"), "none.mat: no such file or directory: check the path"),
     (("calibrate", REFERENCE, RECORDINGS / "healthy.csv", "-o", "n.toml", "--fit", "csj"), "csj: unknown value"),

@@ -139,6 +139,15 @@ def test_plainly_adequate_without_noise_stays_a_fault() -> None:
     assert found.guarded is not None and found.guarded.skipped == "every residual is as small as its sensor's noise"
 
 
+def test_a_strange_answer_on_a_record_that_cannot_answer_says_why() -> None:
+    """Command and rod position in inches agree with each other, and with a machine of hardly any friction; the motor's position does not."""
+    record = chirp_record(reference_actuator().changed(WORN))
+    found = identify(reference_actuator(), replace(record, command_mm=record.command_mm / 25.4, position_mm=record.position_mm / 25.4))
+    assert found.verdict == "undecided" and not found.adequate
+    assert found.reasons[0].startswith("nothing can be told from this record: the motor position is ") and found.reasons[0].endswith("give motor_position_mm in mm")
+    assert len(found.reasons) > 1
+
+
 def test_a_small_error_that_the_module_overlooks_is_no_fault() -> None:
     """A user who states a large sensor noise calls the model adequate: a winding of +10 % moves CSJ and BLK, by no more than the bias that the module itself states."""
     known = reference_actuator().changed({"verdict.position_noise_mm": 0.1})

@@ -40,6 +40,7 @@ _ALIKE = 0.5
 _OPPOSITE = -0.5
 _LAG_MAX_S = 0.05
 _LAG_DOUBTFUL_S = 0.015
+_AHEAD_S = 0.01
 _LAG_BETWEEN_S = 0.003
 _LIMIT_SHARE = 0.995
 _SATURATED_WEAKENS = 0.2
@@ -47,6 +48,10 @@ _SATURATED_BLOCKS = 0.8
 _CLIPPED_ROWS = 4
 _STUCK_S = 0.02
 _STUCK_MOVES = 0.1
+# A sensor that is held for this share of the record leaves too little of it.
+_STUCK_BLOCKS = 0.1
+# A rod may rest while the motor crosses the play, which wear may have made so many times its healthy size.
+_PLAYS = 5.0
 # A jump of one or two rows and back: beyond the noise and beyond this share of the signal no machine makes it.
 _SPIKE_NOISE = 30.0
 _SPIKE_SHARE = 0.2
@@ -122,7 +127,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
     if coverage["stroke_mm"] > 0.0 and not any(remark.severity == "blocks" for remark in remarks):
         remarks += [*_units(actuator, record, run), *_clock(actuator, record, run, smoother), *_sampling(actuator, record, coverage)]
-        remarks += [*_saturation(actuator, record), *_clipping(record), *_spikes(record), *_stuck(record, run), *_start(actuator, record, motion)]
+        remarks += [*_saturation(actuator, record), *_clipping(record), *_spikes(record), *_stuck(actuator, record, run), *_start(actuator, record, motion)]
     rank = {"blocks": 0, "weakens": 1, "fine": 2}
     return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
 
@@ -318,6 +323,10 @@ def _clock(actuator: Actuator, record: Record, run: Simulation, smoother: Smooth
     """Lag of the record against the model, and between its own two positions."""
     found = []
     speed, model = np.gradient(smoother.smooth(record.position_mm)), np.gradient(smoother.smooth(run.position_mm))
+    ahead = -lag_s(speed, np.gradient(record.command_mm), record.period_s)
+    if ahead > _AHEAD_S:
+        text = f"the rod moves {1e3 * ahead:.3g} ms before its command, which no machine does"
+        return [Remark("clock", "blocks", text, "check that command_mm and position_mm are not exchanged, and that one clock records both")]
     late = lag_s(speed, model, record.period_s)
     # at low speed a play is a delay too
     played = 0.5 * actuator["screw.blk_mm"] / max(float(np.mean(np.abs(speed))) / record.period_s, 1e-9)
@@ -406,8 +415,8 @@ def _spikes(record: Record) -> list[Remark]:
     return found
 
 
-def _stuck(record: Record, run: Simulation) -> list[Remark]:
-    """Samples that repeat while the model's signal moves on: lost data, or a held sensor."""
+def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
+    """Samples that repeat while the model's signal moves on, the longest stretch of each signal: lost data, or a held sensor; a rod that stays may be seized, unless the motor turns on."""
     found = []
     for name in HIDES:
         values = record.channel(name)
@@ -416,13 +425,20 @@ def _stuck(record: Record, run: Simulation) -> list[Remark]:
         same = np.concatenate((np.diff(values) == 0.0, [False]))
         edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
         model = getattr(run, name)
+        longest = 0
         for first, last in zip(edges[::2], edges[1::2], strict=True):
             long_enough = (last - first) * record.period_s >= _STUCK_S
             clipped = name not in ("position_mm", "motor_position_mm") and abs(values[first]) == np.max(np.abs(values))
-            if long_enough and not clipped and np.ptp(model[first : last + 1]) > _STUCK_MOVES * np.ptp(model):
-                text = f"{name} repeats one value for {last - first + 1} rows from row {first + 1}, where the model moves on"
-                found.append(Remark("stuck", "weakens", text, "check the recording for lost samples, and the machine for a seized rod"))
-                break
+            if last - first > longest and long_enough and not clipped and np.ptp(model[first : last + 1]) > _STUCK_MOVES * np.ptp(model):
+                longest, start = int(last - first), int(first)
+        if longest:
+            text = f"{name} repeats one value for {longest + 1} rows from row {start + 1}, where the "
+            motor = record.motor_position_mm
+            lost = name == "position_mm" and longest > _STUCK_BLOCKS * record.rows
+            if lost and motor is not None and np.ptp(motor[start : start + longest + 1]) > _PLAYS * actuator["screw.blk_mm"] + _STUCK_MOVES * np.ptp(motor):
+                found.append(Remark("stuck", "blocks", f"{text}motor turns on", "check the rod's sensor, and what joins it to the motor"))
+            else:
+                found.append(Remark("stuck", "weakens", f"{text}model moves on", "check the recording for lost samples, and the machine for a seized rod"))
     return found
 
 

@@ -42,22 +42,24 @@ SLIGHT: Sequence[Mapping[str, float]] = (
     {"effects.presliding.stretch_rad": 0.001},
     {"effects.presliding.stretch_rad": 0.003},
 )
-# And further sizes at one standard deviation that are not free but not named either, since no data sheet is so exact: of a motor's ripple, a bridge's drop, what a
-# loop is late, a stretch of the transmission, a gain of friction under load; and as a share of the dry friction, what its law leaves open (against speed, at a speed of 100 rad/s, per mm),
-# its cogging, and a local spot, which stands in for the ripple of a screw where a record shows less than a lead.
+# And further sizes at one standard deviation that are not free but not named either, since no data sheet is so exact: of a motor's ripple, an asymmetry of the grease,
+# a bridge's drop, what a loop is late, a stretch of the transmission, a gain of friction under load; and as a share of the dry friction, its cogging, a local spot, which
+# stands in for the ripple of a screw where a record shows less than a lead, a spring per mm, and a bend of its law: 0.8 % at 100 rad/s where it flattens, 0.65 % at 200 where it steepens.
 _SLIGHT_SIZE: Mapping[str, float] = {
     "effects.torque_ripple.ratio": 0.002,
-    "effects.stribeck_friction.rise": 0.004,
+    "effects.stribeck_friction.rise": 0.008,
+    "effects.viscous_asymmetry.asymmetry": 0.006,
     "effects.load_dependent_friction.ratio": 0.001,
     "effects.inverter_dead_time.drop_V": 0.01,
-    "effects.feedback_delay.delay_s": 1e-5,
+    "effects.feedback_delay.delay_s": 2e-5,
     "effects.actuation_delay.delay_s": 5e-6,
     "effects.transmission_compliance.period_s": 5e-4,
 }
 _SLIGHT_OF_FRICTION: Mapping[str, float] = {
-    "effects.cogging_torque.amplitude_Nm": 0.004,
+    "effects.cogging_torque.amplitude_Nm": 0.0075,
     "effects.jam_spot.amplitude_Nm": 0.004,
-    "effects.concave_viscous.drag_Nm_per_sqrt_rad_s": 0.0004,
+    "effects.concave_viscous.drag_Nm_per_sqrt_rad_s": 0.008 / 10.0,
+    "effects.quadratic_viscous.drag_Nm_s2_per_rad2": 0.0065 / 200.0**2,
     "effects.spring_load.stiffness_Nm_per_mm": 0.001,
 }
 # A size of these up to so many of their standard deviations is what every machine has, and is not named without repeats.

@@ -19,6 +19,8 @@ KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position
 OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
+# Strangers are machines of which nothing else is asked.
+_FIRST_STRANGER = 400
 # Healthy records of one machine and command.
 _DAYS = 20
 
@@ -67,7 +69,7 @@ class Plan:
     effects: tuple[str, ...] = ()
     kinds: tuple[str, ...] = KINDS
     healthy: int = 200
-    strangers: int = 40
+    strangers: int = 100
     pairs: int = 40
     outside_seeds: int = 2
     repeats: int = 5
@@ -102,7 +104,7 @@ class Plan:
             found.append(Trial("healthy", (), "", command, self.first_machine + place, self.repeats, day))
         for place in range(self.strangers):
             command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
-            found.append(Trial("stranger", (), "", command, self.first_machine + place, 0))
+            found.append(Trial("stranger", (), "", command, self.first_machine + _FIRST_STRANGER + place, 0))
         found += [Trial("time", (name,), strong[0], "chirp", first, self.repeats) for name in library[: self.timed] if strong]
         return [trial for trial in found if trial.kind in self.kinds]
 
