@@ -15,10 +15,12 @@ import sys
 import time
 from pathlib import Path
 
+WHAT = {"run": "the tools", "test": "their tests", "check": "their checks"}
 
-def fingerprint(lock: Path, package: Path) -> str:
-    """Hash of everything the environment is made from: the lock, the interpreter, the place of the package."""
-    parts = (lock.read_bytes(), sys.version.encode(), sys.executable.encode(), str(package).encode())
+
+def fingerprint(locks: list[Path], package: Path) -> str:
+    """Hash of everything the environment is made from: what is locked, the interpreter, the place of the package."""
+    parts = (*(lock.read_bytes() for lock in locks), sys.version.encode(), sys.executable.encode(), str(package).encode())
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
@@ -49,13 +51,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--venv", type=Path, required=True)
     parser.add_argument("--lock", type=Path, required=True)
+    parser.add_argument("--versions", type=Path, help="another lock, which has the versions of the packages that the first names without one")
     parser.add_argument("--package", type=Path, required=True)
     parser.add_argument("--stamp", type=Path, required=True)
-    parser.add_argument("--kind", choices=("run", "test"), required=True)
+    parser.add_argument("--kind", choices=tuple(WHAT), required=True)
     arguments = parser.parse_args()
     venv: Path = arguments.venv
     python = venv / "bin" / "python"
-    wanted = fingerprint(arguments.lock, arguments.package)
+    locks = [arguments.lock] if arguments.versions is None else [arguments.lock, arguments.versions]
+    wanted = fingerprint(locks, arguments.package)
     stamp: Path = arguments.stamp
 
     if python.exists() and stamp.exists() and stamp.read_text(encoding="utf-8") == wanted:
@@ -65,10 +69,10 @@ def main() -> int:
     log = venv.parent / f"venv-{arguments.kind}.log"
     log.unlink(missing_ok=True)
     start = time.monotonic()
-    count = sum(1 for line in arguments.lock.read_text(encoding="utf-8").splitlines() if "==" in line)
-    what = "the tools" if arguments.kind == "run" else "their tests"
+    count = sum(1 for line in arguments.lock.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#"))
+    what = WHAT[arguments.kind]
     print(f"Python packages of {what}: installing {count} into {venv.name}, once ...", flush=True)
-    if arguments.kind == "run":
+    if arguments.kind != "test":
         shutil.rmtree(venv, ignore_errors=True)
         if not quiet_run([sys.executable, "-m", "venv", str(venv)], log):
             print(f"error: no virtual environment could be made: {last_error(log)}: install the package python3-venv;"
@@ -77,11 +81,15 @@ def main() -> int:
     # The lock is complete, so pip need not resolve; wheels only, so a missing one is said at once.
     install = [str(python), "-I", "-m", "pip", "install", "--quiet", "--no-input", "--no-deps", "--no-compile",
                "--disable-pip-version-check", "--only-binary", ":all:", "--requirement", str(arguments.lock)]
+    if arguments.versions is not None:
+        install += ["--constraint", str(arguments.versions)]
     if not quiet_run(install, log):
         print(f"error: {arguments.lock.name}: {last_error(log)}: check the network and pip's configuration,"
-              f" then build again; details in {log}", file=sys.stderr)
+              f" then run the same command again; details in {log}", file=sys.stderr)
         return 1
-    link_package(python, arguments.package)
+    # The checks read the sources where they lie.
+    if arguments.kind != "check":
+        link_package(python, arguments.package)
     stamp.write_text(wanted, encoding="utf-8")
     print(f"Python packages of {what}: ready after {time.monotonic() - start:.0f} s", flush=True)
     return 0

@@ -169,8 +169,8 @@ def judge(found: set[Finding], deviations: dict[str, Deviation], marks: dict[Lin
         if not names:
             problems.append(f"{finding.file}:{finding.line}: against the {kind(finding.rule)} rule {finding.rule}: mend it, or mark it with a deviation of {DOCUMENT}")
     used: set[str] = set()
-    for place, names in sorted(marks.items()):
-        for name in sorted(names):
+    for place, marked in sorted(marks.items()):
+        for name in sorted(marked):
             used.add(name)
             if name not in deviations:
                 problems.append(f"{place.file}:{place.line}: {name} is no deviation of {DOCUMENT}: write its row there")

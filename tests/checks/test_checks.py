@@ -14,15 +14,18 @@ import check_calls
 import check_compiles
 import check_layers
 import check_misra
+import check_python
 import check_symbols
 import check_tidy
 import check_units
 import check_words
+import stack  # check_calls has put its folder on the path
 
 HERE = Path(__file__).parent
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 NM = shutil.which("nm")
 CPPCHECK = shutil.which("cppcheck")
+PYTHON_TOOLS = not check_python.missing("mypy", "ruff")
 TIDY = next((path for name in check_tidy.TIDIES if (path := shutil.which(name))), None)
 
 
@@ -277,7 +280,7 @@ class Calls(Tree):
         self.assertIn("lost: the library defines it, the call graph does not hold it", output)
         shutil.rmtree(self.root / "src")
         self.assertIn("liba.a defines no function", self.verdict()[1])
-        self.assertIn("a: the library defines it", "".join(check_calls.check_graph(check_calls.stack.Graph(), {"a"})))
+        self.assertIn("a: the library defines it", "".join(check_calls.check_graph(stack.Graph(), {"a"})))
 
     def test_cycles(self) -> None:
         """Two rings in one graph, and none in a graph whose paths meet again."""
@@ -535,6 +538,59 @@ class Tidy(Tree):
         """An empty project fails."""
         self.source.unlink()
         self.assertEqual(self.exit_code("check_tidy.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
+
+
+class Python(Tree):
+    """check_python.py"""
+
+    FILE = "def ema_a(count: int) -> int:\n    return count + 1\n"
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write("tools/pyproject.toml", "[tool.mypy]\nstrict = true\n\n[tool.ruff]\nline-length = 100\n")
+        self.write("tools/ema_tools/__init__.py", "")
+        self.source = self.write("tools/ema_tools/a.py", self.FILE)
+
+    def problems(self) -> list[str]:
+        """Problems of the tree."""
+        return check_python.check(self.root, self.root / "build/mypy")[0]
+
+    @unittest.skipUnless(PYTHON_TOOLS, "needs mypy and ruff")
+    def test_finding(self) -> None:
+        """Clean files, those with a fault that one of the tools sees, and one that is no Python."""
+        self.write("cmake/b.py", "print(1)\n")
+        self.write("tools/tests/test_a.py", "def test_a():\n    assert True\n")
+        self.assertEqual(check_python.check(self.root, self.root / "build/mypy"), ([], 4))
+        self.write("tools/ema_tools/a.py", self.FILE.replace("count + 1", "str(count)"))
+        self.write("cmake/b.py", "def b(count):\n    return count\n")
+        self.write("tools/tests/test_a.py", "import os\n")
+        found = self.problems()
+        self.assertEqual([one.split(" ")[0] for one in found], ["tools/tests/test_a.py:1:", "cmake/b.py:1:", "tools/ema_tools/a.py:2:"])
+        for one, rule in zip(found, ("F401", "[no-untyped-def]", "[return-value]"), strict=True):
+            self.assertIn(rule, one)
+        self.write("tools/ema_tools/a.py", "def\n")
+        self.assertIn("tools/ema_tools/a.py:1: ", self.problems()[0])
+
+    @unittest.skipUnless(PYTHON_TOOLS, "needs mypy and ruff")
+    def test_settings_that_see_nothing(self) -> None:
+        """Settings that switch everything off are no clean bill, and what is left out is counted."""
+        self.write("tools/pyproject.toml", "[tool.mypy]\nignore_errors = true\n\n[tool.ruff.lint]\nselect = ['W605']\n")
+        found = self.problems()
+        self.assertEqual([one.split(":")[0] for one in found], ["ruff", "mypy"])
+        self.assertTrue(all("finds nothing in a file with a known fault" in one for one in found))
+        self.write("tools/pyproject.toml", "[tool.mypy]\nno_such_setting\n")
+        self.assertIn("ruff failed", self.problems()[0])
+
+    def test_no_tool(self) -> None:
+        """A tool that is not there is named."""
+        self.assertEqual(check_python.missing("json", "no_such_tool"), ["no_such_tool"])
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.source.unlink()
+        (self.root / "tools/ema_tools/__init__.py").unlink()
+        self.assertEqual(check_python.check(self.root, self.root / "build/mypy"), ([], 0))
+        self.assertEqual(self.exit_code("check_python.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
 
 
 if __name__ == "__main__":

@@ -94,7 +94,8 @@ def keep(target: str, programs: Path, corpus: Path, work: Path) -> int:
         sources = [path for path in (corpus / target, work / target / "corpus") if path.is_dir()]
         command = [str(program_of(target, programs)), "-merge=1", f"-max_len={LENGTHS.get(target, 512)}", str(merged), *map(str, sources)]
         subprocess.run(command, capture_output=True, check=True)
-        chosen, size = [], 0
+        chosen: list[Path] = []
+        size = 0
         for path in sorted(merged.iterdir(), key=lambda path: (path.stat().st_size, path.name)):
             size += path.stat().st_size
             if size <= KEPT_BYTES and len(chosen) < KEPT_FILES:
@@ -139,7 +140,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         while not ran or sum(one.executions for one in ran) < options.executions:
             with ThreadPoolExecutor(options.jobs) as pool:
-                ran += pool.map(lambda target: run(target, options.programs, options.corpus, options.work, options.seconds, options.least, seed), options.targets)
+                ran += pool.map(lambda target, seed=seed: run(target, options.programs, options.corpus, options.work, options.seconds, options.least, seed), options.targets)
             seed += 1
             if options.executions:
                 print(f"{told(ran)}\n", flush=True)

@@ -239,8 +239,9 @@ def summary(found: Measured) -> str:
             ["`ema_session_feed`", f"{grouped(found.counts['session_feed_most'])} instructions"],
             ["a slice of 200 model steps", f"{grouped(found.counts['slice_200_mean'])} instructions, at most {grouped(found.counts['slice_200_most'])}"],
             ["1 ms of model time in the search", f"{grouped(per_ms)} instructions"],
-            ["a whole identification", f"{found.counts['identify_int16_200'] / 1e6:.0f} million instructions: "
-             f"{found.counts['identify_int16_200'] / CLOCK_HZ:.1f} s of a core that makes {CLOCK_HZ // 1_000_000} million a second"],
+            ["a whole identification",
+             (f"{found.counts['identify_int16_200'] / 1e6:.0f} million instructions: "
+              f"{found.counts['identify_int16_200'] / CLOCK_HZ:.1f} s of a core that makes {CLOCK_HZ // 1_000_000} million a second")],
             ["optional: a table of signatures", f"{grouped(found.counts['size_table'])} bytes of flash, {grouped(found.guarded - found.code)} of code"],
             ["a whole identification behind it", f"{found.counts['guarded_identify'] / 1e6:.0f} million instructions"]]
     return "\n".join(["| what | how much |", "|---|---|", *("| " + " | ".join(row) + " |" for row in rows)])

@@ -56,7 +56,7 @@ def table_problem(old: str, fresh: str) -> str:
     (text, reals, counts), (fresh_text, fresh_reals, fresh_counts) = numbers_of(old), numbers_of(fresh)
     if text != fresh_text or "EMA_SIGNATURES" not in text or len(counts) < 1000:
         return "another shape"
-    apart = [(ours, now) for ours, now in zip(counts, fresh_counts, strict=True) if abs(ours - now) > COUNTS]
+    apart: list[tuple[float, float]] = [(ours, now) for ours, now in zip(counts, fresh_counts, strict=True) if abs(ours - now) > COUNTS]
     apart += [(ours, now) for ours, now in zip(reals, fresh_reals, strict=True) if abs(ours - now) > SHARE * abs(now) + LEAST]
     return f"{len(apart)} of {len(counts) + len(reals)} numbers: {apart[0][0]} is now {apart[0][1]}" if apart else ""
 

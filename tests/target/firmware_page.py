@@ -31,8 +31,8 @@ int main(void)
     return (int)status;
 }
 """
-PROJECT = "cmake_minimum_required(VERSION 3.25)\nproject(firmware LANGUAGES C)\nadd_executable(firmware main.c test.c)\n" \
-          "target_link_options(firmware PRIVATE --specs=nosys.specs -Wl,--gc-sections)\n"
+PROJECT = ("cmake_minimum_required(VERSION 3.25)\nproject(firmware LANGUAGES C)\nadd_executable(firmware main.c test.c)\n"
+           "target_link_options(firmware PRIVATE --specs=nosys.specs -Wl,--gc-sections)\n")
 
 
 class PageError(Exception):

@@ -125,7 +125,7 @@ class Stacks(unittest.TestCase):
 
 def measured(**changed: float) -> budgets.Measured:
     """A measurement inside every target, apart from what is changed and what MISSED excuses."""
-    counts = {"size_ema_session_t": 7000, "size_ema_session_config_t": 200, budgets.RECORD: 40000, "size_ema_actuator_t": 700}
+    counts: dict[str, float] = {"size_ema_session_t": 7000, "size_ema_session_config_t": 200, budgets.RECORD: 40000, "size_ema_actuator_t": 700}
     counts |= {f"model_step_{name}_{which}": 300 for name in ("case_a", "stribeck", "cogging", "dead_time") for which in ("mean", "most")}
     counts |= {f"{name}_{which}": 300 for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
                for which in ("mean", "most")}

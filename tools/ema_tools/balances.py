@@ -176,7 +176,8 @@ def _at_points(
     data = Data(values["motor.torque_constant_Nm_per_A"], values["screw.viscous_Nm_s_per_rad"], values["screw.lead_mm"], values["drive.supply_V"])
     voltage = np.zeros(total.size) if voltage_V is None else voltage_V
     columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage)
-    points = (Point(*row, data) for row in zip(*(column[kept].tolist() for column in columns), strict=True))
+    rows_at = zip(*(column[kept].tolist() for column in columns), strict=True)
+    points = (Point(current, speed, angle, motor, volts, data) for current, speed, angle, motor, volts in rows_at)
     total[kept] = [sum(term(effect, *given, point) for term, effect in terms) for point in points]
     return total
 
@@ -219,9 +220,9 @@ def drive_current(actuator: Actuator, record: Record, held: bool = False) -> Rea
     # exact for a reference that is held: over a row the older command acts first
     fade, newer = math.exp(-record.period_s / lag_s), math.exp(-(1.0 - rest) * record.period_s / lag_s)
     weights = (0.0, 1.0 - newer, newer - fade)
-    held = _mixed(asked, late, 0.0)
-    start = signal.lfiltic(weights, (1.0, -fade), [held[0]], [held[0], held[0]])
-    return np.asarray(signal.lfilter(weights, (1.0, -fade), held, zi=start)[0])
+    reference = _mixed(asked, late, 0.0)
+    start = signal.lfiltic(weights, (1.0, -fade), [reference[0]], [reference[0], reference[0]])
+    return np.asarray(signal.lfilter(weights, (1.0, -fade), reference, zi=start)[0])
 
 
 def _learned_reading_mm(actuator: Actuator, rod_mm: Reals) -> Reals:
@@ -266,7 +267,7 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool
 
 def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
     """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
-    found = [float(getattr(effect, "stretch_rad")) for _, effect in _active(actuator, "PRESLIDING")]
+    found = [float(effect.stretch_rad) for _, effect in _active(actuator, "PRESLIDING")]
     direction = np.sign(motion.speed_rad_s)
     return (stretched(motion.angle_rad, found[0]), True) if found else (direction, False)
 

@@ -102,7 +102,8 @@ def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ..
     if std:
         comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
-    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, "rows": record.rows, "period_s": record.period_s, "settings": list(settings), "noise": std, "seed": seed, "precision": int(precision)}, force)
+    told = {"rows": record.rows, "period_s": record.period_s, "settings": list(settings), "noise": std, "seed": seed, "precision": int(precision)}
+    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, **told}, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
 
@@ -385,6 +386,7 @@ def next_command(
     """
     from ema_tools.actuator import read_actuator
     from ema_tools.diagnosis import following
+    from ema_tools.native import CHANNELS
     from ema_tools.results import provenance
     from ema_tools.simulate import noise_of
 
@@ -392,7 +394,7 @@ def next_command(
     model = read_actuator(actuator)
     effects = following.check_effects((first, *others))
     values = following.sizes_of(settings)
-    chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else following.CHANNELS
+    chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else CHANNELS
     with progress("simulating", 100) as bar:
         found = following.next_experiment(model, effects, chosen, values, noise_of(noise), following.limits_given(limit), also, lambda share, text: bar.update(100.0 * share, text))
     save(json_path, {"command": "next", **found.result(), "provenance": provenance(command_line(), actuator=model.name)}, force)
@@ -431,7 +433,7 @@ def export(
         write_text(flat, work.flat_text(model), force)
     if signatures and table:
         write_text(signatures, work.signatures_text(table), force)
-    found = {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}
+    found: dict[str, Any] = {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}
     if signatures and table:
         found |= {"signatures": signatures, "table": table.summary()}
     save(json_path, found, force)

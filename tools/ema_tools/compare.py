@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -212,7 +213,7 @@ def _even(by: str, values: Reals, unit: str, period_s: float) -> State | None:
     if not high > low:
         return None
     edges = tuple(float(edge) for edge in np.linspace(low, high, _BINS + 1))
-    parts = tuple(f"{first:.3g} to {last:.3g} {unit}" for first, last in zip(edges[:-1], edges[1:], strict=True))
+    parts = tuple(f"{first:.3g} to {last:.3g} {unit}" for first, last in pairwise(edges))
     return State(by, values, edges, parts, period_s)
 
 

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 _UNITS = (
     ("Nm_per_sqrt_rad_s", "Nm/sqrt(rad/s)"),
@@ -148,9 +149,14 @@ class Definitions:
         return tuple(value for effect in self.effects for value in effect.parameters)
 
     @property
+    def rows(self) -> tuple[Parameter | EffectParameter, ...]:
+        """The parameters and the values of all effects, in the order of the files."""
+        return (*self.parameters, *self.effect_values)
+
+    @property
     def ids(self) -> dict[str, int]:
         """Name to the C library's id: real parameters, then effect values, then options."""
-        rows = (*self.reals, *self.effect_values, *self.options)
+        rows: tuple[Parameter | EffectParameter, ...] = (*self.reals, *self.effect_values, *self.options)
         return {row.name: index for index, row in enumerate(rows)}
 
     @property
@@ -164,14 +170,14 @@ class Definitions:
     @functools.cached_property
     def by_name(self) -> dict[str, Parameter | EffectParameter]:
         """Every row by its `section.field` or `effect.field`."""
-        return {row.name: row for row in (*self.parameters, *self.effect_values)}
+        return {row.name: row for row in self.rows}
 
     def find(self, name: str) -> Parameter | EffectParameter:
         """The row called `section.field` or `effect.field`. Raises KeyError with a message that lists the nearest names."""
         if name in self.by_name:
             return self.by_name[name]
         first = name.split(".", 1)[0]
-        near = [row.name for row in (*self.parameters, *self.effect_values) if row.name.split(".", 1)[0] == first]
+        near = [row.name for row in self.rows if row.name.split(".", 1)[0] == first]
         known = near or [*self.sections, *(effect.name for effect in self.effects)]
         raise KeyError(f"{name}: no such value; use one of {', '.join(known)}")
 
@@ -337,7 +343,7 @@ class _Reader:
         raise DefinitionError(f"{self._path.name}, row {row}: an argument is missing before {text!r}: fill the row")
 
 
-def _typed(call: _Call, kinds: tuple[type, ...], path: Path) -> tuple[object, ...]:
+def _typed(call: _Call, kinds: tuple[type, ...], path: Path) -> tuple[Any, ...]:
     """The arguments of `call` when they have the right number and kinds; else DefinitionError."""
     right = len(call.arguments) == len(kinds) and all(
         isinstance(argument, kind) for argument, kind in zip(call.arguments, kinds, strict=True)
@@ -351,12 +357,12 @@ def _parameters(path: Path) -> Iterator[Parameter]:
     for call in _Reader(path.read_text(encoding="utf-8"), path).calls():
         if call.name == "EMA_PARAM":
             section, field, nominal, lower, upper, text = _typed(call, (str, str, float, float, float, str), path)
-            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text))  # type: ignore[arg-type]
+            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text))
         elif call.name == "EMA_OPTION":
             kinds = (str, str, float, float, float, str, str)
             section, field, nominal, lower, upper, choices, text = _typed(call, kinds, path)
             names = tuple(str(choices).split("|")) if choices else ()
-            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text), True, names)  # type: ignore[arg-type]
+            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text), True, names)
         else:
             raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_PARAM or EMA_OPTION: correct the name")
 
@@ -368,12 +374,12 @@ def _effects(path: Path, own: bool = False) -> Iterator[Effect]:
         kinds = (str, str, float, float, str, str, str, tuple)
         name, site, memory, substeps, equation, source, look_alikes, inner = _typed(call, kinds, path)
         values = []
-        for part in inner:  # type: ignore[attr-defined]
+        for part in inner:
             field, nominal, lower, upper, text = _typed(part, (str, float, float, float, str), path)
-            values.append(EffectParameter(str(name), str(field), float(nominal), float(lower), float(upper), str(text)))  # type: ignore[arg-type]
+            values.append(EffectParameter(str(name), str(field), float(nominal), float(lower), float(upper), str(text)))
         others = tuple(other.strip() for other in str(look_alikes).split(",") if other.strip())
         place = str(site).removesuffix(_LEARNED)
-        yield Effect(str(name), place, int(memory), int(substeps), str(equation), str(source), others, tuple(values), place != site, own)  # type: ignore[call-overload]
+        yield Effect(str(name), place, int(memory), int(substeps), str(equation), str(source), others, tuple(values), place != site, own)
 
 
 @functools.cache
@@ -397,5 +403,4 @@ def load_definitions() -> Definitions:
 
 def defaults() -> dict[str, float]:
     """The reference actuator without effects: every `section.field` and `effect.field` at its nominal value."""
-    known = load_definitions()
-    return {row.name: row.nominal for row in (*known.parameters, *known.effect_values)}
+    return {row.name: row.nominal for row in load_definitions().rows}

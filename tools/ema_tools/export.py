@@ -85,8 +85,7 @@ def flat_text(actuator: Actuator) -> str:
     """`section.field = value` lines, as the host program reads them."""
     known = load_definitions()
     lines = [f"# {actuator.name}: written by ema export"]
-    rows: tuple[Row, ...] = (*known.parameters, *known.effect_values)
-    for row in rows:
+    for row in known.rows:
         value = actuator[row.name]
         if isinstance(row, EffectParameter) or not row.is_option:
             text = repr(float(value))

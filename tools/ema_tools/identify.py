@@ -258,7 +258,8 @@ def identify(
 ) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
-    Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
+    Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches
+    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
     """
     settings = search or Search()
     check_record(actuator, record, settings)

@@ -78,7 +78,11 @@ def calibration(console: Console, found: Calibration) -> None:
     left = found.unexplained()
     if left:
         times = ", ".join(f"{TITLES[name]} {number(value, 2)}" for name, value in left.items())
-        say(console, f"What is left is many times the sensors' noise ({times} times): the values also make up for what the model lacks, or for a fault. Calibrate on healthy records; ema diagnose says what is missing.")
+        say(
+            console,
+            f"What is left is many times the sensors' noise ({times} times): the values also make up for what the model lacks, or for a fault. "
+            "Calibrate on healthy records; ema diagnose says what is missing.",
+        )
 
 
 def identification(console: Console, found: Identified) -> None:

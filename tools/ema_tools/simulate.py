@@ -27,7 +27,7 @@ def noise_of(text: str | None) -> dict[str, float]:
     """Standard deviations by column from `column=std,...`. Raises InputError that names the column."""
     std = {}
     for part in filter(None, (text or "").split(",")):
-        name, equals, value = part.partition("=")
+        name, _, value = part.partition("=")
         name = name.strip()
         if name not in COLUMNS[1:]:
             raise InputError(f"--noise {part}: unknown column{nearest(name, COLUMNS[1:])}: columns are {', '.join(COLUMNS[1:])}")

@@ -113,7 +113,11 @@ BAD = [
     ("half of a count", lambda: edited("every_steps = 1 ", "every_steps = 1.5 "), "a.toml: control.every_steps = 1.5: not a whole number"),
     ("unknown effect", lambda: edited("[control]", "[effects.stribek_friction]\nrise = 0.1\n[control]"), "a.toml: effects.stribek_friction: unknown effect (did you mean stribeck_friction?)"),
     ("unknown parameter of an effect", lambda: edited("[control]", "[effects.stribeck_friction]\nriser = 0.1\n[control]"), "a.toml: effects.stribeck_friction.riser: unknown key (did you mean rise?)"),
-    ("a value of the machine missing", lambda: edited("inductance_H = 0.0008", "# inductance_H = 0.0008"), "a.toml: motor.inductance_H is missing: add it, in the reference actuator it is inductance_H = 0.0008"),
+    (
+        "a value of the machine missing",
+        lambda: edited("inductance_H = 0.0008", "# inductance_H = 0.0008"),
+        "a.toml: motor.inductance_H is missing: add it, in the reference actuator it is inductance_H = 0.0008",
+    ),
     ("a whole table missing", lambda: edited("[gearbox]", "[actuator.gearbox]").split("[actuator.gearbox]")[0], "a.toml: gearbox.ratio is missing (and"),
     ("a table that is a number", lambda: "motor = 3\n", "a.toml: motor: not a table"),
     ("an effect that is a number", lambda: "effects = 3\n", "a.toml: effects: not a table"),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import bad_input
 import pytest
-from bad_input import CASES, PAGE, Case
-from host_program import PROGRAM, run
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
+import bad_input
+from bad_input import CASES, PAGE, Case
+from host_program import PROGRAM, run
 
 pytestmark = [pytest.mark.host, PROGRAM]
 

@@ -192,5 +192,5 @@ def test_what_data_do_not_determine_is_named() -> None:
     ones = np.ones(50)
     with pytest.raises(InputError, match="calibrate: b: no record moves what it acts on"):
         leastsquares.fit([ones], [np.column_stack([ones, 0.0 * ones])], ["a", "b"])
-    with pytest.raises(InputError, match="calibrate: [ab]: the records do not determine it"):
+    with pytest.raises(InputError, match=r"calibrate: [ab]: the records do not determine it"):
         leastsquares.fit([ones], [np.column_stack([ones, 2.0 * ones])], ["a", "b"])

@@ -187,14 +187,14 @@ def test_simulate_sets_effects_and_reports_them(tmp_path: Path) -> None:
 
 
 def test_process_ends_with_the_code_and_without_a_traceback(tmp_path: Path) -> None:
-    ran = subprocess.run([sys.executable, "-m", "ema_tools", "compare", "none.toml", "none.csv"], capture_output=True, text=True, cwd=tmp_path, env=_environment())
+    ran = subprocess.run([sys.executable, "-m", "ema_tools", "compare", "none.toml", "none.csv"], capture_output=True, text=True, cwd=tmp_path, env=_environment(), check=False)
     assert ran.returncode == 1
     assert ran.stderr == "ema: none.toml: no such file or directory: check the path\n"
     assert ran.stdout == ""
 
 
 def test_output_may_be_cut_off(tmp_path: Path) -> None:
-    ran = subprocess.run(f'"{sys.executable}" -m ema_tools effects | head -1', shell=True, capture_output=True, text=True, cwd=tmp_path, env=_environment())
+    ran = subprocess.run(f'"{sys.executable}" -m ema_tools effects | head -1', shell=True, capture_output=True, text=True, cwd=tmp_path, env=_environment(), check=False)
     assert "Traceback" not in ran.stderr
     assert ran.stdout.count("\n") == 1
 
@@ -205,7 +205,7 @@ def test_output_that_cannot_be_written_is_one_line(tmp_path: Path, arguments: tu
     """Standard output is a file that may not grow, as on a full disk."""
     code = "import resource, runpy, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY)); sys.argv[0] = 'ema'; runpy.run_module('ema_tools', run_name='__main__')"
     with (tmp_path / "out.txt").open("w", encoding="utf-8") as full:
-        ran = subprocess.run([sys.executable, "-B", "-c", code, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=_environment())
+        ran = subprocess.run([sys.executable, "-B", "-c", code, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=_environment(), check=False)
     assert ran.returncode == 1
     assert ran.stderr == "ema: standard output: file too large: make room or send it elsewhere\n"
 

@@ -240,13 +240,22 @@ REFUSED = {
     "a current of the wrong sign": (("sign",), "sign.csv: the current runs opposite to the model: change the sign of current_A"),
     "a voltage that is constant": (("flat",), "flat.csv: voltage_V does not change while the command does: check that the voltage is connected"),
     "a rod that rests": (("stuck",), "stuck.csv: the rod moves 0 mm, no more than its sensor's noise: check that the drive was on"),
-    "healthy of another command": (("hot", "--healthy", "healthy_0", "--healthy", "other"), "other.csv: command_mm: neither the command of hot.csv nor that of a record held out: give healthy records of the same command"),
+    "healthy of another command": (
+        ("hot", "--healthy", "healthy_0", "--healthy", "other"),
+        "other.csv: command_mm: neither the command of hot.csv nor that of a record held out: give healthy records of the same command",
+    ),
     "one healthy record": (("hot", "--healthy", "healthy_0"), "hot.csv: 1 healthy record tells nothing of repeatability: give two or more of the same command, or none"),
     "a healthy record twice": (("hot", "--healthy", "healthy_0", "--healthy", "healthy_0"), "healthy_0.csv: given twice: give every healthy run once"),
     "the record as healthy": (("hot", "--healthy", "hot", "--healthy", "healthy_0"), "hot.csv: healthy is the record itself, against which nothing has changed: leave it out of --healthy"),
     "the record held out": (("hot", "--holdout", "hot"), "hot.csv: held out is the record itself, which confirms anything: give --holdout another run, best of another command"),
-    "a healthy record held out": (("hot", "--healthy", "healthy_0", "--healthy", "healthy_1", "--holdout", "healthy_1"), "healthy_1.csv: held out is one of the healthy records, which shows no effect"),
-    "a dead sensor in a healthy record": (("hot", "--healthy", "healthy_0", "--healthy", "dead"), "dead.csv: current_A does not change, while that of hot.csv does: check that the sensor was connected"),
+    "a healthy record held out": (
+        ("hot", "--healthy", "healthy_0", "--healthy", "healthy_1", "--holdout", "healthy_1"),
+        "healthy_1.csv: held out is one of the healthy records, which shows no effect",
+    ),
+    "a dead sensor in a healthy record": (
+        ("hot", "--healthy", "healthy_0", "--healthy", "dead"),
+        "dead.csv: current_A does not change, while that of hot.csv does: check that the sensor was connected",
+    ),
     "another unit in a healthy record": (("hot", "--healthy", "healthy_0", "--healthy", "healthy_milli"), "healthy_milli.csv: current_A is "),
 }
 
@@ -357,7 +366,8 @@ def test_a_minute_is_answered(tmp_path: Path) -> None:
 
 
 def check_named(actuator: Path, record: Path, effect: str, size: float, folder: Path, named: bool = True) -> None:
-    """diagnose names the effect among its class (without repeats a step shows too little for that, and voltage without current not whether the winding or the friction takes it), add --known finds its size, identify no fault."""
+    """diagnose names the effect among its class (without repeats a step shows too little for that, and voltage without current not whether the winding or the friction
+    takes it), add --known finds its size, identify no fault."""
     ran = run_ema("diagnose", actuator, record, "--json", folder / "d.json", "--report", folder / "d.html")
     assert ran.code == 0, ran.err
     found = result(folder / "d.json")

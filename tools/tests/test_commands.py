@@ -56,5 +56,5 @@ def test_bad_command_is_named_in_one_line(text: str, message: str) -> None:
 
 def test_recording_at_another_rate_is_refused() -> None:
     actuator = reference_actuator().changed({"timing.record_every_steps": 2})
-    with pytest.raises(InputError, match="case_a.csv: time_s: a row every 0.001 s, and the actuator records one every 0.002 s"):
+    with pytest.raises(InputError, match=r"case_a.csv: time_s: a row every 0.001 s, and the actuator records one every 0.002 s"):
         make_command(str(RECORDINGS / "case_a.csv"), actuator)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from demo_run import demo_run
 from rich.console import Console
 
+from demo_run import demo_run
 from ema_tools import demo, story
 from ema_tools.actuator import read_actuator
 from ema_tools.benchmarks.accuracy import TRUTH_LIMIT_PERCENT

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import REFERENCE, complaint, run_ema
 
 from ema_tools.actuator import Actuator, reference_actuator
 from ema_tools.commands import make_command
@@ -23,6 +22,7 @@ from ema_tools.diagnosis.typical import scaled, typical_change, zero_of
 from ema_tools.errors import InputError
 from ema_tools.records import simulated
 from ema_tools.simulate import simulate_record
+from support import REFERENCE, complaint, run_ema
 
 
 def option(found: Next, title: str) -> Option:

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from ema_tools.actuator import reference_actuator
 from ema_tools.benchmarks.hidden import documents, machines, observer, pictures, running, scoring, sealed, trials
 from ema_tools.benchmarks.hidden.__main__ import main
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES, change
+from ema_tools.benchmarks.hidden.catalogue import LIBRARY, OUTSIDE, SEVERITIES, change
 from ema_tools.benchmarks.hidden.trials import KINDS, Plan, Trial
 from ema_tools.definitions import load_definitions
 from ema_tools.diagnosis import gathering

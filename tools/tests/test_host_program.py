@@ -6,8 +6,9 @@ import json
 import sys
 from pathlib import Path
 
-import bad_input
 import pytest
+
+import bad_input
 from host_program import PROGRAM, ROOT, run
 
 pytestmark = [pytest.mark.host, PROGRAM]

@@ -129,7 +129,7 @@ def test_value_that_is_healthy_at_zero_is_left_out() -> None:
     assert found.answer.identified[0].estimate == pytest.approx(0.2, rel=1e-4)
     assert found.result()["blk_mm"]["estimate"] is None
     assert "healthy value is zero" in found.result()["blk_mm"]["reason"]
-    with pytest.raises(InputError, match="screw.csj_Nm = 0: the healthy value is zero"):
+    with pytest.raises(InputError, match=r"screw.csj_Nm = 0: the healthy value is zero"):
         identify(machine.changed({"screw.csj_Nm": 0.0}), chirp_record())
 
 

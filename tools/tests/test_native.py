@@ -20,7 +20,7 @@ VALUES, OPTIONS = reference_actuator().arrays()
 def test_library_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("EMA_LIBRARY_DIR", str(tmp_path))
     library.cache_clear()
-    with pytest.raises(LibraryError, match="ema_desk64.*build the project"):
+    with pytest.raises(LibraryError, match=r"ema_desk64.*build the project"):
         library(64)
     library.cache_clear()
 
@@ -63,7 +63,7 @@ def test_refused_actuator_is_named() -> None:
         lambda: library().objective(values, OPTIONS, np.zeros(100), np.zeros((100, 4))),
         lambda: library().identify(values, OPTIONS, np.zeros(100), np.zeros((100, 4))),
     ):
-        with pytest.raises(InputError, match="screw.csj_Nm: a value is NaN or infinite"):
+        with pytest.raises(InputError, match=r"screw.csj_Nm: a value is NaN or infinite"):
             call()
     stiff, _ = reference_actuator().changed({"motor.inductance_H": 1e-9}).arrays()
     with pytest.raises(InputError, match="simulate: the step is too long for a time constant"):

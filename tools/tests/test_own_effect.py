@@ -11,9 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from support import REFERENCE, ROOT
 
 from ema_tools.definitions import DefinitionError, definition_folder, load_definitions, own_folder, read_definitions
+from support import REFERENCE, ROOT
 
 EXAMPLE = ROOT / "docs" / "own_effect"
 HIDDEN = {"drag_Nm_per_mm": 0.008, "start_mm": 0.5}

@@ -7,6 +7,7 @@ import math
 import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -445,7 +446,7 @@ def test_compliant_rod_rings_at_its_period_and_decays() -> None:
     crossings = np.nonzero((stretch[:-1] < 0.0) & (stretch[1:] >= 0.0))[0]
     ratio = math.sqrt(1.0 - 0.02**2)
     assert np.diff(crossings).mean() * 1e-3 == pytest.approx(0.05 / ratio, rel=0.01)
-    peaks = [stretch[a:b].max() for a, b in zip(crossings[:-1], crossings[1:], strict=True)]
+    peaks = [stretch[a:b].max() for a, b in pairwise(crossings)]
     assert peaks[1] / peaks[0] == pytest.approx(math.exp(-2.0 * math.pi * 0.02 / ratio), rel=0.02)
 
 

@@ -42,7 +42,15 @@ def _made() -> str:
         "sentence": "jam_spot explains what the record shows beyond the repeats.",
         "effects": [
             {"name": "jam_spot", "class": ["jam_spot"], "parameters": {"effects.jam_spot.amplitude_Nm": value}, "score": 5000.0, "limit": 60.0, "accepted": True},
-            {"name": "pitch_ripple", "class": ["pitch_ripple", "spring_load"], "parameters": {"effects.pitch_ripple.ratio": 0.2}, "score": 900.0, "limit": 60.0, "accepted": False, "reason": "explains less"},
+            {
+                "name": "pitch_ripple",
+                "class": ["pitch_ripple", "spring_load"],
+                "parameters": {"effects.pitch_ripple.ratio": 0.2},
+                "score": 900.0,
+                "limit": 60.0,
+                "accepted": False,
+                "reason": "explains less",
+            },
             {"name": "constant_load", "class": [], "parameters": {}, "score": 0.0, "limit": 60.0, "accepted": False},
         ],
         "error": {"before": 3.2, "after": 1.05, "floor": 1.0, "holdout_before": 3.4, "holdout_after": 1.1},
@@ -180,7 +188,8 @@ def test_values_of_the_last_model_are_stated_once_with_their_errors(tmp_path: Pa
     """As `ema diagnose` writes them: numbers, and std and bounds beside; the model as given is the first model and no step."""
     jam = {"name": "jam_spot", "class": [], "parameters": {"amplitude_Nm": 0.1, "width_mm": 2.0}, "std": {"amplitude_Nm": 0.002, "width_mm": 0.01}, "at_bound": ["width_mm"]}
     worn = {"name": "csj", "class": [], "parameters": {"csj_Nm": 0.2}, "std": {"csj_Nm": 0.0003}, "at_bound": [], "score": 80.0, "limit": 60.0, "accepted": True}
-    given, moved, last = ({"effects": names, "added": added, "error_training": error, "error_holdout": None} for names, added, error in (([], "as given", 3.2), ([], "what scatters", 2.0), (["csj", "jam_spot"], "jam_spot", 1.05)))
+    steps = (([], "as given", 3.2), ([], "what scatters", 2.0), (["csj", "jam_spot"], "jam_spot", 1.05))
+    given, moved, last = ({"effects": names, "added": added, "error_training": error, "error_holdout": None} for names, added, error in steps)
     data = made(effects=[{**jam, "score": 5000.0, "limit": 60.0, "accepted": True}], faults={"csj": worn}, steps=[given, moved, last])
     found = parsed(data)
     assert [step.added for step in found.steps] == ["what scatters", "jam_spot"] and found.steps[0].values == ()

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from report_results import ROWS, compared, identified
 
 from ema_tools.cases import CASES
 from ema_tools.errors import InputError
 from ema_tools.report import figures, write_report
 from ema_tools.report.curves import pack
 from ema_tools.report.results import SLOPE_ROWS, Compared, Identified, parse_result, slope
+from report_results import ROWS, compared, identified
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _VOID = {"meta", "link", "br", "col", "img", "input", "hr"}

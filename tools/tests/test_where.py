@@ -16,6 +16,7 @@ from ema_tools.diagnosis.whitening import Whitener
 from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
 
+
 def found(changes: Mapping[str, float], text: str = "chirp") -> Where:
     return where(reference_actuator(), measured(changes, 99, text), repeats(text))
 

@@ -111,10 +111,11 @@ def _noise(trials: list[Trial], bounds: list[Reals], seeds: int) -> str:
             rows.append(
                 f"| {trial.letter} | {shown} | {rms:.3f} | {bound[place]:.3f} | {rms / bound[place]:.2f} | {stated:.3f} | {100.0 * trial.covered()[place]:.0f} |"
             )
+    uncertain = 100.0 / np.sqrt(2 * seeds)
     return f"""## The same with sensor noise
 
 White noise of {1000.0 * NOISE_MM:g} um rms on the rod position, {seeds} records per case. The Cramer-Rao bound is the smallest standard error that any unbiased estimate can
-have; it follows from the model's sensitivities. Limit: {NOISE_LIMIT_RATIO:g} times the bound (with {seeds} records the ratio itself is uncertain by {100.0 / np.sqrt(2 * seeds):.0f} %). Last columns: the standard
+have; it follows from the model's sensitivities. Limit: {NOISE_LIMIT_RATIO:g} times the bound (with {seeds} records the ratio itself is uncertain by {uncertain:.0f} %). Last columns: the standard
 error that the module states, and how often its 95 % interval held the truth.
 
 | case | fault | rms error, % | Cramer-Rao bound, % | ratio | stated, % | held, % |

@@ -184,7 +184,10 @@ def written(first: int, machines: int, choices: Sequence[Sequence[str]], answers
     """The block of the document."""
     lines = [
         BEGIN,
-        f"Machines {first} to {first + machines - 1}, on which nothing was chosen: {len(LIBRARY)} effects, small, medium and large as in [NAMING](NAMING.md), one record each; {DAYS} healthy days of each machine.",
+        (
+            f"Machines {first} to {first + machines - 1}, on which nothing was chosen: {len(LIBRARY)} effects, small, medium and large as in [NAMING](NAMING.md), one record each; "
+            f"{DAYS} healthy days of each machine."
+        ),
         "",
         _row(["signals", "rate, Hz", "KiB", *(f"named, {strength}" for strength in STRENGTHS), "healthy accused"]),
         "|---|---:|---:|---:|---:|---:|---:|",

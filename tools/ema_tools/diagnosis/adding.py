@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -57,7 +57,9 @@ class Added:
         """What was done and what came of it."""
         own = self.fit.of_effect(self.effect)
         size = next(iter(own))
-        text = f"{self.effect} {'was there and is refitted' if self.refitted else 'added'}, {row_of(size).field} {size_text(size, own[size], self.fit.std.get(size))}: weighted error {self.errors.before:.3g} before, {self.errors.after:.3g} after, floor {self.errors.floor:.3g}"
+        done = "was there and is refitted" if self.refitted else "added"
+        errors = f"{self.errors.before:.3g} before, {self.errors.after:.3g} after, floor {self.errors.floor:.3g}"
+        text = f"{self.effect} {done}, {row_of(size).field} {size_text(size, own[size], self.fit.std.get(size))}: weighted error {errors}"
         if self.errors.holdout_before is not None:
             text += f"; on the record held out {self.errors.holdout_before:.3g} before, {self.errors.holdout_after:.3g} after"
         return f"{text}. {'Recommended' if self.recommended else 'Not recommended'}: {self.reason}."

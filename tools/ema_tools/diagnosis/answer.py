@@ -32,7 +32,8 @@ _SIZES = 10.0
 
 @dataclass(frozen=True)
 class Answer:
-    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library does not hold; `refuted`: effects that fit the record but not the one held out;
+    """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library
+    does not hold; `refuted`: effects that fit the record but not the one held out;
     `sensor`: the one that what is unknown looks like."""
 
     record: Record
@@ -81,7 +82,9 @@ class Answer:
             if self.sensor is not None:
                 return f"{first}{self.sensor.sentence} (weighted error {self.errors.before:.3g}, floor {self.errors.floor:.3g})."
             if self.refuted:
-                return f"{first}something is there, and {' and '.join(self.refuted)} would explain it, but not the record held out, whose error rises: no effect is recommended ({fall}). {self.left[0].sentence if self.left else ''}".strip()
+                last = self.left[0].sentence if self.left else ""
+                told = f"{first}something is there, and {' and '.join(self.refuted)} would explain it, but not the record held out, whose error rises"
+                return f"{told}: no effect is recommended ({fall}). {last}".strip()
             left = 100.0 * self.diagnosis.unexplained
             text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
             return f"{first}{text}. {self.left[0].sentence if self.left else ''}".strip()
@@ -89,7 +92,8 @@ class Answer:
         others = [other for one in self.effects for other in one.alike[1:]]
         alike = f", which looks like {', '.join(others)}" if others else ""
         faults = f"; beside it {faults}" if faults else ""
-        refuted = f"; {' and '.join(self.refuted)} would lower the error further but raise that of the record held out, and {'is' if len(self.refuted) == 1 else 'are'} not recommended" if self.refuted else ""
+        are = "is" if len(self.refuted) == 1 else "are"
+        refuted = f"; {' and '.join(self.refuted)} would lower the error further but raise that of the record held out, and {are} not recommended" if self.refuted else ""
         return f"{first}missing is {named}{alike}{faults}{refuted} ({fall})."
 
     @property
@@ -191,7 +195,8 @@ def healthy_of(record: Record, healthy: Sequence[Record]) -> list[Record]:
 
 
 def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None) -> None:
-    """Raises InputError, naming the file, for records that confirm themselves, for a run that is given twice, for healthy records of a command that nothing else has, and for repeats whose signals do not fit the record's."""
+    """Raises InputError, naming the file, for records that confirm themselves, for a run that is given twice, for healthy records of a command that nothing else has, and for repeats
+    whose signals do not fit the record's."""
     if holdout is not None and _same_samples(record, holdout):
         raise InputError(f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command")
     check_apart(record, healthy)

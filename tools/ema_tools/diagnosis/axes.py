@@ -100,7 +100,7 @@ class Motion:
     @property
     def moving(self) -> Halves:
         """True away from rest, where friction does not answer whatever there is, [samples]; the neighbours of rest are left out too."""
-        still = self.direction == 0.0
+        still: Halves = self.direction == 0.0
         near = still.copy()
         near[1:] |= still[:-1]
         near[:-1] |= still[1:]

@@ -209,10 +209,10 @@ def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[s
     torque patterns. A simulation beside an effect that is hard to compute costs ten times as much."""
     guessed: dict[str, float] = {}
     for signature in earlier:
-        effect, vector = signature.candidate.effect, view.taken_off(signature.vector)
+        name, vector = signature.candidate.effect, view.taken_off(signature.vector)
         product, length = float(vector @ view.residual), float(vector @ vector)
         if length > 0.0 and (product > 0.0 or signature.candidate.lower < signature.candidate.zero):
-            guessed[effect] = max(guessed.get(effect, 0.0), product * product / length)
+            guessed[name] = max(guessed.get(name, 0.0), product * product / length)
     screen = Screen(view)
     for effect in load_definitions().effects:
         shaped = None if effect.is_learned else shapes_of(screen, effect.name)

@@ -15,7 +15,7 @@ from scipy.optimize import lsq_linear
 from ema_tools.actuator import Actuator
 from ema_tools.diagnosis import spread as spreads
 from ema_tools.diagnosis.spread import Spread
-from ema_tools.diagnosis.whitening import Reals, Whitener
+from ema_tools.diagnosis.whitening import Complexes, Reals, Whitener
 from ema_tools.errors import InputError
 from ema_tools.native import library
 from ema_tools.parallel import each
@@ -52,7 +52,8 @@ class Evidence:
     """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
     `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
-    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation of 1 each, such as the zero of a sensor.
+    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
+    of 1 each, such as the zero of a sensor.
     """
 
     actuator: Actuator
@@ -135,7 +136,7 @@ class View:
         own = self.deviations[: len(self.evidence.spread)]
         return self.projected(self.evidence.simulate({**self.values, **changes}, own) - self.base)
 
-    def unwhitened(self) -> Reals:
+    def unwhitened(self) -> Complexes:
         """The residual's lines [channels, lines] weighted once more: their product with a signal's lines is the product of whitened vectors."""
         count = self.deviations.size
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
@@ -156,7 +157,8 @@ class View:
         return float(self._plain @ self._plain)
 
     def free_slopes(self, around: Mapping[str, Sequence[tuple[float, float]]]) -> Reals:
-        """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness, and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
+        """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness,
+        and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
 
         Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends. Where the model refuses one of the sides, what scatters keeps the
         view's own direction, and a value has none.

@@ -34,7 +34,8 @@ _JOINT_DONE = 0.1  # of the cost
 
 @dataclass(frozen=True)
 class Fit:
-    """Effects fitted together: their values, the covariance of those that are fitted [fitted, fitted] (they come first), the cost left, the values that lie on a bound, and the evidence seen from there.
+    """Effects fitted together: their values, the covariance of those that are fitted [fitted, fitted] (they come first), the cost left, the values that lie on a bound,
+    and the evidence seen from there.
 
     `cost` is that of the residual; `judged` adds what the choice of shapes explains of noise.
     """
@@ -126,6 +127,9 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
         except InputError:
             return np.zeros_like(view.residual)
 
+    def residual(point: Reals) -> Reals:
+        return view.residual - vector(point)
+
     def slope(point: Reals, here: Reals, place: int) -> Reals:
         column = np.zeros_like(here)
         for width in _JACOBIAN_STEPS:
@@ -144,8 +148,9 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
 
     margin = 1e-9 * (upper - lower)
     begun = np.clip(first / scale, lower + margin, upper - margin)
-    found = least_squares(lambda point: view.residual - vector(point), begun, jac=jacobian, bounds=(lower, upper), max_nfev=_RUNS, xtol=1e-4, ftol=1e-5)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac) * np.outer(scale, scale)
+    found = least_squares(residual, begun, jac=jacobian, bounds=(lower, upper), max_nfev=_RUNS, xtol=1e-4, ftol=1e-5)
+    columns = np.asarray(found.jac, dtype=float)
+    covariance = np.asarray(np.linalg.pinv(columns.T @ columns) * np.outer(scale, scale), dtype=float)
     values = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, found.x * scale, rows, strict=True)}
     at_bound = tuple(name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
     values |= kept
@@ -197,8 +202,8 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
     for _ in range(rounds):
         seen = here.view
         columns = seen.free_slopes({name: _around(name, here.values[name], row) for name, row in rows.items()})
-        step, *_ = np.linalg.lstsq(columns, seen.plain, rcond=None)
-        covariance = np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)]
+        step = np.asarray(np.linalg.lstsq(columns, seen.plain, rcond=None)[0], dtype=float)
+        covariance = np.asarray(np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)], dtype=float)
         here = replace(here, covariance=covariance)
         there = _joint_move(here, step, rows)
         if there is None:

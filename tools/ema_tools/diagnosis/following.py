@@ -95,7 +95,11 @@ HINTS: Sequence[Hint] = (
     _hint("sensor_gain sensor_offset transmission_compliance blk", "hold a gauge or a second sensor against the rod at a few positions", "a sensor's error is in the reading alone, not in the rod"),
     _hint("csj stribeck_friction presliding jam_spot", "raise the drive slowly from rest at several places and note where the rod breaks away", "the static level shows before any motion"),
     _hint("viscous_rise concave_viscous quadratic_viscous viscous_asymmetry", "hold several constant speeds in both directions", "torque against speed then shows its curve without any acceleration"),
-    _hint("inertia_change feedback_delay actuation_delay transmission_compliance", "tap the rod with the drive off, or fasten a known mass to it", "inertia and spring act without the loop, a delay only in it"),
+    _hint(
+        "inertia_change feedback_delay actuation_delay transmission_compliance",
+        "tap the rod with the drive off, or fasten a known mass to it",
+        "inertia and spring act without the loop, a delay only in it",
+    ),
     _hint("gain_drift supply_sag", "record the controller's own output", "a drifting gain changes it for the same error, a supply does not"),
 )
 
@@ -438,7 +442,7 @@ def _more_channels(found: Next, runs: Sequence[_Run], ranked: Any) -> tuple[tupl
 
 def _numbers(command: str) -> str:
     """The numbers of a command of the menu in short, a command of the user's as it is."""
-    kind, _, text = command.partition(":")
+    _, _, text = command.partition(":")
     given = dict(part.split("=", 1) for part in text.split(",") if "=" in part)
     if "amplitude_mm" not in given:
         return command
@@ -454,7 +458,7 @@ def print_next(console: Console, found: Next) -> None:
     heads = ("worst pair",) if many else ()
     rows = table("Separation, standard deviations", "command", "numbers", *heads, "apart", *(() if many else (f"shows {effect}" for effect in found.effects)), text_columns=3 if many else 2)
     for option in found.options:
-        worst = (" / ".join(min(option.pairs, key=lambda pair: option.pairs[pair])),) if many else ()
+        worst = (" / ".join(min(option.pairs.items(), key=lambda pair: pair[1])[0]),) if many else ()
         visible = () if many else (number(option.shown[effect], 3) for effect in found.effects)
         rows.add_row(option.title, _numbers(option.command), *worst, number(option.separation, 3), *visible)
     console.print(rows)

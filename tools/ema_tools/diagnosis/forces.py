@@ -422,8 +422,11 @@ class _Search:
             assert not isinstance(pattern, str)
             return self.bench.fit(fit.samples, (*others, pattern), np.column_stack([rest, self.bench.decimated(pattern.columns)]))
 
+        def square(point: Reals) -> float:
+            return at(point).square(rows)
+
         start = np.array([last.shape[name] for name in names]) / scale
-        found = minimize(lambda point: at(point).square(rows), start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-4 * fit.square(rows), "maxfev": 60})
+        found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-4 * fit.square(rows), "maxfev": 60})
         best = at(found.x)
         return best if best.square(rows) < fit.square(rows) and not outside(best, last.effect) else fit
 
@@ -674,7 +677,8 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         "residual_before_Nm": first.residual,
         "residual_after_Nm": accepted.residual,
     }
-    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless})), floor_of(bench, accepted), bench.laps, record.period_s, curves)
+    refusals = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}))
+    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), refusals, floor_of(bench, accepted), bench.laps, record.period_s, curves)
 
 
 def _given(actuator: Actuator, bench: Bench) -> Errors:

@@ -257,7 +257,8 @@ def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Re
         found.append(Remark("coverage", "weakens", text, "record a chirp or a multisine"))
     if found:
         return found
-    text = f"{reversals:.0f} reversals, {leads:.2g} leads, speeds to {coverage['fastest_rad_s']:.3g} rad/s, frequencies to {coverage['top_hz']:.2g} Hz, {coverage['slow_percent']:.0f} % of the time near standstill"
+    reached = f"speeds to {coverage['fastest_rad_s']:.3g} rad/s, frequencies to {coverage['top_hz']:.2g} Hz"
+    text = f"{reversals:.0f} reversals, {leads:.2g} leads, {reached}, {coverage['slow_percent']:.0f} % of the time near standstill"
     return [Remark("coverage", "fine", text)]
 
 
@@ -306,7 +307,7 @@ def _unit_guess(name: str, scale: float, actuator: Actuator) -> str:
 def lag_s(signal_one: Reals, signal_two: Reals, period_s: float, most_s: float = _LAG_MAX_S) -> float:
     """By how much the first signal comes later than the second, s, from the peak of their cross-correlation; both [rows]."""
     one, two = signal_one - signal_one.mean(), signal_two - signal_two.mean()
-    most = min(max(2, round(most_s / period_s)), one.size // 4)
+    most = min(max(2, round(most_s / period_s)), signal_one.size // 4)
     product = signal.correlate(one, two, mode="full", method="fft")
     middle = two.size - 1
     near = product[middle - most : middle + most + 1]

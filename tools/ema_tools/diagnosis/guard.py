@@ -174,7 +174,8 @@ class _Known:
         margin = 1e-9 * (upper - lower)
         begun = np.clip(np.array([first[name] for name in names]) / scale, lower + margin, upper - margin)
         found = least_squares(residual, begun, jac=jacobian, bounds=(lower, upper), max_nfev=steps, xtol=1e-5, ftol=1e-6)
-        covariance = np.linalg.pinv(found.jac.T @ found.jac) * np.outer(scale, scale)
+        columns = np.asarray(found.jac, dtype=float)
+        covariance = np.linalg.pinv(columns.T @ columns) * np.outer(scale, scale)
         std = {name: float(np.sqrt(max(covariance[k, k], 0.0))) for k, name in enumerate(names)}
         return _Fit(effect, values(found.x), std, 2.0 * float(found.cost))
 
@@ -240,7 +241,7 @@ def _beside(known: _Known, base: _Fit, only: str | None = None) -> list[_Fit]:
     sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
     healthy = {name: known.actuator[name] for name in known.faults}
     beside = (*known.faults, *known.scatter)
-    tasks = [(effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base, only)]
+    tasks: list[tuple[str, Mapping[str, float]]] = [(effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base, only)]
     first = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _FIRST_STEPS), tasks))[:_SECOND]
     tasks = [(one.effect, values) for one in first for values in (one.values, {**one.values, **healthy})]
     second = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _SECOND_STEPS), tasks))[:_LAST]
@@ -302,7 +303,8 @@ def _live(*records: Record) -> tuple[str, ...]:
 def _blocked(actuator: Actuator, record: Record) -> str:
     """Why no answer from a record means anything, by the gate; empty where it may answer. Sensors that are not connected are left out."""
     live = _live(record)
-    gate = judge(actuator, replace(record, **{name: None for name in common_channels([record]) if name not in live and name != "position_mm"}))
+    silent: dict[str, Any] = {name: None for name in common_channels([record]) if name not in live and name != "position_mm"}
+    gate = judge(actuator, replace(record, **silent))
     return next((f"{one.text}: {one.next}" for one in gate.remarks if one.severity == "blocks"), "")
 
 
@@ -354,4 +356,5 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     best = best if as_filed else _on_unit(gathered, best)
     own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
     beside = {name: best.values[name] for name in known.faults}
-    return Guarded(verdict, (best.effect, *alike), own, {name: best.std[name] for name in own if name in best.std}, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)
+    std = {name: best.std[name] for name in own if name in best.std}
+    return Guarded(verdict, (best.effect, *alike), own, std, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)

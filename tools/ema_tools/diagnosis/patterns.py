@@ -57,7 +57,7 @@ class Pattern:
     @property
     def bends(self) -> bool:
         """Whether the effect changes the balance itself, so that its size is searched and not solved for."""
-        return self.columns.shape[1] == 0
+        return bool(self.columns.shape[1] == 0)
 
     def values(self, coefficients: Reals, base: Mapping[str, float]) -> dict[str, float]:
         """The effect's values by name for fitted coefficients [1 or 2] and base values."""

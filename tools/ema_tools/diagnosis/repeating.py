@@ -81,7 +81,16 @@ class LapsAnswer:
         kept = {step.effect for step in self.accepted}
         effects = [self._effect(step) for step in self.accepted]
         refused = [
-            {"name": one.effect, "class": [one.effect], "parameters": _numbers(one.effect, one.values), "std": _numbers(one.effect, one.std), "score": 0.0, "limit": 0.0, "accepted": False, "reason": one.reason}
+            {
+                "name": one.effect,
+                "class": [one.effect],
+                "parameters": _numbers(one.effect, one.values),
+                "std": _numbers(one.effect, one.std),
+                "score": 0.0,
+                "limit": 0.0,
+                "accepted": False,
+                "reason": one.reason,
+            }
             for one in found.refused
             if one.effect not in kept
         ]
@@ -99,7 +108,13 @@ class LapsAnswer:
             "mode": "laps of one record",
             "effects": effects + refused,
             "faults": {},
-            "error": {"before": found.given.training, "after": last.training, "floor": found.floor_percent if math.isfinite(found.floor_percent) else None, "holdout_before": found.given.holdout, "holdout_after": last.holdout},
+            "error": {
+                "before": found.given.training,
+                "after": last.training,
+                "floor": found.floor_percent if math.isfinite(found.floor_percent) else None,
+                "holdout_before": found.given.holdout,
+                "holdout_after": last.holdout,
+            },
             "error_unit": "% of the drive's force",
             "next_experiment": self.next_step(),
             "steps": steps,

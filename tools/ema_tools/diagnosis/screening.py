@@ -121,7 +121,7 @@ class Screen:
 
 
 def _solved(square: Reals, products: Reals) -> tuple[Reals, float]:
-    sizes = np.linalg.lstsq(square, products, rcond=1e-9)[0]
+    sizes = np.asarray(np.linalg.lstsq(square, products, rcond=1e-9)[0], dtype=float)
     return sizes, float(sizes @ products)
 
 

@@ -65,7 +65,8 @@ class Round:
 
 @dataclass(frozen=True)
 class Named:
-    """One effect of the answer's list: its class (itself first), values and standard errors as far as it was fitted, by how much it lowers the cost, what it must take off to be named, and whether it is accepted."""
+    """One effect of the answer's list: its class (itself first), values and standard errors as far as it was fitted, by how much it lowers the cost,
+    what it must take off to be named, and whether it is accepted."""
 
     name: str
     alike: tuple[str, ...]
@@ -215,7 +216,11 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         known = {fit.effects[0] for fit in exact}
         finalists = _finalists([one for one in found if one.candidate.effect not in known], free is not None) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
         values = dict(steps[-1].values) if steps else {}
-        fits = best_of_each(each(lambda one, values=values, seen=here if rounds else None: refit(seen or one.view, joined(values, one.start())), finalists))
+
+        def refitted(one: Signature, values: Mapping[str, float] = values, seen: View | None = here if rounds else None) -> Fit:
+            return refit(seen or one.view, joined(values, one.start()))
+
+        fits = best_of_each(each(refitted, finalists))
         if free is None:
             reach = max(_FINALIST_REACH, 0.3 * fits[0].judged) if fits else 0.0
             fits = _polished(fits, lambda fit: polished(fit, _POLISH_ROUNDS[fit.view.evidence.relative]), reach)
@@ -320,7 +325,8 @@ def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verd
         alike += [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
         std = {name: value for name, value in best.std.items() if name in best.of_effect(effect)} if best else {}
         earlier = steps[place - 1].cost if place else before
-        found.append(Named(effect, (effect, *dict.fromkeys(alike)), best.of_effect(effect) if best else {}, std, earlier - steps[place].cost, rounds[0].limits.get(effect, limit), verdict == "missing"))
+        values = best.of_effect(effect) if best else {}
+        found.append(Named(effect, (effect, *dict.fromkeys(alike)), values, std, earlier - steps[place].cost, rounds[0].limits.get(effect, limit), verdict == "missing"))
     first = rounds[0]
     tried = {fit.effects[0]: fit for fit in reversed(first.fits)}
     others = []

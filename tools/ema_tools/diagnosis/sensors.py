@@ -37,7 +37,10 @@ class Suspect:
             parts.append(f"{self.offset:+.3g} {UNITS[self.channel]} beside it")
         if self.late_s != 0.0:
             parts.append(f"{1e3 * abs(self.late_s):.2g} ms {'late' if self.late_s > 0.0 else 'early'}")
-        return f"what is there looks like the sensor of the {TITLES[self.channel]}, not like the machine: {self.channel} reads {' and '.join(parts)} ({100.0 * self.share:.0f} % of the excess), while the other signals are as they should be"
+        return (
+            f"what is there looks like the sensor of the {TITLES[self.channel]}, not like the machine: {self.channel} reads {' and '.join(parts)} "
+            f"({100.0 * self.share:.0f} % of the excess), while the other signals are as they should be"
+        )
 
     @property
     def next(self) -> str:

@@ -162,9 +162,8 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
         reference = found.references.get(name)
         if found.relative and reference is None:
             continue
-        if reference is not None:
-            own = replace(own, residual=own.residual - reference.mean)
-        unknowns.append(unknown_of(own, motion, reference))
+        left = own if reference is None else replace(own, residual=own.residual - reference.mean)
+        unknowns.append(unknown_of(left, motion, reference))
     return tuple(sorted(unknowns, key=lambda one: -one.merit))
 
 
@@ -191,13 +190,13 @@ def unknown_of(balance: Balance, motion: Motion, reference: Reference | None = N
     ranked = tuple(replace(one, of_excess=min(1.0, max(one.explained, 0.0) / beyond) if one.explained > max(chance, _LEAST_SHARE) else 0.0) for one in ranked)
     foretold = ranked[0].explained if ranked[0].of_excess > 0.0 else 0.0
     merit = max((size / floor) ** 2 - 1.0, foretold * (size / floor) ** 2) if floor > 0.0 else foretold * _squared_share(balance)
-    pictures = []
+    pictures: list[dict[str, Any]] = []
     for axis in at.axes(rod):
         drawn = binned(axis, values)
         if drawn is not None:
             best = max((one for one in ranked if one.axis == axis.name), key=lambda one: one.explained, default=None)
             share = 100.0 * max(best.explained, 0.0) if best else 0.0
-            picture = {"by": axis.name, "axis_unit": axis.unit, "unit": balance.unit, "explained_percent": share, "friction": bool(best and best.friction)}
+            picture: dict[str, Any] = {"by": axis.name, "axis_unit": axis.unit, "unit": balance.unit, "explained_percent": share, "friction": bool(best and best.friction)}
             side = binned(axis, values * -at.direction) if picture["friction"] else None
             pictures.append({**picture, **(side or drawn).result()})
     pictures.sort(key=lambda one: -float(one["explained_percent"]))

@@ -101,7 +101,8 @@ class Channel:
 
 @dataclass(frozen=True)
 class Reference:
-    """A balance of the healthy repeats: their mean residual, how each differs from it, as large as a further run would, and what the usual scatter makes of it, [n, samples], and the rms of the repeats' part."""
+    """A balance of the healthy repeats: their mean residual, how each differs from it, as large as a further run would, and what the usual scatter makes of it, [n, samples],
+    and the rms of the repeats' part."""
 
     mean: Reals
     deviations: Reals
@@ -110,7 +111,8 @@ class Reference:
 
 @dataclass(frozen=True)
 class Where:
-    """The whole answer. `references`: by balance what healthy repeats say; `smoother`: the filter of all balances. `residuals`: by balance what is judged, on coarse samples; `pictures`: data that the page draws, see `ema_tools.report.diagnosis`."""
+    """The whole answer. `references`: by balance what healthy repeats say; `smoother`: the filter of all balances. `residuals`: by balance what is judged,
+    on coarse samples; `pictures`: data that the page draws, see `ema_tools.report.diagnosis`."""
 
     relative: bool
     sentence: str
@@ -492,7 +494,8 @@ class Bins:
 
     def result(self) -> dict[str, list[float]]:
         """For JSON."""
-        return {"center": short(self.centers), "mean": short(self.mean), "low": short(self.low), "high": short(self.high), "share_percent": short(100.0 * self.share), "time_percent": short(100.0 * self.time_share)}
+        shares = {"share_percent": short(100.0 * self.share), "time_percent": short(100.0 * self.time_share)}
+        return {"center": short(self.centers), "mean": short(self.mean), "low": short(self.low), "high": short(self.high), **shares}
 
 
 def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:

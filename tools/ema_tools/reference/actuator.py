@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,24 +12,29 @@ import numpy as np
 from ema_tools.definitions import Definitions, defaults, load_definitions
 from ema_tools.reference.compiled import HAS_NUMBA
 
-# The lists decide the fields, so the types are made from them.
+
+def _tuple_type(name: str, fields: Iterable[str]) -> Any:
+    """A named tuple whose fields the lists decide, so that no checker can know them."""
+    return namedtuple(name, fields)
+
+
 _DEFINITIONS: Definitions = load_definitions()
 _BLOCK_SECTIONS = ("control", "drive", "motor", "gearbox", "screw", "encoder", "timing")
-_Effects: Any = namedtuple("Effects", [effect.name for effect in _DEFINITIONS.effects])  # type: ignore[misc]
-Actuator: Any = namedtuple("Actuator", [*_BLOCK_SECTIONS, "effects"])
+_Effects = _tuple_type("Effects", [effect.name for effect in _DEFINITIONS.effects])
+Actuator = _tuple_type("Actuator", [*_BLOCK_SECTIONS, "effects"])
 
 
 def _structure(fields: Mapping[str, float | int]) -> Any:
     """Numbers by name as one value with attributes: a pointer to compiled code, a tuple to Python."""
     if not HAS_NUMBA:
-        return namedtuple("Structure", fields)(**fields)  # type: ignore[misc]
+        return _tuple_type("Structure", fields)(**fields)
     kind = np.dtype([(name, np.int64 if isinstance(value, int) else np.float64) for name, value in fields.items()])
     return np.rec.array([tuple(fields.values())], dtype=kind)[0]
 
 
 def plain(structure: Any) -> Any:
     """The same as a tuple, which Python itself reads faster."""
-    return namedtuple("Structure", structure.dtype.names)(*structure.tolist()) if HAS_NUMBA else structure  # type: ignore[misc]
+    return _tuple_type("Structure", structure.dtype.names)(*structure.tolist()) if HAS_NUMBA else structure
 
 
 def filled(values: Mapping[str, float]) -> dict[str, float]:

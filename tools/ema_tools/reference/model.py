@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
 from ema_tools.reference.actuator import build, filled, is_active
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.effects import module_of
-from ema_tools.reference.point import Data
+from ema_tools.reference.point import Data, Point
 from ema_tools.reference.recording import Recording
 
 __all__ = ["Recording", "defaults", "simulate"]
@@ -119,10 +118,10 @@ def _run(moving: plant.Plant, command_mm: np.ndarray, start_mm: float, oversampl
 
     for step in range(command_mm.size):
         motor_mm = moving.lead_mm_per_rad * state[plant.ANGLE]
-        point = plant.Point(state[plant.CURRENT], state[plant.SPEED], state[plant.ANGLE], motor_mm, 0.0, moving.data)
+        point = Point(state[plant.CURRENT], state[plant.SPEED], state[plant.ANGLE], motor_mm, 0.0, moving.data)
         play_mm, play_mm_s = plant.play_output(moving, mode, point)
         rod_mm, rod_mm_s = sites.rod_behind_play(part.effects, state, play_mm, play_mm_s)
-        at_rod = plant.Point(point.current_A, point.speed_rad_s, point.angle_rad, rod_mm, 0.0, moving.data)
+        at_rod = Point(point.current_A, point.speed_rad_s, point.angle_rad, rod_mm, 0.0, moving.data)
         sensor_mm = encoder.rod_sensor_mm(part.encoder, rod_mm) + sites.extra_reading_mm(part.effects, at_rod)
         history[step] = sensor_mm if part.encoder.side == 1 else motor_mm
         if step % part.control.every_steps == 0:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.report.results import Curves, Series
+from ema_tools.report.reader import Series
+from ema_tools.report.results import Curves
 
 # Rows per record that the page keeps; a longer record keeps the extremes of equal pieces of it.
 ROWS_MAX = 24_000

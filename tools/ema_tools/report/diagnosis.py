@@ -150,10 +150,12 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
             rows.append(f'{head}<td colspan="4" class="reason">{escape(block.reason)}</td></tr>')
             continue
         floor = "–" if block.floor_rms is None else f"{words.number(block.floor_rms)} {escape(block.unit)}"
-        term = f"{escape(block.words)} ({words.number(block.words_percent, 2)} %)" if block.telling and block.words_percent >= 25.0 else "no simple term" if block.telling else "nothing beyond the floor"
+        told = f"{escape(block.words)} ({words.number(block.words_percent, 2)} %)" if block.words_percent >= 25.0 else "no simple term"
+        term = told if block.telling else "nothing beyond the floor"
         rows.append(f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="reason">{term}</td></tr>')
     if rows:
-        caption = f"Each balance uses measured signals and one group of blocks; the excess is the record minus {against}. The floor is what {'repeats' if result.relative else 'noise and method'} leave."
+        beneath = "repeats" if result.relative else "noise and method"
+        caption = f"Each balance uses measured signals and one group of blocks; the excess is the record minus {against}. The floor is what {beneath} leave."
         page.add(_table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as", texts=(4,)), rows))
     rows = [
         f'<tr><th scope="row">{escape(CHANNEL_TITLES.get(name, name))}</th><td>{words.number(rms)} {escape(unit)}</td><td>{"–" if floor is None else f"{words.number(floor)} {escape(unit)}"}</td>'
@@ -182,7 +184,10 @@ def _pictures(page: Sheet, result: Diagnosed, identity: str) -> None:
     bins = [one for one in result.pictures if one.share is not None and worst is not None and one.source == worst.name]
     bins.sort(key=_unevenness, reverse=True)
     if worst is not None and bins:
-        page.add(f'<p class="note">The excess of the {escape(worst.name)} balance over every state, the most uneven first: mean and band of one standard deviation. A point of the time axis zooms the curves.</p>')
+        page.add(
+            f'<p class="note">The excess of the {escape(worst.name)} balance over every state, the most uneven first: mean and band of one standard deviation.'
+            " A point of the time axis zooms the curves.</p>"
+        )
         page.add('<div class="thirds">')
         for place, one in enumerate(bins[:_BIN_PICTURES_MAX]):
             _picture(page, f"{identity}-bins-{place}", one, _over(one), identity)

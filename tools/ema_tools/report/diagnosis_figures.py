@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def waterfall(result: Diagnosed) -> Figure:
     # The error stands under the bar: a small one has no room inside.
     names = [f"{step}<br><b>{number(value)}</b>" for step, value in zip(steps, training, strict=True)]
     left: Figure = _bar(names, training, [0.0] * len(names), "left", "after")
-    falls = [max(0.0, before - after) for before, after in zip(training[:-1], training[1:], strict=True)]
+    falls = [max(0.0, before - after) for before, after in pairwise(training)]
     taken = _bar(names[1:], falls, training[1:], "taken off", "join")
     taken["text"] = [f"−{number(fall)}" if fall > 0.0 else "" for fall in falls]
     traces = [left, taken]

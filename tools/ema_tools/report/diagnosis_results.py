@@ -220,7 +220,8 @@ def _steps(reader: Reader, error: Reader, added: str, suspects: tuple[Suspect, .
     if not steps or not steps[-1].effects or steps[-1].values:
         return tuple(steps)
     # what was fitted is stated once, for the last model
-    return (*steps[:-1], replace(steps[-1], values=_last_values(reader, added), **({"recommended": _judged(reader), "reason": _said(reader, "reason")} if added else {})))
+    last = replace(steps[-1], values=_last_values(reader, added))
+    return (*steps[:-1], replace(last, recommended=_judged(reader), reason=_said(reader, "reason")) if added else last)
 
 
 def _judged(part: Reader) -> bool | None:
@@ -280,7 +281,8 @@ def _points(part: Reader) -> Line:
 def _pictures(pictures: Reader) -> Iterator[Picture]:
     """Bins by balance and axis, torque against speed, orders, hysteresis."""
     for part in pictures.tables("bins"):
-        yield Picture(part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""), {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"), friction=bool(part.data.get("friction", False)))
+        heads = (part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""))
+        yield Picture(*heads, {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"), friction=bool(part.data.get("friction", False)))
     if pictures.data.get("torque_speed") is not None:
         part = pictures.table("torque_speed")
         lines = {"points": _points(part.table("points"))}
@@ -293,12 +295,12 @@ def _pictures(pictures: Reader) -> Iterator[Picture]:
     for name in orders.data:
         part = orders.table(name)
         for key, axis in (("turns", "periods per motor turn"), ("leads", "periods per screw lead")):
-            lines = part.table(key)
-            if lines.data.get("order"):
-                orders_at = lines.series("order")
-                drawn = {"order": Line(orders_at, lines.series("amplitude"))}
-                if lines.data.get("chance"):
-                    drawn["chance"] = Line(orders_at, lines.series("chance"))
+            peaks = part.table(key)
+            if peaks.data.get("order"):
+                orders_at = peaks.series("order")
+                drawn = {"order": Line(orders_at, peaks.series("amplitude"))}
+                if peaks.data.get("chance"):
+                    drawn["chance"] = Line(orders_at, peaks.series("chance"))
                 yield Picture(f"{name} order", axis, part.text("unit", ""), "", drawn)
     loops = _part(pictures, "hysteresis")
     for name in loops.data:

@@ -239,7 +239,10 @@ def _paper(page: _Page, results: list[Identified]) -> None:
     page.add(beside_paper(results))
     page.add('<figure><div class="figure-head"><h3>Error of the estimates</h3><ul class="legend"><li><span class="key dot"></span>here</li>')
     page.add('<li><span class="key diamond full"></span>paper</li></ul></div>', page.figure("paper-accuracy", figures.accuracy(results)))
-    page.add("<figcaption>Logarithmic: each step is ten times; an error below 0.0001 % is drawn at 0.0001 %. The records were made by an independent model in double precision.</figcaption></figure></div></section>")
+    page.add(
+        "<figcaption>Logarithmic: each step is ten times; an error below 0.0001 % is drawn at 0.0001 %. "
+        "The records were made by an independent model in double precision.</figcaption></figure></div></section>"
+    )
 
 
 def _compared(page: _Page, result: Compared, identity: str) -> None:

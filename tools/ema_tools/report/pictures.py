@@ -67,7 +67,8 @@ class _Panel:
         """Grid and ticks; the scale of x only where `below`."""
         for value in _decades(self.y) if self.log else _ticks(self.y):
             y = float(self.at(np.array([self.x[0]]), np.array([value])).split(",")[1])
-            self.parts += [f'<line x1="{self.left:g}" x2="{self.left + self.width:g}" y1="{y:.1f}" y2="{y:.1f}" stroke="{_GRID}"/>', _text(self.left - 6.0, y + 3.5, f"{value:g}".replace("-", "−"), "end")]
+            line = f'<line x1="{self.left:g}" x2="{self.left + self.width:g}" y1="{y:.1f}" y2="{y:.1f}" stroke="{_GRID}"/>'
+            self.parts += [line, _text(self.left - 6.0, y + 3.5, f"{value:g}".replace("-", "−"), "end")]
         if below:
             for value in _ticks(self.x, 6):
                 x = self.left + self.width * (value - self.x[0]) / (self.x[1] - self.x[0])
@@ -123,7 +124,7 @@ def _around(values: Series, room: float = 0.08) -> tuple[float, float]:
 
 def of_record(curves: Curves, added: str) -> str:
     """Measured and simulated signals with their difference, before and after."""
-    time = curves.start_s + curves.period_s * np.arange(curves.rows)
+    time = curves.start_s + curves.period_s * np.arange(curves.rows, dtype=np.float64)
     ends = (float(time[0]), float(time[-1]))
     titles = {"before": "the model before", "after": f"with {added}"}
     shown = {name: shape for name, shape in _CHANNELS.items() if name in curves.channels()}

@@ -78,7 +78,8 @@ class Search:
 
 @dataclass(frozen=True)
 class Identified:
-    """A result of `ema identify`. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known, `noise` names the sensor noise in the record."""
+    """A result of `ema identify`. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known,
+    `noise` names the sensor noise in the record."""
 
     name: str
     faults: dict[str, Estimate]

@@ -127,7 +127,7 @@ def texts() -> dict[str, str]:
                 "file": name,
                 "shows": case.shows,
                 "parameters": case.values,
-                "command": {key: value for key, value in vars(case.command).items()},
+                "command": dict(vars(case.command)),
                 "start_mm": case.start_mm,
                 "steps": case.steps,
                 "every_rows": case.every_rows,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -59,7 +60,7 @@ def main(
     """Hides effects in machines that the code under test has never seen and reports what it names."""
     begun = time.monotonic()
     plan = _SMALL if size == "small" else FULL
-    given = {
+    given: dict[str, Any] = {
         "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE), "effect"),
         "severities": _names(severity, tuple(SEVERITIES), "severity"),
         "kinds": _names(kinds, KINDS, "kind"),

@@ -119,8 +119,8 @@ def _by_model(values: Mapping[str, float], command: Reals, sensors: Sensors, see
     run = library(32).simulate(*reference_actuator().changed(names).arrays(), command)
     random = np.random.default_rng(seed)
     stds = (sensors.position_noise_mm, sensors.motor_position_noise_mm, sensors.current_noise_A, sensors.voltage_noise_V)
-    seen = [getattr(run, channel) + std * random.standard_normal(command.size) for channel, std in zip(CHANNELS, stds, strict=True)]
-    return Recording(STEP_S * np.arange(command.size), command, *seen, speed_mm_s=run.speed_mm_s)
+    seen = {channel: getattr(run, channel) + std * random.standard_normal(command.size) for channel, std in zip(CHANNELS, stds, strict=True)}
+    return Recording(STEP_S * np.arange(command.size), command, speed_mm_s=run.speed_mm_s, **seen)
 
 
 def simulated(unit: Machine, changes: Mapping[str, float], command: str, sensors: Sensors | None = None, seed: int = 0) -> Recording:

@@ -37,7 +37,7 @@ def read_rows(folder: Path) -> list[Row]:
 def _one_core(cores: Sequence[int]) -> None:
     """A worker keeps to one core, so that its threads do not take the others' time."""
     if hasattr(os, "sched_setaffinity"):
-        place = multiprocessing.current_process()._identity[-1]  # noqa: SLF001 - workers of a pool have no other number
+        place = multiprocessing.current_process()._identity[-1]  # workers of a pool have no other number
         os.sched_setaffinity(0, {cores[place % len(cores)]})
 
 

@@ -98,7 +98,7 @@ def sizes(rows: Sequence[Row]) -> list[Row]:
 
 def size_error_percent(size: Row) -> float:
     """Error of a size in percent of the true one."""
-    return 100.0 * abs(size["estimate"] - size["true"]) / abs(size["true"])
+    return float(100.0 * abs(size["estimate"] - size["true"]) / abs(size["true"]))
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,10 +27,10 @@ def remembering() -> Iterator[None]:
     """Inside, the fit to a machine's healthy repeats is made once and not once a trial: the same repeats have the same fit, and most trials are of one machine."""
     fit = gathering.healthy_model
 
-    def remembered(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], *more: Any) -> Actuator:
+    def remembered(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Callable[[float, str], None] | None = None) -> Actuator:
         key = hashlib.sha256(mean.tobytes() + power.tobytes() + record.command_mm.tobytes() + repr(channels).encode()).hexdigest()
         if key not in _fitted:
-            _fitted[key] = fit(actuator, record, mean, power, channels, *more)
+            _fitted[key] = fit(actuator, record, mean, power, channels, report)
         return _fitted[key]
 
     gathering.healthy_model = remembered

@@ -51,14 +51,15 @@ class Trial:
 
 def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], command: str, names: Sequence[str], repeats: int) -> list[Trial]:
     possible = [pair for pair in itertools.combinations(names, 2) if not any(set(pair) <= kind for kind in INSEPARABLE)]
-    drawn = np.random.default_rng(4_711).permutation(len(possible))[:count] if possible else []
+    drawn: Sequence[int] = np.random.default_rng(4_711).permutation(len(possible))[:count].tolist() if possible else []
     places = enumerate(possible[k] for k in drawn)
     return [Trial("pair", pair, severities[place % len(severities)], command, numbers[place % len(numbers)], repeats) for place, pair in places]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command; the others by their counts.
+    """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command;
+    the others by their counts.
 
     `timed`: trials that run one after the other on all cores, with nothing remembered, as a user's diagnosis does.
     """
