@@ -29,6 +29,8 @@ _EFFECTS_MAX = 3
 # Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
 LEAST_LIMIT = 30.0
 _REPEAT_MARGIN = 1.5
+# Without repeats there is nothing to take a limit from: twice that much, which of nearly 300 healthy machines of the benchmark's kind hardly one exceeds.
+_LIMIT_ALONE = 2.0 * LEAST_LIMIT
 # A healthy machine's standing effects are worth having in the model only when they are large against what repeats leave, and against each other.
 _STANDING_LIMIT = 100.0
 _STANDING_SHARE = 0.05
@@ -269,12 +271,12 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     beyond = max((raw_cost(evidence) if evidence.relative else here.cost) - floor, 0.0)
     doubt = _MODEL_ERROR**2 * beyond
     further = doubt if evidence.relative else _MODEL_ERROR_ALONE**2 * beyond
-    limit = LEAST_LIMIT
+    limit = LEAST_LIMIT if evidence.relative else _LIMIT_ALONE
     noise = 6.0 * (float(np.std(costs)) + np.sqrt(2.0 * here.residual.size))
 
     def needed(found: Sequence[Signature], place: int, cost: float) -> float:
         nonlocal limit
-        if place == 0:
+        if place == 0 and evidence.relative:
             limit = _limit_of(repeats, found)
         return max(_needed(limit, excess, cost, floor, noise, evidence), further if place else 0.0)
 

@@ -51,7 +51,7 @@ _SLIGHT_SIZE: Mapping[str, float] = {
     "effects.viscous_asymmetry.asymmetry": 0.006,
     "effects.load_dependent_friction.ratio": 0.001,
     "effects.inverter_dead_time.drop_V": 0.01,
-    "effects.feedback_delay.delay_s": 2e-5,
+    "effects.feedback_delay.delay_s": 2.5e-5,
     "effects.actuation_delay.delay_s": 5e-6,
     "effects.transmission_compliance.period_s": 5e-4,
 }

@@ -20,7 +20,7 @@ OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
 # Strangers are machines of which nothing else is asked.
-_FIRST_STRANGER = 400
+_FIRST_STRANGER = 600
 # Healthy records of one machine and command.
 _DAYS = 20
 
