@@ -125,7 +125,8 @@ class Answer:
         if self.evidence.relative:
             return ""
         names = ", ".join(sorted({one.title for one in self.evidence.spread}))
-        return f"Without healthy repeats nothing can be named that a unit's usual distance from its data sheet explains as well ({names}), nor the slight ripple, cogging, bend of the friction's law, drop and delay that every machine has."
+        usual = "the slight ripple, cogging, bend of the friction's law, drop and delay that every machine has"
+        return f"Without healthy repeats nothing can be named that a unit's usual distance from its data sheet explains as well ({names}), nor {usual}."
 
     def result(self) -> dict[str, Any]:
         """For JSON: the keys that programs read, and what the page draws."""
