@@ -11,6 +11,7 @@ import numpy as np
 
 from ema_tools.actuator import Actuator, Row, shown
 from ema_tools.definitions import EffectParameter, Parameter, load_definitions
+from ema_tools.identify import check_bounds
 from ema_tools.native import CHANNELS, Reals, library
 from ema_tools.onboard import Signatures
 
@@ -25,9 +26,10 @@ _LINE = 24
 
 
 def check_for_firmware(actuator: Actuator) -> None:
-    """Raises InputError when the float32 build of the module refuses the actuator."""
+    """Raises InputError when the float32 build of the module refuses the actuator, or a search that begins at its healthy values."""
     values, options = actuator.arrays()
     library(32).check(values, options)
+    check_bounds(actuator)
 
 
 def literal(value: float) -> str:

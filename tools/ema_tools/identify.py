@@ -197,6 +197,16 @@ def identified_of(actuator: Actuator) -> tuple[str, ...]:
     return tuple(name for name in KEYS if actuator[name] > 0.0)
 
 
+def check_bounds(actuator: Actuator) -> None:
+    """Raises InputError where a healthy value lies outside the bounds of its search."""
+    for name in identified_of(actuator):
+        lower, upper = BOUNDS[name]
+        if not actuator[lower] < actuator[upper]:
+            raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
+        if not actuator[lower] <= actuator[name] <= actuator[upper]:
+            raise InputError(f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them")
+
+
 def check_record(actuator: Actuator, record: Record, search: Search) -> None:
     """Raises InputError when the search cannot begin: a healthy value or a bound that does not fit, or a weight on a signal that is not recorded."""
     for name, weight in zip(CHANNELS, search.weight or (), strict=False):
@@ -204,12 +214,7 @@ def check_record(actuator: Actuator, record: Record, search: Search) -> None:
             raise InputError(f"{record.file}: {name}: weighted but not recorded: recorded are {', '.join(record.present)}")
     if not identified_of(actuator):
         raise InputError(f"{actuator.file}: screw.csj_Nm = 0: the healthy value is zero, and a shift is counted in % of it: give one, or calibrate")
-    for name in identified_of(actuator):
-        lower, upper = BOUNDS[name]
-        if not actuator[lower] < actuator[upper]:
-            raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
-        if not actuator[lower] <= actuator[name] <= actuator[upper]:
-            raise InputError(f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them")
+    check_bounds(actuator)
 
 
 def run(actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None) -> Identification:

@@ -166,6 +166,19 @@ def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_pe
     assert found.effects[0].values[f"effects.{effect}.{size}"] == pytest.approx(value, rel=0.15)
 
 
+@needs_numba
+def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Record]) -> None:
+    """The strongest alone is CSJ, which then takes what belongs to BLK and to the effect."""
+    own = machine(UNIT).values
+    hidden = {"screw.csj_Nm": 1.4 * own["screw.csj_Nm"], "screw.blk_mm": 2.0 * own["screw.blk_mm"], "stribeck_friction.rise": 0.3, "stribeck_friction.speed_rad_s": 10.0}
+    alone = [Record(STEP_S, one.command_mm, one.position_mm, file=one.file) for one in (run_of(hidden, 814), *healthy[:-1])]
+    found = answer(reference_actuator(), alone[0], alone[1:])
+    assert [one.name for one in found.effects] == ["stribeck_friction"]
+    assert sorted(one.name for one in found.faults) == ["blk", "csj"]
+    assert found.effects[0].values["effects.stribeck_friction.rise"] == pytest.approx(0.3, rel=0.05)
+    assert found.diagnosis.cost_after < 1.1 * found.diagnosis.cost_floor
+
+
 def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow() -> None:
     steps = [Step((), "", 9.0, 8.0), Step((), "own", 5.0, 4.0), Step(("a",), "a", 2.0, 3.0), Step(("a", "b"), "b", 1.5, 3.5), Step(("a", "b", "c"), "c", 1.0, 2.0)]
     assert refuted(steps) == ("b", "c")
@@ -177,6 +190,9 @@ def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow()
 def test_repeats_of_another_command_or_too_few_are_refused(healthy: list[Record]) -> None:
     with pytest.raises(InputError, match="give two or more"):
         gather(reference_actuator(), healthy[-1], healthy[:1])
+    worn = dataclasses.replace(run_of({"screw.csj_Nm": 0.2}, 780), file="worn.csv")
+    with pytest.raises(InputError, match=r"worn\.csv: [\d.]+ times as far from the healthy records' median as the others are: leave it out"):
+        gather(reference_actuator(), healthy[-1], [*healthy[:2], worn])
     other = dataclasses.replace(healthy[0], command_mm=healthy[0].command_mm * 1.5, file="other.csv")
     with pytest.raises(InputError, match=r"other\.csv: command_mm"):
         gather(reference_actuator(), healthy[-1], [other, *healthy[1:3]])

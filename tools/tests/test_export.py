@@ -100,5 +100,12 @@ def test_actuator_that_the_onboard_module_refuses_is_not_exported(tmp_path: Path
     assert run_ema("export", tmp_path / "a.toml", "-o", tmp_path / "a.h", "--force").code == 0
 
 
+def test_a_healthy_value_outside_its_search_is_not_exported(tmp_path: Path) -> None:
+    read_actuator(REFERENCE).changed({"search.csj_lower_Nm": 0.2}).write(tmp_path / "narrow.toml")
+    message = complaint(run_ema("export", tmp_path / "narrow.toml", "-o", tmp_path / "out.h"))
+    assert "screw.csj_Nm = 0.138: outside the search's bounds 0.2 .. " in message
+    assert not (tmp_path / "out.h").exists()
+
+
 def test_header_names_no_path() -> None:
     assert str(ROOT) not in header_text(read_actuator(REFERENCE))

@@ -53,7 +53,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Step:
-    """One model of the way: its effects, the one that came last, and the weighted errors; None where there is no record held out."""
+    """One model of the way: its effects, what came last (mostly one, both faults where they came together), and the weighted errors; None where there is no record held out."""
 
     effects: tuple[str, ...]
     added: str
@@ -112,7 +112,7 @@ def walk(diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None
     steps.append(Step((), SCATTER if evidence.relative else UNIT, weighted(diagnosis.cost_before, evidence), other(None)))
     known: tuple[str, ...] = ()
     for fit in diagnosis.steps:
-        added = next((effect for effect in fit.effects if effect not in known), fit.effects[-1])
+        added = " and ".join(effect for effect in fit.effects if effect not in known) or fit.effects[-1]
         steps.append(Step(fit.effects, added, weighted(fit.cost, evidence), other(fit)))
         known = fit.effects
     last = steps[-1]

@@ -37,6 +37,9 @@ def same_command(record: Record, other: Record) -> bool:
     """Whether two records run the same command."""
     return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
 
+# Days differ by a factor of three at most from one another (benchmark's machines); one that is faulty, by dozens.
+_ODD = 8.0
+
 
 def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
     for other in healthy:
@@ -44,6 +47,18 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
             raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
     if len(healthy) < 2:
         raise InputError(f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none")
+    apart = _apart(healthy)
+    odd = int(np.argmax(apart))
+    if apart[odd] > _ODD:
+        raise InputError(f"{healthy[odd].file}: {apart[odd]:.3g} times as far from the healthy records' median as the others are: leave it out, or diagnose it by itself")
+
+
+def _apart(healthy: Sequence[Record]) -> Reals:
+    """How far each healthy record lies from the median of them all, [records], as a multiple of the usual distance, in the signal where that is most; two records are alike far."""
+    runs = np.array([[one.recorded(name) for name in common_channels(healthy)] for one in healthy])
+    far = np.sqrt(np.mean((runs - np.median(runs, axis=0)) ** 2, axis=2))
+    usual = np.median(far, axis=0)
+    return np.asarray(np.max(np.divide(far, usual, out=np.ones_like(far), where=usual > 0.0), axis=1))
 
 
 def _zeros_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:

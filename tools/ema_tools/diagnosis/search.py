@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ema_tools.diagnosis.candidates import Signature, promising, signatures
+from ema_tools.diagnosis.candidates import FAULTS, Signature, promising, signatures
 from ema_tools.diagnosis.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, repeat_residuals, settled
 from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, jointly, polished, refit, slopes, without_effect
 from ema_tools.diagnosis.spread import is_slight
@@ -42,6 +42,11 @@ _ALIKE = 9.0
 # A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another effect.
 _SHOWN = 2.0
 _UNEXPLAINED = 0.1
+# Against repeats an error of twice the floor is no answer, however large the change was.
+_FLOORS = 2.0
+# Where both faults are fitted first: where they begin, in healthy values, and how many effects may follow.
+_WORN_START = 1.3
+_BESIDE_WEAR_MAX = 2
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
 _MODEL_ERROR = 0.02
 # Without repeats what no parameter of a unit holds, such as a slight ripple of its friction, leaves more; a further effect must be larger than that.
@@ -189,15 +194,17 @@ def _first_look(start: View, free: View) -> list[Signature]:
     return sorted(seen, key=lambda signature: -signature.score)
 
 
-def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report, free: View | None = None) -> _Path:
+def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report, free: View | None = None, begun: _Path | None = None) -> _Path:
     """Adds the effect that takes off most, as long as it takes off what `needed` says of the signatures, the round and the present cost.
 
-    `free`: for a record of a unit that is known by its data sheet alone, where the unit's own parameters explain most.
+    `begun`: what has been added already. `free`: for a record of a unit that is known by its data sheet alone, where the unit's own parameters explain most.
     """
     here, cost = start, (free or start).cost
     rounds: list[Round] = []
     steps: list[Fit] = []
     every: list[Signature] = []
+    if begun is not None:
+        here, cost, rounds, steps = begun.view, begun.steps[-1].cost, list(begun.rounds), list(begun.steps)
     while len(steps[-1].effects if steps else ()) < effects_max:
         place = len(rounds)
         share = place / (effects_max + 1.0)
@@ -210,7 +217,8 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             least = needed((), place, cost)
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
-            found = signatures(seen, held, promising(seen, every, least))
+            found = signatures(seen, held, promising(seen, every, least) if every else None)
+            every = every or found
         found = found if free is None else [one for one in found if not is_slight(start.evidence.actuator, one.candidate.size, one.size)]
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
@@ -249,6 +257,22 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
     return _Path(tuple(rounds), tuple(steps), here)
 
 
+def _worn_first(start: View, path: _Path, needed: Callable[[Sequence[Signature], int, float], float], tell: Report) -> _Path:
+    """The path that begins with both faults, where that of the strongest effect ends far from the floor; the better of the two.
+
+    Wear moves CSJ and BLK together, and beside an effect of their size the first of the three to be fitted alone takes a share of the other two, which no later one gives back.
+    """
+    actuator = start.evidence.actuator
+    values = {name: _WORN_START * actuator[name] for name in FAULTS.values() if actuator[name] > 0.0}
+    if not values:
+        return path
+    worn = polished(refit(start, values), _POLISH_ROUNDS[True])
+    first = replace(path.rounds[0], fits=(worn, *path.rounds[0].fits))
+    begun = _Path((first,), (worn,), settled(start.evidence, worn.values, worn.deviations(), 1))
+    other = _grown(start, needed, len(worn.effects) + _BESIDE_WEAR_MAX, tell, begun=begun)
+    return other if other.steps[-1].judged < path.steps[-1].judged else path
+
+
 def standing_effects(evidence: Evidence, report: Report | None = None) -> Fit | None:
     """What a healthy machine shows beyond the model with its parameters fitted; None when it is nothing."""
     here = settled(evidence, {})
@@ -280,7 +304,10 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
             limit = _limit_of(repeats, found)
         return max(_needed(limit, excess, cost, floor, noise, evidence), further if place else 0.0)
 
-    path = _grown(here, needed, _EFFECTS_MAX, report or (lambda _share, _text: None), free)
+    tell = report or (lambda _share, _text: None)
+    path = _grown(here, needed, _EFFECTS_MAX, tell, free)
+    if evidence.relative and path.steps and path.steps[-1].cost > _FLOORS**2 * floor:
+        path = _worn_first(here, path, needed, tell)
     steps = path.steps
     if steps and free is not None and not (len(steps) == 1 and set(steps[0].values) <= set(TWINS)):
         steps = (*steps[:-1], jointly(steps[-1]))
@@ -288,7 +315,8 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     cost = best.cost if best is not None else before
     unexplained = max(cost - floor, 0.0) / excess
     strange = cost - floor > max(noise, 2.0 * doubt)
-    verdict = "unknown" if strange and unexplained > _UNEXPLAINED else "missing" if best is not None else "adequate"
+    far = unexplained > _UNEXPLAINED or (evidence.relative and cost > _FLOORS**2 * floor)
+    verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, steps, verdict, doubt, before, limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)
     # beside a large misfit a size that could be none says that something else is there
@@ -323,7 +351,7 @@ def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verd
         fits = rounds[place].fits
         own = next((fit for fit in fits if effect in fit.effects), fits[0])
         held = set(steps[place - 1].effects) if place else set()
-        alike = [other for fit in fits if fit.judged - own.judged < tolerance for other in fit.effects if other not in held and other != effect]
+        alike = [other for fit in fits if fit.judged - own.judged < tolerance for other in fit.effects if other not in held and other not in own.effects]
         alike += [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
         std = {name: value for name, value in best.std.items() if name in best.of_effect(effect)} if best else {}
         earlier = steps[place - 1].cost if place else before
