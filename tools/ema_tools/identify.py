@@ -62,7 +62,7 @@ class Identified:
         """Whether the guard takes the fault back: the model is not adequate, or CSJ or BLK would be another one beside the missing effect; or says why a strange answer is none."""
         if self.guarded is None or self.guarded.verdict == "adequate":
             return False
-        if self.guarded.verdict == "unknown" and self.guarded.skipped and self.answer.verdict == "undecided":
+        if self.guarded.unusable and self.answer.verdict == "undecided":
             return True
         return not self.answer.adequate or (self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified))
 
@@ -89,7 +89,7 @@ class Identified:
         own = self.answer.reasons
         if not self.objects or self.guarded is None:
             return tuple(own)
-        if self.guarded.skipped:
+        if self.guarded.unusable:
             # of a record that cannot answer, a residual says nothing about the model
             return (self.guarded.words(), *(reason for reason in own if reason != _NOT_ADEQUATE))
         place = own.index(_NOT_ADEQUATE) + 1 if _NOT_ADEQUATE in own else 0

@@ -81,7 +81,7 @@ def fitted_machine(evidence: Evidence, fit: Fit | None) -> Actuator:
     if evidence.relative:
         return evidence.actuator
     deviations = fit.deviations() if fit is not None else settled(evidence, {}).deviations
-    return evidence.actuator.changed(moved(evidence.actuator, evidence.spread, deviations[: len(evidence.spread)]))
+    return evidence.actuator.changed(moved(evidence.actuator, evidence.spread, deviations))
 
 
 def held_out(evidence: Evidence, known: Actuator, record: Record, healthy: Sequence[Record]) -> Evidence:

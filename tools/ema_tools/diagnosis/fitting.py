@@ -179,11 +179,15 @@ def _on_bound(name: str, value: float, lower: float, upper: float, nominal: floa
     return not name.endswith("phase_rad") and (value >= upper - near or (value <= lower + near and lower != nominal))
 
 
+def seen_from(fit: Fit) -> View:
+    """The evidence with what scatters linear at the fit itself."""
+    return settled(fit.view.evidence, fit.values, fit.deviations(), 1)
+
+
 def polished(fit: Fit, rounds: int) -> Fit:
     """The fit again with what scatters linear at the fit itself, `rounds` times or until the cost stays."""
     for _ in range(rounds):
-        view = settled(fit.view.evidence, fit.values, fit.deviations(), 1)
-        again = refit(view, fit.values)
+        again = refit(seen_from(fit), fit.values)
         done = abs(again.cost - fit.cost) < 0.5 + 1e-4 * fit.cost
         fit = again
         if done:
@@ -217,7 +221,7 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
 
 def jointly(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
     """`joint` from the fit's own values."""
-    there = settled(fit.view.evidence, fit.values, fit.deviations(), 1)
+    there = seen_from(fit)
     return joint(replace(fit, view=there, cost=there.cost), rounds)
 
 

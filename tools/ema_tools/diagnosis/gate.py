@@ -387,12 +387,14 @@ def _clipping(record: Record) -> list[Remark]:
 
 def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
     """Length and first row of the longest run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    if edges.size == 0:
-        return 0, 0
-    lengths = edges[1::2] - edges[::2]
-    place = int(np.argmax(lengths))
-    return int(lengths[place]), int(edges[::2][place])
+    lengths = [(last - first, first) for first, last in _stretches(flags)]
+    return max(lengths, key=lambda one: one[0], default=(0, 0))
+
+
+def _stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First row, and the row after the last, of every run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 def _spikes(record: Record) -> list[Remark]:
@@ -423,14 +425,13 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
         if values is None or not np.ptp(values) > 0.0:
             continue
         same = np.concatenate((np.diff(values) == 0.0, [False]))
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
         model = getattr(run, name)
         longest = 0
-        for first, last in zip(edges[::2], edges[1::2], strict=True):
+        for first, last in _stretches(same):
             long_enough = (last - first) * record.period_s >= _STUCK_S
             clipped = name not in ("position_mm", "motor_position_mm") and abs(values[first]) == np.max(np.abs(values))
             if last - first > longest and long_enough and not clipped and np.ptp(model[first : last + 1]) > _STUCK_MOVES * np.ptp(model):
-                longest, start = int(last - first), int(first)
+                longest, start = last - first, first
         if longest:
             text = f"{name} repeats one value for {longest + 1} rows from row {start + 1}, where the "
             motor = record.motor_position_mm

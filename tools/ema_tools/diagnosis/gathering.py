@@ -55,7 +55,8 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
 
 def _apart(healthy: Sequence[Record]) -> Reals:
     """How far each healthy record lies from the median of them all, [records], as a multiple of the usual distance, in the signal where that is most; two records are alike far."""
-    runs = np.array([[one.recorded(name) for name in common_channels(healthy)] for one in healthy])
+    channels = common_channels(healthy)
+    runs = np.array([measured_channels(one, channels) for one in healthy])
     far = np.sqrt(np.mean((runs - np.median(runs, axis=0)) ** 2, axis=2))
     usual = np.median(far, axis=0)
     return np.asarray(np.max(np.divide(far, usual, out=np.ones_like(far), where=usual > 0.0), axis=1))
@@ -108,7 +109,7 @@ def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals,
     standing = standing_effects(found, report)
     deviations = standing.deviations() if standing is not None else settled(found, {}).deviations
     effects = dict(standing.values) if standing is not None else {}
-    return actuator.changed({**effects, **spreads.moved(actuator, found.spread, deviations[: len(found.spread)])})
+    return actuator.changed({**effects, **spreads.moved(actuator, found.spread, deviations)})
 
 
 def _mean_and_level(healthy: Sequence[Record], channels: tuple[str, ...]) -> tuple[Reals, Reals, Reals]:
@@ -192,5 +193,5 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
     slight = [changes for changes in spreads.SLIGHT if _effect_of(changes) not in actuator.active_effects]
     first = with_slight(actuator, slight)
     deviations = settled(first, {}, settled(first, {}).deviations, rounds=FAR_ROUNDS, reach=FAR).deviations
-    unit = actuator.changed(spreads.moved(actuator, first.spread, deviations[: len(first.spread)]))
+    unit = actuator.changed(spreads.moved(actuator, first.spread, deviations))
     return with_slight(unit, _still_slight(slight, deviations[deviations.size - len(slight) :]))

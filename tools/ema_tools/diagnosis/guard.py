@@ -70,9 +70,14 @@ class Guarded:
     wall_s: float
     there: bool = False
 
+    @property
+    def unusable(self) -> bool:
+        """Whether nothing was sought because the record cannot answer."""
+        return self.verdict == "unknown" and bool(self.skipped)
+
     def words(self) -> str:
         """The missing effect in words, for a list of reasons."""
-        if self.verdict == "unknown" and self.skipped:
+        if self.unusable:
             return f"nothing can be told from this record: {self.skipped}"
         if self.verdict == "unknown":
             return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
@@ -326,7 +331,7 @@ def _on_unit(unit: Evidence, named: _Fit) -> _Fit:
         return named
     if not fit.determined(named.effect):
         return named
-    machine = spreads.moved(unit.actuator, unit.spread, fit.deviations()[: len(unit.spread)])
+    machine = spreads.moved(unit.actuator, unit.spread, fit.deviations())
     return _Fit(named.effect, {**named.values, **{name: machine[name] for name in named.values if name in machine}, **fit.values}, {**named.std, **fit.std}, named.cost)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_tools.diagnosis.candidates import FAULTS, Signature, promising, signatures
 from ema_tools.diagnosis.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, repeat_residuals, settled
-from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, jointly, polished, refit, slopes, without_effect
+from ema_tools.diagnosis.fitting import Fit, best_of_each, joined, jointly, polished, refit, seen_from, slopes, without_effect
 from ema_tools.diagnosis.spread import is_slight
 from ema_tools.diagnosis.twins import TWINS, twins
 from ema_tools.diagnosis.whitening import Reals
@@ -252,7 +252,7 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
             break
         best = _pruned(*enough[0])
         steps.append(best)
-        here = settled(start.evidence, best.values, best.deviations(), 1)
+        here = seen_from(best)
         cost = best.cost
     return _Path(tuple(rounds), tuple(steps), here)
 
@@ -268,7 +268,7 @@ def _worn_first(start: View, path: _Path, needed: Callable[[Sequence[Signature],
         return path
     worn = polished(refit(start, values), _POLISH_ROUNDS[True])
     first = replace(path.rounds[0], fits=(worn, *path.rounds[0].fits))
-    begun = _Path((first,), (worn,), settled(start.evidence, worn.values, worn.deviations(), 1))
+    begun = _Path((first,), (worn,), seen_from(worn))
     other = _grown(start, needed, len(worn.effects) + _BESIDE_WEAR_MAX, tell, begun=begun)
     return other if other.steps[-1].judged < path.steps[-1].judged else path
 
@@ -306,7 +306,8 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
 
     tell = report or (lambda _share, _text: None)
     path = _grown(here, needed, _EFFECTS_MAX, tell, free)
-    if evidence.relative and path.steps and path.steps[-1].cost > _FLOORS**2 * floor:
+    most = _FLOORS**2 * floor if evidence.relative else np.inf
+    if path.steps and path.steps[-1].cost > most:
         path = _worn_first(here, path, needed, tell)
     steps = path.steps
     if steps and free is not None and not (len(steps) == 1 and set(steps[0].values) <= set(TWINS)):
@@ -315,7 +316,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     cost = best.cost if best is not None else before
     unexplained = max(cost - floor, 0.0) / excess
     strange = cost - floor > max(noise, 2.0 * doubt)
-    far = unexplained > _UNEXPLAINED or (evidence.relative and cost > _FLOORS**2 * floor)
+    far = unexplained > _UNEXPLAINED or cost > most
     verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, steps, verdict, doubt, before, limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)

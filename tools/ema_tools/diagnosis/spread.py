@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ema_tools.actuator import Actuator, row_of
+from ema_tools.native import Reals
 
 # Usual scatter of one machine from run to run, relative: dry friction, grease, winding.
 FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
@@ -95,9 +96,9 @@ class Spread:
         return found
 
 
-def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Iterable[float]) -> dict[str, float]:
-    """The values of all of `spread` at their `deviations`, one for each."""
-    return {name: value for one, at in zip(spread, deviations, strict=True) for name, value in one.changes(actuator, float(at)).items()}
+def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Sequence[float] | Reals) -> dict[str, float]:
+    """The values of all of `spread` at their `deviations`; what else is free stands behind those and is left out."""
+    return {name: value for one, at in zip(spread, deviations[: len(spread)], strict=True) for name, value in one.changes(actuator, float(at)).items()}
 
 
 def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...]:

@@ -56,6 +56,11 @@ def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], comman
     return [Trial("pair", pair, severities[place % len(severities)], command, numbers[place % len(numbers)], repeats) for place, pair in places]
 
 
+def _command_of(place: int) -> str:
+    """Of the healthy machines every third runs another command than the first."""
+    return "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
+
+
 @dataclass(frozen=True)
 class Plan:
     """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command;
@@ -100,11 +105,9 @@ class Plan:
             found += _pairs(self.pairs, numbers, strong, "chirp", library, self.repeats)
         for count in range(self.healthy):
             place, day = divmod(count, _DAYS)
-            command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
-            found.append(Trial("healthy", (), "", command, self.first_machine + place, self.repeats, day))
+            found.append(Trial("healthy", (), "", _command_of(place), self.first_machine + place, self.repeats, day))
         for place in range(self.strangers):
-            command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[place // 3 % len(OTHER_COMMANDS)]
-            found.append(Trial("stranger", (), "", command, self.first_machine + _FIRST_STRANGER + place, 0))
+            found.append(Trial("stranger", (), "", _command_of(place), self.first_machine + _FIRST_STRANGER + place, 0))
         found += [Trial("time", (name,), strong[0], "chirp", first, self.repeats) for name in library[: self.timed] if strong]
         return [trial for trial in found if trial.kind in self.kinds]
 
