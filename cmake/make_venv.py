@@ -51,7 +51,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--venv", type=Path, required=True)
     parser.add_argument("--lock", type=Path, required=True)
-    parser.add_argument("--versions", type=Path, help="another lock, which has the versions of the packages that the first names without one")
+    parser.add_argument(
+        "--versions", type=Path, help="another lock, which has the versions of the packages that the first names without one"
+    )
     parser.add_argument("--package", type=Path, required=True)
     parser.add_argument("--stamp", type=Path, required=True)
     parser.add_argument("--kind", choices=tuple(WHAT), required=True)
@@ -75,17 +77,36 @@ def main() -> int:
     if arguments.kind != "test":
         shutil.rmtree(venv, ignore_errors=True)
         if not quiet_run([sys.executable, "-m", "venv", str(venv)], log):
-            print(f"error: no virtual environment could be made: {last_error(log)}: install the package python3-venv;"
-                  f" details in {log}", file=sys.stderr)
+            print(
+                f"error: no virtual environment could be made: {last_error(log)}: install the package python3-venv; details in {log}",
+                file=sys.stderr,
+            )
             return 1
     # The lock is complete, so pip need not resolve; wheels only, so a missing one is said at once.
-    install = [str(python), "-I", "-m", "pip", "install", "--quiet", "--no-input", "--no-deps", "--no-compile",
-               "--disable-pip-version-check", "--only-binary", ":all:", "--requirement", str(arguments.lock)]
+    install = [
+        str(python),
+        "-I",
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-input",
+        "--no-deps",
+        "--no-compile",
+        "--disable-pip-version-check",
+        "--only-binary",
+        ":all:",
+        "--requirement",
+        str(arguments.lock),
+    ]
     if arguments.versions is not None:
         install += ["--constraint", str(arguments.versions)]
     if not quiet_run(install, log):
-        print(f"error: {arguments.lock.name}: {last_error(log)}: check the network and pip's configuration,"
-              f" then run the same command again; details in {log}", file=sys.stderr)
+        print(
+            f"error: {arguments.lock.name}: {last_error(log)}: check the network and pip's configuration,"
+            f" then run the same command again; details in {log}",
+            file=sys.stderr,
+        )
         return 1
     # The checks read the sources where they lie.
     if arguments.kind != "check":

@@ -1,7 +1,7 @@
 /* Everything that makes a model of one actuator: plain numbers, no pointers.
  *
- * The fields are the rows of ema_params.def (nominal values, ranges, units and texts stand there) and of ema_effects.def.
- * A firmware build keeps the structure in flash: ema export writes it as a const initialiser.
+ * The fields are the rows of ema_params.def (nominal values, ranges, units and texts stand there) and of
+ * ema_effects.def. A firmware build keeps the structure in flash: ema export writes it as a const initialiser.
  */
 #ifndef EMA_ACTUATOR_H
 #define EMA_ACTUATOR_H
@@ -38,16 +38,17 @@ typedef struct {
 /* One structure per effect, ema_effect_<name>_t, and all of them side by side. */
 #define EMA_P(field, nominal, lower, upper, text) ema_real field; /* EMA-D1 */
 /* EMA-D1 */
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
-    typedef struct {                                                                        \
-        parameters                                                                          \
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    typedef struct {                                                                                                   \
+        parameters                                                                                                     \
     } ema_effect_##name##_t;
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 #undef EMA_P
 
 typedef struct {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name; /* EMA-D1 */
+/* EMA-D1 */
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name;
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 } ema_effects_t;
@@ -68,10 +69,13 @@ typedef struct {
 typedef uint16_t ema_value_id_t;
 
 #define EMA_VALUE_ID(field) ((ema_value_id_t)((size_t)offsetof(ema_params_t, field) / sizeof(ema_real)))
-#define EMA_EFFECT_VALUE_ID(name, field) \
-    ((ema_value_id_t)(EMA_PARAM_COUNT + ((offsetof(ema_effects_t, name) + offsetof(ema_effect_##name##_t, field)) / sizeof(ema_real))))
+#define EMA_EFFECT_VALUE_ID(name, field)                                                                               \
+    ((ema_value_id_t)(EMA_PARAM_COUNT                                                                                  \
+                      + ((offsetof(ema_effects_t, name) + offsetof(ema_effect_##name##_t, field))                      \
+                         / sizeof(ema_real))))
 
-/* Whether the value belongs to a learned table. A model reads tables where they lie, so they are not identified while it runs. Cost: a handful of comparisons. */
+/* Whether the value belongs to a learned table. A model reads tables where they lie, so they are not identified while
+ * it runs. Cost: a handful of comparisons. */
 bool ema_actuator_is_learned(ema_value_id_t id);
 
 /* Every real value, then every option, has one row: ids of options start at EMA_VALUE_COUNT. */
@@ -87,12 +91,14 @@ const ema_range_t* ema_actuator_range(size_t id);
 /* Sets the reference actuator without effects. Errors: EMA_ERR_NULL. Cost: one copy per value. */
 ema_status_t ema_actuator_defaults(ema_actuator_t* actuator);
 
-/* Checks every value and option against its range, every effect that is not zero for being in this build (EMA_ERR_ABSENT), and every table that acts: EMA_ERR_RANGE for an axis that is none of the five or a range longer than a
- * periodic axis, EMA_ERR_BOUNDS when `first` is not below `last`. On these and on EMA_ERR_NOT_FINITE, `offender` (may be NULL) is the id of the first bad
- * value. EMA_ERR_NULL. Cost: two comparisons per value. */
+/* Checks every value and option against its range, every effect that is not zero for being in this build
+ * (EMA_ERR_ABSENT), and every table that acts: EMA_ERR_RANGE for an axis that is none of the five or a range longer
+ * than a periodic axis, EMA_ERR_BOUNDS when `first` is not below `last`. On these and on EMA_ERR_NOT_FINITE, `offender`
+ * (may be NULL) is the id of the first bad value. EMA_ERR_NULL. Cost: two comparisons per value. */
 ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender);
 
-/* Reads and writes a real value by id. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for an id outside the list. Cost: constant. */
+/* Reads and writes a real value by id. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for an id outside the list. Cost: constant.
+ */
 ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id, ema_real* value);
 ema_status_t ema_actuator_set(ema_actuator_t* actuator, ema_value_id_t id, ema_real value);
 

@@ -1,19 +1,21 @@
 /* Simulated annealing over the unit box, in up to 8 dimensions. It knows a vector and a cost, nothing of actuators.
  *
- * Ask and tell: the caller takes the candidate, evaluates it however it likes and in as many slices as it likes, and tells its cost. The path is a
- * function of configuration and costs alone.
+ * Ask and tell: the caller takes the candidate, evaluates it however it likes and in as many slices as it likes, and
+ * tells its cost. The path is a function of configuration and costs alone.
  *
  *     while (ema_annealer_outcome(&a) == EMA_OUTCOME_ACTIVE) {
  *         cost = f(ema_annealer_candidate(&a));     a cost above ema_annealer_limit(&a) may be given up early
  *         ema_annealer_tell(&a, cost);
  *     }
  *
- * Acceptance is Metropolis': the candidate is taken when cost <= current - T log(u), u uniform and drawn before the evaluation, so the limit is known
- * beforehand. Temperature falls by a constant factor per evaluation; after every `reanneal_interval` accepted candidates it is raised to the spread of the
- * costs kept around the best point, and the steps are widened. Candidates come from two sources: a walk along one coordinate
- * whose steps adapt to an acceptance rate of 0.44 (Corana et al., ACM Trans. Math. Softw. 13, 1987), and, once enough points are known,
- * the Boltzmann distribution at the present temperature of a quadratic fitted to the best points (the idea of adapting the steps to the local shape of the cost is
- * Vanderbilt and Louie's, J. Comput. Phys. 56, 1984). Above 4 dimensions the quadratic is separable.
+ * Acceptance is Metropolis': the candidate is taken when cost <= current - T log(u), u uniform and drawn before the
+ * evaluation, so the limit is known beforehand. Temperature falls by a constant factor per evaluation; after every
+ * `reanneal_interval` accepted candidates it is raised to the spread of the costs kept around the best point, and the
+ * steps are widened. Candidates come from two sources: a walk along one coordinate whose steps adapt to an acceptance
+ * rate of 0.44 (Corana et al., ACM Trans. Math. Softw. 13, 1987), and, once enough points are known, the Boltzmann
+ * distribution at the present temperature of a quadratic fitted to the best points (the idea of adapting the steps to
+ * the local shape of the cost is Vanderbilt and Louie's, J. Comput. Phys. 56, 1984). Above 4 dimensions the quadratic
+ * is separable.
  */
 #ifndef EMA_ANNEALER_H
 #define EMA_ANNEALER_H
@@ -38,21 +40,21 @@ extern "C" {
 typedef enum {
     EMA_OUTCOME_TOLERANCE = 0, /* the best cost improved by less than the tolerance over the stall window */
     EMA_OUTCOME_ACTIVE = 1,
-    EMA_OUTCOME_BUDGET = 2,    /* the evaluations are used up */
-    EMA_OUTCOME_COUNT = 3      /* the number of accepted candidates is reached */
+    EMA_OUTCOME_BUDGET = 2, /* the evaluations are used up */
+    EMA_OUTCOME_COUNT = 3   /* the number of accepted candidates is reached */
 } ema_outcome_t;
 
 typedef struct {
-    uint32_t dimension;                             /* 1 to 8 */
-    ema_real start[EMA_ANNEALER_DIMENSION_MAX];     /* in [0, 1] */
-    ema_real first_step;                            /* of each coordinate, in (0, 1] */
-    ema_real initial_temperature;                   /* in the unit of the cost, > 0 */
-    ema_real cooling;                               /* factor per evaluation, in (0, 1) */
-    ema_real function_tolerance;                    /* in the unit of the cost, >= 0 */
-    uint32_t stall_evaluations;                     /* length of the stall window, >= 1 */
-    uint32_t reanneal_interval;                     /* accepted candidates between two reannealings; 0 never reanneals */
-    uint32_t accept_limit;                          /* accepted candidates in all; 0 is no limit */
-    uint32_t evaluation_budget;                     /* >= 1 */
+    uint32_t dimension;                         /* 1 to 8 */
+    ema_real start[EMA_ANNEALER_DIMENSION_MAX]; /* in [0, 1] */
+    ema_real first_step;                        /* of each coordinate, in (0, 1] */
+    ema_real initial_temperature;               /* in the unit of the cost, > 0 */
+    ema_real cooling;                           /* factor per evaluation, in (0, 1) */
+    ema_real function_tolerance;                /* in the unit of the cost, >= 0 */
+    uint32_t stall_evaluations;                 /* length of the stall window, >= 1 */
+    uint32_t reanneal_interval;                 /* accepted candidates between two reannealings; 0 never reanneals */
+    uint32_t accept_limit;                      /* accepted candidates in all; 0 is no limit */
+    uint32_t evaluation_budget;                 /* >= 1 */
     uint64_t seed;
 } ema_annealer_config_t;
 
@@ -63,7 +65,7 @@ typedef struct {
     uint32_t accepted_uphill;
     uint32_t from_quadratic; /* candidates that the quadratic proposed */
     uint32_t reannealed;
-    uint32_t not_finite;     /* costs that were no finite number; never accepted */
+    uint32_t not_finite; /* costs that were no finite number; never accepted */
 } ema_annealer_info_t;
 
 typedef struct {
@@ -79,8 +81,8 @@ typedef struct {
 
 /* The quadratic through the best points, and the memory of its fit: it means nothing between two candidates. */
 typedef struct {
-    ema_real scale[EMA_ANNEALER_DIMENSION_MAX];   /* z = (x - best) / scale */
-    ema_real lowest[EMA_ANNEALER_DIMENSION_MAX];  /* z of the quadratic's minimum */
+    ema_real scale[EMA_ANNEALER_DIMENSION_MAX];                         /* z = (x - best) / scale */
+    ema_real lowest[EMA_ANNEALER_DIMENSION_MAX];                        /* z of the quadratic's minimum */
     ema_real factor[EMA_ANNEALER_TRIANGLE(EMA_ANNEALER_DIMENSION_MAX)]; /* Cholesky factor of its curvature in z */
     ema_real normal[EMA_ANNEALER_TRIANGLE(EMA_ANNEALER_UNKNOWNS_MAX)];  /* equations of the fit */
     ema_real right[EMA_ANNEALER_UNKNOWNS_MAX];
@@ -89,16 +91,16 @@ typedef struct {
 /* A plain value: a copy is a checkpoint. */
 typedef struct {
     ema_outcome_t outcome;
-    bool walked;               /* the candidate came from the walk */
+    bool walked; /* the candidate came from the walk */
     ema_real temperature;
-    ema_real limit;            /* cost above which the candidate is not wanted */
-    ema_real accept_limit;     /* cost up to which it is accepted; not above the limit */
-    ema_real last_cost;        /* the cost told last; above the limit it is only a lower bound */
-    ema_real stall_cost;       /* best cost at the start of the stall window */
-    uint32_t stall_start;      /* evaluation at which it started */
+    ema_real limit;        /* cost above which the candidate is not wanted */
+    ema_real accept_limit; /* cost up to which it is accepted; not above the limit */
+    ema_real last_cost;    /* the cost told last; above the limit it is only a lower bound */
+    ema_real stall_cost;   /* best cost at the start of the stall window */
+    uint32_t stall_start;  /* evaluation at which it started */
     uint32_t point_count;
-    uint32_t accepted_since;   /* since the last reannealing */
-    uint32_t coordinate;       /* that the walk moves next */
+    uint32_t accepted_since; /* since the last reannealing */
+    uint32_t coordinate;     /* that the walk moves next */
     ema_annealer_info_t info;
     ema_annealer_config_t config;
     ema_random_t random;
@@ -110,7 +112,8 @@ typedef struct {
     ema_quadratic_t quadratic;
 } ema_annealer_t;
 
-/* Starts a search; the first candidate is the start. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a setting outside its range (NaN included). Cost: constant. */
+/* Starts a search; the first candidate is the start. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a setting outside its
+ * range (NaN included). Cost: constant. */
 ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_config_t* config);
 
 /* The point to evaluate, `dimension` numbers in [0, 1]. */

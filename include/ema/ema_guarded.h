@@ -1,15 +1,18 @@
 /* A session whose verdict is guarded by a table of signatures, and whose search starts where the table says.
  *
- * The same four calls as those of a session, with a run beside the table before the search and another one at its best point:
+ * The same four calls as those of a session, with a run beside the table before the search and another one at its best
+ * point:
  *
  *     ema_guarded_init(&guarded, &config, &EMA_SIGNATURES);
  *     ema_guarded_feed(&guarded, &sample);
  *     while (ema_guarded_run(&guarded, 200) == EMA_OK && ema_guarded_phase(&guarded) != EMA_GUARDED_DONE) { }
  *     ema_guarded_result(&guarded, &result, &finding);
  *
- * The first run's shifts of CSJ and BLK give the annealer its start, and with it a lower temperature and fewer model runs; its answer is the same. The last one tells what the
- * best CSJ and BLK leave unexplained: an effect that is missing from the model makes the verdict undecided, whatever the estimates say. Without a table (NULL) every
- * result is the session's, bit for bit. A plain value like the session, which it contains: a copy is a checkpoint. Its runs take turns in the same memory.
+ * The first run's shifts of CSJ and BLK give the annealer its start, and with it a lower temperature and fewer model
+ * runs; its answer is the same. The last one tells what the best CSJ and BLK leave unexplained: an effect that is
+ * missing from the model makes the verdict undecided, whatever the estimates say. Without a table (NULL) every result
+ * is the session's, bit for bit. A plain value like the session, which it contains: a copy is a checkpoint. Its runs
+ * take turns in the same memory.
  */
 #ifndef EMA_GUARDED_H
 #define EMA_GUARDED_H
@@ -32,15 +35,17 @@ typedef enum {
 typedef struct {
     ema_session_t session;
     const ema_signatures_t* signatures;
-    ema_result_t result;         /* once the session has ended */
-    ema_finding_t finding;       /* of the run that ended last */
-    uint64_t model_steps;        /* of the runs beside the table */
+    ema_result_t result;   /* once the session has ended */
+    ema_finding_t finding; /* of the run that ended last */
+    uint64_t model_steps;  /* of the runs beside the table */
     uint32_t evaluations;
     ema_guarded_phase_t phase;
 } ema_guarded_t;
 
-/* Starts an empty session; `signatures` may be NULL. On an error nothing has changed. Errors: those of ema_session_init and ema_onboard_check; EMA_ERR_RANGE when the session identifies other values than CSJ and BLK beside a table. */
-ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config, const ema_signatures_t* signatures);
+/* Starts an empty session; `signatures` may be NULL. On an error nothing has changed. Errors: those of ema_session_init
+ * and ema_onboard_check; EMA_ERR_RANGE when the session identifies other values than CSJ and BLK beside a table. */
+ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config,
+                              const ema_signatures_t* signatures);
 
 /* As ema_session_feed. */
 ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample);
@@ -50,7 +55,8 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps);
 
 ema_guarded_phase_t ema_guarded_phase(const ema_guarded_t* guarded);
 
-/* As ema_session_result, and `finding` (may be NULL): what the table says, EMA_FINDING_NONE until the end and without a table. Errors: EMA_ERR_NULL; EMA_ERR_ORDER before the search. */
+/* As ema_session_result, and `finding` (may be NULL): what the table says, EMA_FINDING_NONE until the end and without a
+ * table. Errors: EMA_ERR_NULL; EMA_ERR_ORDER before the search. */
 ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* result, ema_finding_t* finding);
 
 #ifdef __cplusplus

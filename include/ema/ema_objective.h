@@ -1,8 +1,9 @@
 /* How far a simulated run is from a record: the integral of the squared error, computed while the model runs.
  *
- * E = sum over channels of weight * integral of (measured - simulated)^2 dt. With the rod position alone at weight 1 this is E_int in mm^2 s, the
- * objective of Dalla Vedova et al. Nothing of the simulated run is stored, and the work comes in slices of model steps; the
- * result does not depend on how it was sliced. E only grows, so a run is given up once it exceeds a limit.
+ * E = sum over channels of weight * integral of (measured - simulated)^2 dt. With the rod position alone at weight 1
+ * this is E_int in mm^2 s, the objective of Dalla Vedova et al. Nothing of the simulated run is stored, and the work
+ * comes in slices of model steps; the result does not depend on how it was sliced. E only grows, so a run is given up
+ * once it exceeds a limit.
  */
 #ifndef EMA_OBJECTIVE_H
 #define EMA_OBJECTIVE_H
@@ -15,7 +16,7 @@ extern "C" {
 #endif
 
 typedef enum {
-    EMA_OBJECTIVE_DONE = 0,     /* the value is E */
+    EMA_OBJECTIVE_DONE = 0, /* the value is E */
     EMA_OBJECTIVE_RUNNING = 1,
     EMA_OBJECTIVE_EXCEEDED = 2, /* E is above the limit; the value is what had come together */
     EMA_OBJECTIVE_DIVERGED = 3  /* the model left the finite numbers; the value is the largest finite number */
@@ -24,10 +25,10 @@ typedef enum {
 typedef struct {
     ema_objective_state_t state;
     const ema_record_t* record;
-    ema_real weight[EMA_CHANNEL_COUNT];   /* of the channels in use */
-    uint8_t channel[EMA_CHANNEL_COUNT];   /* which these are */
+    ema_real weight[EMA_CHANNEL_COUNT]; /* of the channels in use */
+    uint8_t channel[EMA_CHANNEL_COUNT]; /* which these are */
     uint32_t channels;
-    uint32_t every_steps;  /* model steps between two rows */
+    uint32_t every_steps; /* model steps between two rows */
     uint32_t row;
     uint32_t step_in_row;
     ema_real period_s;
@@ -41,13 +42,15 @@ typedef struct {
 /* Largest finite cost: what a run that leaves the finite numbers is worth. */
 #define EMA_COST_MAX EMA_R(1.0e30)
 
-/* Starts a run of `actuator` against `record`, which must outlive it, from rest at `start_mm`. `weight` by ema_channel_t: 1 for the rod position gives mm^2 s; a channel
- * that is not recorded must have weight 0. A run above `limit` is given up.
- * Errors: those of ema_model_init; EMA_ERR_SHORT for an empty record; EMA_ERR_RANGE for a negative weight or one on a channel that is not recorded. */
-ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
-                                 ema_real start_mm, ema_real limit);
+/* Starts a run of `actuator` against `record`, which must outlive it, from rest at `start_mm`. `weight` by
+ * ema_channel_t: 1 for the rod position gives mm^2 s; a channel that is not recorded must have weight 0. A run above
+ * `limit` is given up. Errors: those of ema_model_init; EMA_ERR_SHORT for an empty record; EMA_ERR_RANGE for a negative
+ * weight or one on a channel that is not recorded. */
+ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record,
+                                 const ema_real weight[EMA_CHANNEL_COUNT], ema_real start_mm, ema_real limit);
 
-/* Runs at most `steps` model steps. Cost: that many model steps. Returns the state; further calls after the end do nothing. */
+/* Runs at most `steps` model steps. Cost: that many model steps. Returns the state; further calls after the end do
+ * nothing. */
 ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t steps);
 
 /* The value so far. */

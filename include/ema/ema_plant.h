@@ -28,33 +28,35 @@ typedef enum {
     EMA_MOTION_BACKWARD = -1,
     EMA_MOTION_STUCK = 0,
     EMA_MOTION_FORWARD = 1,
-    EMA_MOTION_ELASTIC = 2 /* with presliding the shaft rests at an end of travel alone: dry friction is a spring that slips */
+    EMA_MOTION_ELASTIC =
+        2 /* with presliding the shaft rests at an end of travel alone: dry friction is a spring that slips */
 } ema_motion_t;
 
-/* Everything that changes while the model runs: a plain value without pointers. A copy is a checkpoint; writing it back resumes,
- * on the same or on another model of the same actuator. */
+/* Everything that changes while the model runs: a plain value without pointers. A copy is a checkpoint; writing it back
+ * resumes, on the same or on another model of the same actuator. */
 typedef struct {
-    int32_t motion;            /* an ema_motion_t */
-    int32_t play_side;         /* -1 or 1 in contact, 0 inside the play */
+    int32_t motion;    /* an ema_motion_t */
+    int32_t play_side; /* -1 or 1 in contact, 0 inside the play */
     uint32_t step;
-    uint32_t crowded_steps;    /* steps with more events than are located; the last of them stopped the shaft */
+    uint32_t crowded_steps; /* steps with more events than are located; the last of them stopped the shaft */
     ema_real current_A;
-    ema_real speed_rad_s;      /* at the motor shaft */
-    ema_real angle_rad;        /* of the motor */
-    ema_real angle_low_rad;    /* what angle_rad cannot hold */
-    ema_real motor_mm;         /* the same expressed at the rod */
-    ema_real play_mm;          /* output of the play */
-    ema_real rod_mm;           /* behind what lies after the play */
-    ema_real rod_speed_mm_s;   /* of a rod that does not simply follow the play */
-    ema_real integral;         /* of the control law, in output units */
+    ema_real speed_rad_s;    /* at the motor shaft */
+    ema_real angle_rad;      /* of the motor */
+    ema_real angle_low_rad;  /* what angle_rad cannot hold */
+    ema_real motor_mm;       /* the same expressed at the rod */
+    ema_real play_mm;        /* output of the play */
+    ema_real rod_mm;         /* behind what lies after the play */
+    ema_real rod_speed_mm_s; /* of a rod that does not simply follow the play */
+    ema_real integral;       /* of the control law, in output units */
     ema_real previous_error_m;
     ema_real previous_feedback_mm;
     ema_real previous_measure_mm;
-    ema_real output;           /* held between control instants */
+    ema_real output;                          /* held between control instants */
     ema_real delay_output[EMA_DELAY_SAMPLES]; /* earlier outputs, while the drive delays them */
     ema_real effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
     ema_real delay_mm[EMA_DELAY_SAMPLES];
-    ema_real outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
+    ema_real
+        outside_ratio; /* farthest that a learned table was used outside the range it was seen in, over that range */
 } ema_state_t;
 
 /* What one step shows: positions, current and speed at its start, the voltage applied from then on. */
@@ -63,10 +65,11 @@ typedef struct {
     ema_real motor_position_mm; /* motor encoder expressed at the rod */
     ema_real current_A;
     ema_real voltage_V;
-    ema_real speed_mm_s;        /* rod; zero while it rests in the play */
+    ema_real speed_mm_s; /* rod; zero while it rests in the play */
 } ema_output_t;
 
-/* Exact response of current, speed and angle over one integration step: to themselves, to a constant and to a rising input. */
+/* Exact response of current, speed and angle over one integration step: to themselves, to a constant and to a rising
+ * input. */
 typedef struct {
     ema_real from_current;
     ema_real from_speed;
@@ -146,9 +149,9 @@ typedef struct {
     ema_real dynamic_Nm;
     ema_real asymmetry;
     ema_real load_torque_Nm;
-    ema_real forward_torque_Nm;  /* constant torque on the shaft while it slides forward: load and dry friction */
+    ema_real forward_torque_Nm; /* constant torque on the shaft while it slides forward: load and dry friction */
     ema_real backward_torque_Nm;
-    ema_real hold_lower_Nm;      /* motor torques between these two leave a shaft at rest where it is */
+    ema_real hold_lower_Nm; /* motor torques between these two leave a shaft at rest where it is */
     ema_real hold_upper_Nm;
     ema_real stop_lower_rad;
     ema_real stop_upper_rad;
@@ -196,7 +199,8 @@ typedef struct {
     ema_effect_set_t tables;             /* all learned tables, wherever they act */
 } ema_active_t;
 
-/* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables stay where they lie. */
+/* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables
+ * stay where they lie. */
 typedef struct {
 #define EMA_HELD_MEMBER(name) ema_effect_##name##_t name; /* EMA-D1 */
 #define EMA_HELD_PARAMETER(name)
@@ -230,7 +234,7 @@ typedef struct {
 } ema_held_effects_t;
 
 typedef struct {
-    bool tries_whole_step;     /* effects ask for substeps that the plant itself does not need */
+    bool tries_whole_step; /* effects ask for substeps that the plant itself does not need */
     ema_active_t active;
     uint32_t substeps;
     const ema_effects_t* learned; /* where the tables lie; NULL while none acts */

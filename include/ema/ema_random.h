@@ -1,7 +1,8 @@
 /* PCG32, the annealer's own random numbers: 64-bit state, 32-bit output, same numbers on every machine.
  *
  * Source: M. E. O'Neill, PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for Random Number
- * Generation, HMC-CS-2014-0905 (2014), variant XSH-RR 64/32. Cost of a draw: one 64-bit multiplication. Memory: 16 bytes.
+ * Generation, HMC-CS-2014-0905 (2014), variant XSH-RR 64/32. Cost of a draw: one 64-bit multiplication. Memory: 16
+ * bytes.
  */
 #ifndef EMA_RANDOM_H
 #define EMA_RANDOM_H

@@ -3,7 +3,7 @@
 #define EMA_REAL_H
 
 #ifdef __FAST_MATH__
-#error "EMA needs IEEE arithmetic: without it NaN passes every check and results differ between machines. Build without -ffast-math."
+#error "EMA needs IEEE arithmetic: without it NaN passes every check. Build without -ffast-math."
 #endif
 
 /* EMA_REAL64 = 1 builds the same sources in double precision. Both builds of a program must agree: it is set for the

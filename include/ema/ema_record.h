@@ -1,7 +1,7 @@
 /* A recording in a buffer that the caller sizes: scaled 16-bit integers or reals, one row per recorded instant.
  *
- * The buffer belongs to the caller and must outlive the record. A row holds the command (unless the command is a function of time) and the
- * channels that the configuration names, in the order of ema_channel_t.
+ * The buffer belongs to the caller and must outlive the record. A row holds the command (unless the command is a
+ * function of time) and the channels that the configuration names, in the order of ema_channel_t.
  */
 #ifndef EMA_RECORD_H
 #define EMA_RECORD_H
@@ -39,12 +39,12 @@ typedef enum {
 } ema_record_format_t;
 
 typedef struct {
-    void* buffer;                          /* aligned for what it holds, int16_t or ema_real: not checked */
+    void* buffer; /* aligned for what it holds, int16_t or ema_real: not checked */
     size_t buffer_bytes;
     ema_record_format_t format;
-    const ema_command_t* command;          /* NULL: the command is recorded with the samples */
-    bool keep[EMA_CHANNEL_COUNT];          /* further channels to keep; the rod position always is */
-    ema_real command_full_scale_mm;        /* int16: the largest value that can be kept */
+    const ema_command_t* command;   /* NULL: the command is recorded with the samples */
+    bool keep[EMA_CHANNEL_COUNT];   /* further channels to keep; the rod position always is */
+    ema_real command_full_scale_mm; /* int16: the largest value that can be kept */
     ema_real full_scale[EMA_CHANNEL_COUNT];
 } ema_record_config_t;
 
@@ -53,9 +53,9 @@ typedef struct {
     const ema_command_t* command;
     uint32_t capacity; /* rows */
     uint32_t count;
-    uint32_t stride;   /* values a row */
+    uint32_t stride; /* values a row */
     ema_record_format_t format;
-    int8_t place[EMA_CHANNEL_COUNT]; /* of the channel in the row, -1 when it is not kept */
+    int8_t place[EMA_CHANNEL_COUNT];       /* of the channel in the row, -1 when it is not kept */
     ema_real unit[1U + EMA_CHANNEL_COUNT]; /* int16: value of one count, by place */
 } ema_record_t;
 
@@ -63,14 +63,16 @@ typedef struct {
 #define EMA_RECORD_INT16_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(int16_t))
 #define EMA_RECORD_REAL_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(ema_real))
 
-/* Makes an empty record. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a full scale outside 1e-30..1e30, or a buffer without room for one row. */
+/* Makes an empty record. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a full scale outside 1e-30..1e30, or a buffer without
+ * room for one row. */
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config);
 
-/* Adds a row. Errors, the record unchanged: EMA_ERR_NULL; EMA_ERR_FULL; EMA_ERR_NOT_FINITE; EMA_ERR_SCALE. Cost: constant. */
+/* Adds a row. Errors, the record unchanged: EMA_ERR_NULL; EMA_ERR_FULL; EMA_ERR_NOT_FINITE; EMA_ERR_SCALE. Cost:
+ * constant. */
 ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample);
 
-/* Reads row `row`; channels that are not kept read zero. With a command that is a function, command_mm is its value at model step
- * row * every_steps. Errors: EMA_ERR_NULL; EMA_ERR_RANGE. Cost: constant. */
+/* Reads row `row`; channels that are not kept read zero. With a command that is a function, command_mm is its value at
+ * model step row * every_steps. Errors: EMA_ERR_NULL; EMA_ERR_RANGE. Cost: constant. */
 ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t every_steps, ema_sample_t* sample);
 
 #ifdef __cplusplus

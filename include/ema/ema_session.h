@@ -5,9 +5,10 @@
  *     while (ema_session_run(&session, 200) == EMA_OK && ema_session_phase(&session) != EMA_PHASE_DONE) { }   in slices
  *     ema_session_result(&session, &result);
  *
- * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 9 KiB and 4 bytes a row of command and rod position
- * as int16. The deepest call takes half a KiB of stack in float32: docs/BUDGETS.md. It is a plain value apart from the
- * pointers to the configuration and the buffer: a copy is a checkpoint. The result does not depend on the slices.
+ * The session is one structure of the caller; with the record's buffer it is all the memory there is: under 9 KiB and 4
+ * bytes a row of command and rod position as int16. The deepest call takes half a KiB of stack in float32:
+ * docs/BUDGETS.md. It is a plain value apart from the pointers to the configuration and the buffer: a copy is a
+ * checkpoint. The result does not depend on the slices.
  */
 #ifndef EMA_SESSION_H
 #define EMA_SESSION_H
@@ -34,14 +35,14 @@ typedef struct {
 
 /* Constant during the session and must outlive it. */
 typedef struct {
-    bool start_at_healthy;           /* else at `annealer.start` */
-    bool abandon;                    /* give a run up once it exceeds what the annealer could use; changes no decision */
+    bool start_at_healthy; /* else at `annealer.start` */
+    bool abandon;          /* give a run up once it exceeds what the annealer could use; changes no decision */
     uint32_t identified_count;
-    const ema_actuator_t* actuator;  /* healthy */
+    const ema_actuator_t* actuator; /* healthy */
     ema_identified_t identified[EMA_IDENTIFIED_MAX];
     ema_record_config_t record;
     ema_real weight[EMA_CHANNEL_COUNT]; /* of the objective, by ema_channel_t */
-    ema_annealer_config_t annealer;  /* dimension and start are set by the session */
+    ema_annealer_config_t annealer;     /* dimension and start are set by the session */
 } ema_session_config_t;
 
 typedef enum {
@@ -51,24 +52,24 @@ typedef enum {
     EMA_PHASE_DONE = 3
 } ema_phase_t;
 
-typedef enum {
-    EMA_VERDICT_HEALTHY = 0,
-    EMA_VERDICT_FAULT = 1,
-    EMA_VERDICT_UNDECIDED = 2
-} ema_verdict_t;
+typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDECIDED = 2 } ema_verdict_t;
 
 /* Why a verdict is undecided; a set of bits. */
 enum {
-    EMA_REASON_NOT_FINISHED = 1,   /* the session has not ended */
-    EMA_REASON_INADEQUATE = 2,     /* the residual is larger than the sensor noise explains: an effect is missing from the model */
-    EMA_REASON_AT_BOUND = 4,       /* an estimate lies on a bound of its search */
-    EMA_REASON_NOT_CONVERGED = 8,  /* the evaluations were used up while the cost still fell */
-    EMA_REASON_NEAR_THRESHOLD = 16,/* the shift cannot be told from its threshold: they are closer than standard errors at the stated confidence and bias together */
-    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters: too much doubt about one, or the rod was never pushed both ways */
+    EMA_REASON_NOT_FINISHED = 1, /* the session has not ended */
+    EMA_REASON_INADEQUATE =
+        2, /* the residual is larger than the sensor noise explains: an effect is missing from the model */
+    EMA_REASON_AT_BOUND = 4,        /* an estimate lies on a bound of its search */
+    EMA_REASON_NOT_CONVERGED = 8,   /* the evaluations were used up while the cost still fell */
+    EMA_REASON_NEAR_THRESHOLD = 16, /* the shift cannot be told from its threshold: they are closer than standard errors
+                                       at the stated confidence and bias together */
+    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters: too much doubt about one, or the rod
+                                      was never pushed both ways */
     EMA_REASON_BELOW_HEALTHY = 64, /* a parameter fell by more than its threshold, which wear does not do */
-    EMA_REASON_LEARNED_RANGE = 128,/* a learned table was used outside the range it was seen in */
-    EMA_REASON_EFFECT = 256,       /* ema_guarded.h: the table of signatures says that an effect is missing from the model */
-    EMA_REASON_OTHER_COMMAND = 512 /* ema_guarded.h: the table could say nothing, because the record runs another command than it */
+    EMA_REASON_LEARNED_RANGE = 128, /* a learned table was used outside the range it was seen in */
+    EMA_REASON_EFFECT = 256, /* ema_guarded.h: the table of signatures says that an effect is missing from the model */
+    EMA_REASON_OTHER_COMMAND =
+        512 /* ema_guarded.h: the table could say nothing, because the record runs another command than it */
 };
 
 typedef struct {
@@ -82,26 +83,27 @@ typedef struct {
 typedef struct {
     ema_estimate_t identified[EMA_IDENTIFIED_MAX]; /* in the order of the configuration */
     uint32_t identified_count;
-    ema_real objective_before; /* at the healthy values */
-    ema_real objective_after;  /* at the best point */
-    ema_real residual_rms_mm;  /* of the rod position at the best point */
+    ema_real objective_before;     /* at the healthy values */
+    ema_real objective_after;      /* at the best point */
+    ema_real residual_rms_mm;      /* of the rod position at the best point */
     ema_real residual_correlation; /* of neighbouring rows: 0 is white */
-    ema_real outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
-    uint32_t evaluations;      /* model runs: the search's, plus those before and after it */
-    uint64_t model_steps;      /* in all of them, counting only steps that were made */
+    ema_real
+        outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
+    uint32_t evaluations; /* model runs: the search's, plus those before and after it */
+    uint64_t model_steps; /* in all of them, counting only steps that were made */
     ema_annealer_info_t search;
-    ema_random_t random;       /* final state of the random numbers: equal on every machine */
-    ema_outcome_t outcome;     /* why the search stopped */
+    ema_random_t random;   /* final state of the random numbers: equal on every machine */
+    ema_outcome_t outcome; /* why the search stopped */
     ema_verdict_t verdict;
     bool adequate;
-    uint32_t reasons;          /* EMA_REASON_ bits */
+    uint32_t reasons; /* EMA_REASON_ bits */
 } ema_result_t;
 
 typedef struct {
     ema_phase_t phase;
-    bool starts_healthy;       /* the search starts at the healthy values */
-    bool healthy_done;         /* the cost at the healthy values is known */
-    bool weighed;              /* the estimate could be weighed */
+    bool starts_healthy; /* the search starts at the healthy values */
+    bool healthy_done;   /* the cost at the healthy values is known */
+    bool weighed;        /* the estimate could be weighed */
     const ema_session_config_t* config;
     uint32_t evaluations;
     uint64_t model_steps;
@@ -109,33 +111,41 @@ typedef struct {
     ema_real healthy_cost;
     ema_record_t record;
     ema_annealer_t annealer;
-    ema_actuator_t actuator;   /* with the identified values where the present run has them */
-    union {                    /* one after the other */
-        ema_objective_t run;   /* the model run of the search */
+    ema_actuator_t actuator;        /* with the identified values where the present run has them */
+    union {                         /* one after the other */
+        ema_objective_t run;        /* the model run of the search */
         ema_sensitivity_t weighing; /* the model runs at the end */
-        ema_onboard_t scoring; /* beside a table of signatures, before the search and after the weighing: ema_guarded.h */
+        ema_onboard_t
+            scoring; /* beside a table of signatures, before the search and after the weighing: ema_guarded.h */
     };
 } ema_session_t;
 
-/* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone and the given record. */
-ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record);
+/* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone and the
+ * given record. */
+ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator,
+                                        const ema_record_config_t* record);
 
-/* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init; EMA_ERR_BOUNDS; EMA_ERR_RANGE for a
- * number of parameters, an id (a value of a learned table, or of an effect that the build leaves out, is none), bounds wider than the parameter's own range, or a healthy value outside its bounds. */
+/* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init;
+ * EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of parameters, an id (a value of a learned table, or of an effect that the
+ * build leaves out, is none), bounds wider than the parameter's own range, or a healthy value outside its bounds. */
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
-/* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of ema_record_append. */
+/* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of
+ * ema_record_append. */
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample);
 
-/* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go on);
- * those of ema_objective_start at the first call, which can then be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst.
- * Cost: `steps` model steps. Ending a model run and preparing the next counts as 160 of them, about what it takes, and is not divided: a slice that has less left leaves it to the
- * next one, so that only a slice of fewer steps than that takes longer than they do. Once done, a call does nothing. */
+/* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_SHORT for fewer than
+ * EMA_ROWS_MIN rows (feeding may go on); those of ema_objective_start at the first call, which can then be repeated.
+ * Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst. Cost: `steps` model steps.
+ * Ending a model run and preparing the next counts as 160 of them, about what it takes, and is not divided: a slice
+ * that has less left leaves it to the next one, so that only a slice of fewer steps than that takes longer than they
+ * do. Once done, a call does nothing. */
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
 
 ema_phase_t ema_session_phase(const ema_session_t* session);
 
-/* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL; EMA_ERR_ORDER before the first run. */
+/* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL;
+ * EMA_ERR_ORDER before the first run. */
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
 
 #ifdef __cplusplus

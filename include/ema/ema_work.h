@@ -1,7 +1,9 @@
-/* The memory in which a model step is worked out: what acts over a span of the motion, its power series, and what happens in it.
+/* The memory in which a model step is worked out: what acts over a span of the motion, its power series, and what
+ * happens in it.
  *
- * Preparing a model uses it too. It lies with the caller so that a step needs little stack. One serves any number of models whose steps follow each other. It means
- * nothing between two steps: there is nothing to set beforehand, and nothing to keep with a checkpoint.
+ * Preparing a model uses it too. It lies with the caller so that a step needs little stack. One serves any number of
+ * models whose steps follow each other. It means nothing between two steps: there is nothing to set beforehand, and
+ * nothing to keep with a checkpoint.
  */
 #ifndef EMA_WORK_H
 #define EMA_WORK_H
@@ -17,9 +19,9 @@
 
 /* What the drive applies over one step. */
 typedef struct {
-    ema_real input;      /* voltage on the motor circuit in V, or reference of the current loop in A */
-    ema_real voltage_V;  /* as it is recorded */
-    bool current_loop;   /* which of the two circuits the input drives */
+    ema_real input;     /* voltage on the motor circuit in V, or reference of the current loop in A */
+    ema_real voltage_V; /* as it is recorded */
+    bool current_loop;  /* which of the two circuits the input drives */
 } ema_drive_output_t;
 
 /* A point of the motion. */
@@ -29,11 +31,12 @@ typedef struct {
     ema_real angle_rad;
 } ema_point_t;
 
-/* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at rest. */
+/* What acts on circuit and shaft at a point of the motion, beside the motor's own torque; and what holds the shaft at
+ * rest. */
 typedef struct {
-    ema_real input;             /* of the circuit */
+    ema_real input; /* of the circuit */
     ema_real torque_Nm;
-    ema_real level_forward_Nm;  /* dry friction at rest against each direction */
+    ema_real level_forward_Nm; /* dry friction at rest against each direction */
     ema_real level_backward_Nm;
 } ema_forces_t;
 
@@ -41,41 +44,41 @@ typedef struct {
 typedef struct {
     ema_point_t start;
     ema_point_t end;
-    ema_forces_t forces;      /* at the start */
+    ema_forces_t forces; /* at the start */
     ema_real input_rise;
     ema_real torque_rise_Nm;
 } ema_segment_t;
 
 /* What the current does over a segment that is located. */
 typedef struct {
-    bool held;                 /* the drive holds it at its limit */
-    ema_real saturated_Nm;     /* motor torque while it is saturated, else zero */
+    bool held;             /* the drive holds it at its limit */
+    ema_real saturated_Nm; /* motor torque while it is saturated, else zero */
 } ema_regime_t;
 
 typedef enum {
     EMA_EVENT_NONE,
-    EMA_EVENT_REST,     /* the speed reaches zero */
-    EMA_EVENT_STOP,     /* an end of travel */
-    EMA_EVENT_CURRENT,  /* the current reaches a limit of drive or torque */
-    EMA_EVENT_RELEASE,  /* the drive need not hold the current any longer */
-    EMA_EVENT_FORWARD,  /* the torque leaves what dry friction holds */
+    EMA_EVENT_REST,    /* the speed reaches zero */
+    EMA_EVENT_STOP,    /* an end of travel */
+    EMA_EVENT_CURRENT, /* the current reaches a limit of drive or torque */
+    EMA_EVENT_RELEASE, /* the drive need not hold the current any longer */
+    EMA_EVENT_FORWARD, /* the torque leaves what dry friction holds */
     EMA_EVENT_BACKWARD
 } ema_event_kind_t;
 
 typedef struct {
     ema_event_kind_t kind;
-    ema_real at;           /* fraction of the span */
-    ema_real value;        /* of the quantity that reached its bound */
-    ema_real current_A;    /* at this instant, on the way that was assumed */
+    ema_real at;        /* fraction of the span */
+    ema_real value;     /* of the quantity that reached its bound */
+    ema_real current_A; /* at this instant, on the way that was assumed */
     ema_real speed_rad_s;
-    ema_real turn_rad;     /* from the start of the span */
+    ema_real turn_rad; /* from the start of the span */
 } ema_event_t;
 
 /* What lies behind the play, over an integration step. */
 typedef struct {
-    ema_real rod_mm;             /* rod position and speed at the end of the step */
+    ema_real rod_mm; /* rod position and speed at the end of the step */
     ema_real rod_speed_mm_s;
-    ema_real reaction_start_Nm;  /* on the motor shaft */
+    ema_real reaction_start_Nm; /* on the motor shaft */
     ema_real reaction_end_Nm;
 } ema_rod_t;
 
@@ -83,14 +86,14 @@ typedef struct {
 typedef struct {
     ema_real current_A;
     ema_real speed_rad_s;
-    ema_real input;        /* of the circuit: V or A */
-    ema_real torque_Nm;    /* on the shaft beside the motor's */
-    ema_real input_rise;   /* over the span */
+    ema_real input;      /* of the circuit: V or A */
+    ema_real torque_Nm;  /* on the shaft beside the motor's */
+    ema_real input_rise; /* over the span */
     ema_real torque_rise_Nm;
     ema_real span_s;
     ema_real torque_gain_Nm_per_A; /* of the current; zero while the motor's torque is saturated */
-    bool at_rest;          /* the shaft does not move */
-    bool current_held;     /* the drive holds the current */
+    bool at_rest;                  /* the shaft does not move */
+    bool current_held;             /* the drive holds the current */
 } ema_span_t;
 
 /* Current and speed over a span, as power series in the fraction of the span. */
@@ -104,14 +107,15 @@ typedef struct {
     ema_real span_s;              /* of the segment */
     ema_drive_output_t applied;
     ema_regime_t regime;
-    ema_event_t event;            /* the last one of the step */
+    ema_event_t event; /* the last one of the step */
     ema_segment_t segment;
-    ema_forces_t forces;          /* at the point that was asked for last */
+    ema_forces_t forces; /* at the point that was asked for last */
     ema_rod_t rod;
     ema_span_t span;
     ema_series_t series;
-    ema_real terms[EMA_SERIES_TERMS + 1U]; /* of the series that is made of these: the angle's, or that of what is sought */
-    ema_params_t params;                   /* as the effects leave them: while a model is prepared */
+    ema_real
+        terms[EMA_SERIES_TERMS + 1U]; /* of the series that is made of these: the angle's, or that of what is sought */
+    ema_params_t params;              /* as the effects leave them: while a model is prepared */
 } ema_work_t;
 
 #endif

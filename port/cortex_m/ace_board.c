@@ -1,4 +1,5 @@
-/* The example's board on MPS2: SysTick is the tick, the CMSDK timer the counter, both at the same rate; sensors and drive belong to the simulated machine. */
+/* The example's board on MPS2: SysTick is the tick, the CMSDK timer the counter, both at the same rate; sensors and
+ * drive belong to the simulated machine. */
 #include "ace_board.h"
 
 #include "ace_plant.h"

@@ -1,6 +1,7 @@
 /* From reset to main on a Cortex-M with a floating-point unit, and from main back to the emulator.
  *
- * Standard output, files and the exit code go through semihosting: newlib's rdimon serves the C library, and main gets the emulator's command line.
+ * Standard output, files and the exit code go through semihosting: newlib's rdimon serves the C library, and main gets
+ * the emulator's command line.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -103,20 +104,14 @@ typedef union {
 
 extern const vector_t ema_vectors[SYSTEM_VECTORS];
 __attribute__((section(".vectors"), used)) const vector_t ema_vectors[SYSTEM_VECTORS] = {
-    {.stack = ema_stack_top},
-    {.handler = ema_reset},
-    {.handler = ema_fault}, /* NMI */
-    {.handler = ema_fault}, /* hard fault */
-    {.handler = ema_fault}, /* memory management */
-    {.handler = ema_fault}, /* bus fault */
-    {.handler = ema_fault}, /* usage fault */
-    {.handler = ema_fault},
-    {.handler = ema_fault},
-    {.handler = ema_fault},
-    {.handler = ema_fault},
-    {.handler = ema_fault}, /* SVC */
-    {.handler = ema_fault}, /* debug monitor */
-    {.handler = ema_fault},
-    {.handler = ema_fault}, /* PendSV */
+    {.stack = ema_stack_top}, {.handler = ema_reset}, {.handler = ema_fault}, /* NMI */
+    {.handler = ema_fault},                                                   /* hard fault */
+    {.handler = ema_fault},                                                   /* memory management */
+    {.handler = ema_fault},                                                   /* bus fault */
+    {.handler = ema_fault},                                                   /* usage fault */
+    {.handler = ema_fault},   {.handler = ema_fault}, {.handler = ema_fault},
+    {.handler = ema_fault},   {.handler = ema_fault}, /* SVC */
+    {.handler = ema_fault},                           /* debug monitor */
+    {.handler = ema_fault},   {.handler = ema_fault}, /* PendSV */
     {.handler = ema_systick},
 };

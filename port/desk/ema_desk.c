@@ -21,7 +21,8 @@ static const ema_desk_row_t ema_value_rows[] = {
 
 static const ema_desk_row_t ema_option_rows[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text)
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {#section, #field, text, choices, nominal, lower, upper},
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    {#section, #field, text, choices, nominal, lower, upper},
 #include "ema/ema_params.def"
 #undef EMA_PARAM
 #undef EMA_OPTION
@@ -35,8 +36,13 @@ static const char* const ema_effect_sections[] = {
 };
 
 static const ema_desk_effect_t ema_effect_rows[] = {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                                                        \
-    {#name, EMA_TEXT(site), equation, source, look_alikes, (int32_t)(EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))),       \
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    {#name,                                                                                                            \
+     EMA_TEXT(site),                                                                                                   \
+     equation,                                                                                                         \
+     source,                                                                                                           \
+     look_alikes,                                                                                                      \
+     (int32_t)(EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))),                                  \
      (int32_t)(sizeof(ema_effect_##name##_t) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
@@ -137,7 +143,8 @@ int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* of
     return (int32_t)status;
 }
 
-int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows, double start_mm, double* out, int32_t* crowded)
+int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
+                          double start_mm, double* out, int32_t* crowded)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)) {
         return (int32_t)EMA_ERR_NULL;
@@ -204,7 +211,9 @@ static ema_sample_t ema_sample_from(const double* command_mm, const double* chan
 }
 
 /* A buffer of reals, or of int16 scaled to the largest value of each column. */
-static ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm, const double* channels, const double* weight, int32_t rows, int32_t int16_record)
+static ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm,
+                                           const double* channels, const double* weight, int32_t rows,
+                                           int32_t int16_record)
 {
     const ema_record_config_t fresh = {0};
     *config = fresh;
@@ -232,10 +241,12 @@ static ema_status_t ema_record_config_from(ema_record_config_t* config, const do
     return (config->buffer != NULL) ? EMA_OK : EMA_ERR_FULL;
 }
 
-int32_t ema_desk_objective(const double* values, const int32_t* options, const double* command_mm, const double* channels, const double* weight, int32_t rows, double start_mm,
+int32_t ema_desk_objective(const double* values, const int32_t* options, const double* command_mm,
+                           const double* channels, const double* weight, int32_t rows, double start_mm,
                            double* objective)
 {
-    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (weight == NULL) || (objective == NULL)) {
+    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (weight == NULL)
+        || (objective == NULL)) {
         return EMA_ERR_NULL;
     }
     if (rows < 1) {
@@ -303,10 +314,13 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
     return (int32_t)status;
 }
 
-static ema_status_t ema_session_config_from(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record, const ema_desk_search_t* search)
+static ema_status_t ema_session_config_from(ema_session_config_t* config, const ema_actuator_t* actuator,
+                                            const ema_record_config_t* record, const ema_desk_search_t* search)
 {
     ema_status_t status = ema_session_config_default(config, actuator, record);
-    if ((status == EMA_OK) && ((search->identified_count < 1) || (search->identified_count > (int32_t)EMA_IDENTIFIED_MAX) || (search->slice_steps < 1))) {
+    if ((status == EMA_OK)
+        && ((search->identified_count < 1) || (search->identified_count > (int32_t)EMA_IDENTIFIED_MAX)
+            || (search->slice_steps < 1))) {
         status = EMA_ERR_RANGE;
     }
     if (status == EMA_OK) {
@@ -315,7 +329,8 @@ static ema_status_t ema_session_config_from(ema_session_config_t* config, const 
         for (uint32_t i = 0; (status == EMA_OK) && (i < config->identified_count); ++i) {
             const ema_real lower = (ema_real)search->identified_lower[i];
             const ema_real upper = (ema_real)search->identified_upper[i];
-            const ema_identified_t identified = {(ema_value_id_t)search->identified_id[i], lower, upper, (ema_real)search->identified_min_shift_percent[i]};
+            const ema_identified_t identified = {(ema_value_id_t)search->identified_id[i], lower, upper,
+                                                 (ema_real)search->identified_min_shift_percent[i]};
             config->identified[i] = identified;
             config->annealer.start[i] = ((ema_real)search->start[i] - lower) / (upper - lower);
             if ((search->identified_id[i] < 0) || (search->identified_id[i] >= (int32_t)EMA_VALUE_COUNT)) {
@@ -362,10 +377,12 @@ static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
     to->random_state = from->random.state;
 }
 
-int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm, const double* channels, int32_t rows, const ema_desk_search_t* search,
+int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm,
+                          const double* channels, int32_t rows, const ema_desk_search_t* search,
                           ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row)
 {
-    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (search == NULL) || (result == NULL)) {
+    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (search == NULL)
+        || (result == NULL)) {
         return (int32_t)EMA_ERR_NULL;
     }
     if (rows < (int32_t)EMA_ROWS_MIN) {
@@ -376,7 +393,8 @@ int32_t ema_desk_identify(const double* values, const int32_t* options, const do
     ema_session_config_t config;
     ema_session_t session;
     ema_actuator_from(values, options, &actuator);
-    ema_status_t status = ema_record_config_from(&record, command_mm, channels, search->weight, rows, search->int16_record);
+    ema_status_t status =
+        ema_record_config_from(&record, command_mm, channels, search->weight, rows, search->int16_record);
     if (status == EMA_OK) {
         status = ema_session_config_from(&config, &actuator, &record, search);
     }
@@ -396,7 +414,9 @@ int32_t ema_desk_identify(const double* values, const int32_t* options, const do
         status = ema_session_run(&session, (uint32_t)search->slice_steps);
         if ((status == EMA_OK) && (progress != NULL) && (session.annealer.info.evaluations > told)) {
             told = session.annealer.info.evaluations;
-            stopped = progress((int32_t)told, (double)session.annealer.last_cost, (double)session.annealer.best.cost, context) != 0;
+            stopped =
+                progress((int32_t)told, (double)session.annealer.last_cost, (double)session.annealer.best.cost, context)
+                != 0;
         }
     }
     if (status == EMA_OK) {

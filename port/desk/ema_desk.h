@@ -1,7 +1,8 @@
 /* The module as flat arrays of double, for tools at a desk: Python reaches it by ctypes, from both precisions alike.
  *
- * An actuator is `values[ema_desk_value_count()]` and `options[ema_desk_option_count()]`, in the order of the rows that ema_desk_value_row and
- * ema_desk_option_row describe. Every function answers an ema_status_t as int, 0 for success, unless it says otherwise. No function keeps state.
+ * An actuator is `values[ema_desk_value_count()]` and `options[ema_desk_option_count()]`, in the order of the rows that
+ * ema_desk_value_row and ema_desk_option_row describe. Every function answers an ema_status_t as int, 0 for success,
+ * unless it says otherwise. No function keeps state.
  */
 #ifndef EMA_DESK_H
 #define EMA_DESK_H
@@ -38,33 +39,39 @@ int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row);
 int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row);
 const char* ema_desk_status_text(int32_t status);
 
-/* Checks an actuator; on EMA_ERR_RANGE or EMA_ERR_NOT_FINITE `offender` is the value's index, or value count + option index. */
+/* Checks an actuator; on EMA_ERR_RANGE or EMA_ERR_NOT_FINITE `offender` is the value's index, or value count + option
+ * index. */
 int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* offender);
 
-/* Simulates `rows` recorded rows with the command of each row held over its model steps. `out` is five arrays of `rows`, one after the other: rod position mm, motor
- * position mm, current A, voltage V, rod speed mm/s. `crowded` (may be NULL) counts steps with more events than are located. */
-int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows, double start_mm, double* out, int32_t* crowded);
+/* Simulates `rows` recorded rows with the command of each row held over its model steps. `out` is five arrays of
+ * `rows`, one after the other: rod position mm, motor position mm, current A, voltage V, rod speed mm/s. `crowded` (may
+ * be NULL) counts steps with more events than are located. */
+int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
+                          double start_mm, double* out, int32_t* crowded);
 
-/* Samples a command at `rows` steps of `step_s`: kind as ema_command_kind_t; numbers = amplitude_mm, start_hz, end_hz, duration_s, share, count, time_s. */
+/* Samples a command at `rows` steps of `step_s`: kind as ema_command_kind_t; numbers = amplitude_mm, start_hz, end_hz,
+ * duration_s, share, count, time_s. */
 int32_t ema_desk_command(int32_t kind, const double* numbers, double step_s, int32_t rows, double* command_mm);
 
-/* The integral of the weighted squared error of a simulated run (mm^2 s with weight 1 on the rod position). channels: rows x 4 (rod mm, motor mm, A, V), row by row. */
-int32_t ema_desk_objective(const double* values, const int32_t* options, const double* command_mm, const double* channels, const double* weight, int32_t rows,
-                           double start_mm, double* objective);
+/* The integral of the weighted squared error of a simulated run (mm^2 s with weight 1 on the rod position). channels:
+ * rows x 4 (rod mm, motor mm, A, V), row by row. */
+int32_t ema_desk_objective(const double* values, const int32_t* options, const double* command_mm,
+                           const double* channels, const double* weight, int32_t rows, double start_mm,
+                           double* objective);
 
 /* Identification by the onboard session. */
 typedef struct {
     int32_t identified_count;
-    int32_t identified_id[4];      /* value indices */
+    int32_t identified_id[4]; /* value indices */
     double identified_lower[4];
     double identified_upper[4];
     double identified_min_shift_percent[4];
     double weight[4];
-    double start[4];               /* in the parameters' units; used when start_at_healthy is 0 */
+    double start[4]; /* in the parameters' units; used when start_at_healthy is 0 */
     int32_t start_at_healthy;
     int32_t abandon;
-    int32_t int16_record;          /* keep the record as scaled int16 instead of reals */
-    int32_t slice_steps;           /* model steps per run call, >= 1 */
+    int32_t int16_record; /* keep the record as scaled int16 instead of reals */
+    int32_t slice_steps;  /* model steps per run call, >= 1 */
     int32_t evaluation_budget;
     int32_t reanneal_interval;
     double initial_temperature;
@@ -86,21 +93,24 @@ typedef struct {
     int32_t evaluations;
     int32_t accepted;
     int32_t accepted_uphill;
-    int32_t outcome;   /* ema_outcome_t */
-    int32_t verdict;   /* ema_verdict_t */
+    int32_t outcome; /* ema_outcome_t */
+    int32_t verdict; /* ema_verdict_t */
     int32_t adequate;
-    int32_t reasons;   /* EMA_REASON_ bits */
+    int32_t reasons; /* EMA_REASON_ bits */
     uint64_t random_state;
 } ema_desk_result_t;
 
-/* Called after each model run of the search with the run's number, the cost found and the best so far; may be NULL. A return other than 0 stops the search. */
+/* Called after each model run of the search with the run's number, the cost found and the best so far; may be NULL. A
+ * return other than 0 stops the search. */
 typedef int32_t (*ema_desk_progress_t)(int32_t evaluation, double cost, double best, void* context);
 
 /* The search's settings that the actuator's own tables give. */
 int32_t ema_desk_search_default(const double* values, const int32_t* options, ema_desk_search_t* search);
 
-/* Feeds the record to a session and runs it to its end. channels as in ema_desk_objective. A row that cannot be taken: `bad_row` (may be NULL). */
-int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm, const double* channels, int32_t rows, const ema_desk_search_t* search,
+/* Feeds the record to a session and runs it to its end. channels as in ema_desk_objective. A row that cannot be taken:
+ * `bad_row` (may be NULL). */
+int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm,
+                          const double* channels, int32_t rows, const ema_desk_search_t* search,
                           ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row);
 
 /* The first `count` numbers of the module's generator, for its reference vectors. */

@@ -45,7 +45,7 @@ typedef struct {
 } ema_config_effect_t;
 
 static const ema_config_effect_t ema_effect_ends[] = {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {#name, EMA_PARAM_COUNT + ((offsetof(ema_effects_t, name) + sizeof(ema_effect_##name##_t)) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
@@ -165,7 +165,8 @@ static bool ema_config_set(ema_actuator_t* actuator, const ema_place_t* place, s
         /* the text is a number */
     }
     /* Compared as the module stores it, so that a bound written out is inside. */
-    const bool inside = (number >= -1.0e30) && (number <= 1.0e30) && ((ema_real)number >= range->lower) && ((ema_real)number <= range->upper);
+    const bool inside = (number >= -1.0e30) && (number <= 1.0e30) && ((ema_real)number >= range->lower)
+                        && ((ema_real)number <= range->upper);
     if (!inside || ((id >= EMA_VALUE_COUNT) && ((double)(int32_t)number != number))) {
         return ema_fail_range(place, name, id, value);
     }
@@ -206,7 +207,8 @@ static bool ema_config_line(ema_actuator_t* actuator, const ema_place_t* place, 
     const char* const value = ema_config_trim(equals + 1);
     const size_t id = ema_config_find(name);
     if (id == ROW_COUNT) {
-        return ema_fail(place, name, "an actuator has no such value; take the names from a file that `ema export --flat` wrote");
+        return ema_fail(place, name,
+                        "an actuator has no such value; take the names from a file that `ema export --flat` wrote");
     }
     if (seen[id]) {
         return ema_fail(place, name, "the value stands there twice; remove one of the lines");
@@ -225,7 +227,8 @@ static bool ema_config_lines(ema_actuator_t* actuator, ema_place_t* place, FILE*
         ++place->row;
         char* const start = ((place->row == 1) && (strncmp(line, bom, 3U) == 0)) ? (line + 3) : line;
         if ((strchr(line, '\n') == NULL) && (feof(file) == 0)) {
-            return ema_fail(place, "line", "longer than 1022 bytes, or not text; write one `section.field = value` per line");
+            return ema_fail(place, "line",
+                            "longer than 1022 bytes, or not text; write one `section.field = value` per line");
         }
         good = ema_config_line(actuator, place, start, seen);
     }

@@ -1,4 +1,5 @@
-/* A healthy actuator from flat text: lines `section.field = value`, `#` comments. Values that the file does not name are the reference actuator's. */
+/* A healthy actuator from flat text: lines `section.field = value`, `#` comments. Values that the file does not name
+ * are the reference actuator's. */
 #ifndef EMA_CONFIG_H
 #define EMA_CONFIG_H
 
@@ -8,7 +9,8 @@
 
 #include "ema/ema_actuator.h"
 
-/* Reads and checks the actuator in the file at `path`. False when that fails, with one line in `message` that names file, row and value. */
+/* Reads and checks the actuator in the file at `path`. False when that fails, with one line in `message` that names
+ * file, row and value. */
 bool ema_config_read(ema_actuator_t* actuator, const char* path, char* message, size_t message_size);
 
 /* The same from a file that is open; `name` is the one that messages show. The file stays open. */

@@ -93,15 +93,18 @@ static ema_csv_status_t ema_fill(ema_csv_t* csv)
     const size_t left = csv->end - csv->begin;
     if (left == EMA_CSV_BUFFER) {
         ++csv->line;
-        return ema_fail_here(csv, EMA_CSV_ENCODING, NULL, "the line is longer than 65535 bytes; save the file as CSV text with LF or CRLF line ends");
+        return ema_fail_here(
+            csv, EMA_CSV_ENCODING, NULL,
+            "the line is longer than 65535 bytes; save the file as CSV text with LF or CRLF line ends");
     }
     (void)memmove(csv->buffer, csv->buffer + csv->begin, left);
     csv->begin = 0U;
     csv->end = left;
     const int64_t got = csv->source(csv->context, csv->buffer + left, EMA_CSV_BUFFER - left);
     if (got < 0) {
-        return ema_fail_file(csv, EMA_CSV_READ, (csv->line == 0) ? "cannot be read; name a CSV file, not a folder or a device"
-                                                                 : "reading stopped on the way; check the disk and copy the file again");
+        return ema_fail_file(csv, EMA_CSV_READ,
+                             (csv->line == 0) ? "cannot be read; name a CSV file, not a folder or a device"
+                                              : "reading stopped on the way; check the disk and copy the file again");
     }
     csv->end += (size_t)got;
     csv->source_ended = got == 0;
@@ -159,7 +162,8 @@ static ema_csv_status_t ema_read_content(ema_csv_t* csv, ema_span_t* line)
         }
         /* With the line ends of another age the whole file would be one comment. */
         if ((at < line->end) && (memchr(at, '\r', (size_t)(line->end - at)) != NULL)) {
-            return ema_fail_here(csv, EMA_CSV_ENCODING, NULL, "a carriage return inside the line; save the file with LF or CRLF line ends");
+            return ema_fail_here(csv, EMA_CSV_ENCODING, NULL,
+                                 "a carriage return inside the line; save the file with LF or CRLF line ends");
         }
     }
 }
@@ -220,8 +224,9 @@ static ema_field_t ema_next_field(char** at, char* end, ema_span_t* field)
 static ema_csv_status_t ema_fail_quote(ema_csv_t* csv, ema_field_t field)
 {
     return ema_fail_here(csv, EMA_CSV_FIELDS, NULL,
-                         (field == EMA_FIELD_OPEN_QUOTE) ? "a double quote is opened and not closed on this line; close or remove it"
-                                                         : "text stands between a closing double quote and the next comma; remove it");
+                         (field == EMA_FIELD_OPEN_QUOTE)
+                             ? "a double quote is opened and not closed on this line; close or remove it"
+                             : "text stands between a closing double quote and the next comma; remove it");
 }
 
 /* The header is checked for what would make every later message misleading. */
@@ -229,13 +234,17 @@ static ema_csv_status_t ema_check_header_text(ema_csv_t* csv, ema_span_t line)
 {
     const size_t length = (size_t)(line.end - line.begin);
     if (memchr(line.begin, '\0', length) != NULL) {
-        return ema_fail_here(csv, EMA_CSV_ENCODING, NULL, "this is no UTF-8 text (it holds zero bytes); save the recording as CSV in UTF-8");
+        return ema_fail_here(csv, EMA_CSV_ENCODING, NULL,
+                             "this is no UTF-8 text (it holds zero bytes); save the recording as CSV in UTF-8");
     }
     if (memchr(line.begin, '\r', length) != NULL) {
-        return ema_fail_here(csv, EMA_CSV_ENCODING, NULL, "a carriage return inside the line; save the file with LF or CRLF line ends");
+        return ema_fail_here(csv, EMA_CSV_ENCODING, NULL,
+                             "a carriage return inside the line; save the file with LF or CRLF line ends");
     }
-    if ((memchr(line.begin, ',', length) == NULL) && ((memchr(line.begin, ';', length) != NULL) || (memchr(line.begin, '\t', length) != NULL))) {
-        return ema_fail_here(csv, EMA_CSV_HEADER, NULL, "no commas between the columns; write commas between fields and a point in numbers");
+    if ((memchr(line.begin, ',', length) == NULL)
+        && ((memchr(line.begin, ';', length) != NULL) || (memchr(line.begin, '\t', length) != NULL))) {
+        return ema_fail_here(csv, EMA_CSV_HEADER, NULL,
+                             "no commas between the columns; write commas between fields and a point in numbers");
     }
     return EMA_CSV_OK;
 }
@@ -254,7 +263,8 @@ static int8_t ema_column_named(ema_span_t name)
 
 static ema_csv_status_t ema_missing_column(ema_csv_t* csv, ema_span_t header)
 {
-    static const char* const what[EMA_COLUMNS_REQUIRED] = {"the time in seconds", "the position command in millimetres", "the rod position in millimetres"};
+    static const char* const what[EMA_COLUMNS_REQUIRED] = {"the time in seconds", "the position command in millimetres",
+                                                           "the rod position in millimetres"};
     int missing = 0;
     while ((csv->mask & (1 << missing)) != 0) {
         ++missing;
@@ -278,7 +288,8 @@ static ema_csv_status_t ema_take_column(ema_csv_t* csv, ema_span_t name)
     const int8_t column = ema_column_named(name);
     if (column >= 0) {
         if ((csv->mask & (1 << column)) != 0) {
-            return ema_fail_here(csv, EMA_CSV_HEADER, ema_column_name((ema_column_t)column), "the column stands there twice; rename or remove one of them");
+            return ema_fail_here(csv, EMA_CSV_HEADER, ema_column_name((ema_column_t)column),
+                                 "the column stands there twice; rename or remove one of them");
         }
         csv->mask |= 1 << column;
     }
@@ -292,8 +303,9 @@ static ema_csv_status_t ema_read_header(ema_csv_t* csv)
     ema_span_t line;
     ema_csv_status_t status = ema_read_content(csv, &line);
     if (status == EMA_CSV_END) {
-        return ema_fail_file(csv, EMA_CSV_EMPTY, (csv->line == 0) ? "the file is empty; record or export it again"
-                                                                  : "the file holds no header and no rows; record or export it again");
+        return ema_fail_file(csv, EMA_CSV_EMPTY,
+                             (csv->line == 0) ? "the file is empty; record or export it again"
+                                              : "the file holds no header and no rows; record or export it again");
     }
     if (status == EMA_CSV_OK) {
         status = ema_check_header_text(csv, line);
@@ -325,10 +337,13 @@ static ema_csv_status_t ema_read_header(ema_csv_t* csv)
         return status;
     }
     if (numbers) {
-        return ema_fail_here(csv, EMA_CSV_HEADER, NULL, "numbers where the header must be; add a row such as time_s,command_mm,position_mm above them");
+        return ema_fail_here(
+            csv, EMA_CSV_HEADER, NULL,
+            "numbers where the header must be; add a row such as time_s,command_mm,position_mm above them");
     }
     const int32_t required = (1 << EMA_COLUMNS_REQUIRED) - 1;
-    return ((csv->mask & required) == required) ? EMA_CSV_OK : ema_missing_column(csv, (ema_span_t){shown, shown + kept});
+    return ((csv->mask & required) == required) ? EMA_CSV_OK
+                                                : ema_missing_column(csv, (ema_span_t){shown, shown + kept});
 }
 
 /* Name of a column of the file for a message: its own when it is used, else NULL. */
@@ -370,7 +385,8 @@ static ema_csv_status_t ema_fail_count(ema_csv_t* csv, int32_t count)
     if (cut) {
         ema_text_add(&why, " and no line end: the file is cut off here; copy or record it again");
     } else {
-        ema_text_add(&why, few ? "; write every field of the row" : "; remove what is too much (numbers have a decimal point, not a comma)");
+        ema_text_add(&why, few ? "; write every field of the row"
+                               : "; remove what is too much (numbers have a decimal point, not a comma)");
     }
     csv->status = cut ? EMA_CSV_CUT : EMA_CSV_FIELDS;
     return csv->status;
@@ -404,12 +420,14 @@ static ema_csv_status_t ema_read_fields(ema_csv_t* csv, ema_span_t line, double 
         return EMA_CSV_OK;
     }
     if (!csv->line_ended && (bad.column == (count - 1))) {
-        return ema_fail_here(csv, EMA_CSV_CUT, ema_used_name(csv, bad.column), "the file is cut off inside this number; copy or record it again");
+        return ema_fail_here(csv, EMA_CSV_CUT, ema_used_name(csv, bad.column),
+                             "the file is cut off inside this number; copy or record it again");
     }
     return ema_fail_number(csv, &bad);
 }
 
-/* A file without a last line end may have lost digits of its last number. That shows only when they matter: the number then jumps. */
+/* A file without a last line end may have lost digits of its last number. That shows only when they matter: the number
+ * then jumps. */
 static ema_csv_status_t ema_check_last_number(ema_csv_t* csv, const double row[EMA_COLUMN_COUNT])
 {
     const int8_t column = csv->used_as[csv->file_columns - 1];
@@ -419,7 +437,8 @@ static ema_csv_status_t ema_check_last_number(ema_csv_t* csv, const double row[E
     const double step = fabs(row[column] - csv->last[column]);
     if (!csv->line_ended && (step > (CUT_FACTOR * csv->largest_step))) {
         return ema_fail_here(csv, EMA_CSV_CUT, ema_column_name((ema_column_t)column),
-                             "the last number has no line end behind it and does not fit those before it: it is cut off; copy or record the file again");
+                             "the last number has no line end behind it and does not fit those before it: it is cut "
+                             "off; copy or record the file again");
     }
     csv->largest_step = (step > csv->largest_step) ? step : csv->largest_step;
     return EMA_CSV_OK;

@@ -158,7 +158,8 @@ static double ema_product_error(double x, double y, double xy)
 }
 
 /* mantissa / power, correctly rounded: the exact remainder of a first quotient says which neighbour is nearest.
- * False when the quotient lies too near the middle of two doubles, or at a power of two where their distance changes. */
+ * False when the quotient lies too near the middle of two doubles, or at a power of two where their distance changes.
+ */
 static bool ema_divide(uint64_t mantissa, double power, double* value)
 {
     const double high = (double)mantissa;
@@ -174,8 +175,8 @@ static bool ema_divide(uint64_t mantissa, double power, double* value)
         steps = (remainder > 0.0) ? 1 : -1;
     }
     *value = ema_neighbour(quotient, steps);
-    return (fabs(fabs(remainder) - half) > margin) && (fabs(remainder) < (2.5 * half)) && !ema_is_power_of_two(quotient) &&
-           !ema_is_power_of_two(*value);
+    return (fabs(fabs(remainder) - half) > margin) && (fabs(remainder) < (2.5 * half)) && !ema_is_power_of_two(quotient)
+           && !ema_is_power_of_two(*value);
 }
 
 /* The decimal without the C library; false when that is not certain to be correctly rounded. */
@@ -200,7 +201,8 @@ static bool ema_decimal_fast(const ema_decimal_t* decimal, double* value)
     return done;
 }
 
-/* The C library's conversion with a decimal point, whatever locale the program has set; false when it did not read all of the text. */
+/* The C library's conversion with a decimal point, whatever locale the program has set; false when it did not read all
+ * of the text. */
 static bool ema_decimal_library(const char* begin, const char* end, double* value)
 {
     char text[TEXT_MAX + 1];

@@ -1,4 +1,5 @@
-/* Decimal text to the nearest double, whatever the locale: a fast way for the numbers of recordings, the C library for the rest. */
+/* Decimal text to the nearest double, whatever the locale: a fast way for the numbers of recordings, the C library for
+ * the rest. */
 #ifndef EMA_CSV_NUMBER_H
 #define EMA_CSV_NUMBER_H
 
@@ -10,7 +11,8 @@ typedef enum {
     EMA_NUMBER_HUGE = 4        /* beyond the largest double */
 } ema_number_t;
 
-/* Reads all of [begin, end), blanks around the number allowed; `value` is set on EMA_NUMBER_OK alone. The result is correctly rounded. */
+/* Reads all of [begin, end), blanks around the number allowed; `value` is set on EMA_NUMBER_OK alone. The result is
+ * correctly rounded. */
 ema_number_t ema_csv_number(const char* begin, const char* end, double* value);
 
 #endif

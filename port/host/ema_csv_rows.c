@@ -80,7 +80,8 @@ static ema_csv_status_t ema_check_step(const ema_csv_rows_t* rows, int64_t row, 
     ema_text_add(why, " s where the first rows have ");
     ema_text_add_real(why, median_s, STEP_DIGITS);
     const double missing = floor((step_s / median_s) + 0.5) - 1.0;
-    if ((missing >= 1.0) && (missing < 1.0e9) && (fabs(step_s - ((missing + 1.0) * median_s)) <= (STEP_TOLERANCE * median_s))) {
+    if ((missing >= 1.0) && (missing < 1.0e9)
+        && (fabs(step_s - ((missing + 1.0) * median_s)) <= (STEP_TOLERANCE * median_s))) {
         ema_text_add(why, " s, rows missing before it: ");
         ema_text_add_whole(why, (int64_t)missing);
         ema_text_add(why, "; record again without gaps");
@@ -109,7 +110,8 @@ static void ema_follow_travel(ema_csv_rows_t* rows, const double value[EMA_COLUM
     rows->product_mm2 += from_first_mm[0] * from_first_mm[1];
 }
 
-ema_csv_status_t ema_csv_rows_add(ema_csv_rows_t* rows, int64_t row, const double value[EMA_COLUMN_COUNT], ema_text_t* why)
+ema_csv_status_t ema_csv_rows_add(ema_csv_rows_t* rows, int64_t row, const double value[EMA_COLUMN_COUNT],
+                                  ema_text_t* why)
 {
     const double time_s = value[EMA_COLUMN_TIME];
     const double step_s = time_s - rows->last_time_s;
@@ -119,7 +121,8 @@ ema_csv_status_t ema_csv_rows_add(ema_csv_rows_t* rows, int64_t row, const doubl
         ema_text_add_real(why, time_s, TIME_DIGITS);
         ema_text_add(why, " s does not come after ");
         ema_text_add_real(why, rows->last_time_s, TIME_DIGITS);
-        ema_text_add(why, " s; sort the rows by time and remove doubles, or write time_s with more digits if it was rounded");
+        ema_text_add(
+            why, " s; sort the rows by time and remove doubles, or write time_s with more digits if it was rounded");
         return EMA_CSV_TIME;
     }
     ema_follow_travel(rows, value);
@@ -177,7 +180,8 @@ static double ema_correlation(const ema_csv_rows_t* rows)
     return ((command > 0.0) && (position > 0.0)) ? (both / sqrt(command * position)) : 0.0;
 }
 
-static ema_csv_status_t ema_unit_error(ema_text_t* why, ema_column_t column, double travel_mm, const char* against, double reference_mm, const char* advice)
+static ema_csv_status_t ema_unit_error(ema_text_t* why, ema_column_t column, double travel_mm, const char* against,
+                                       double reference_mm, const char* advice)
 {
     ema_text_add(why, ema_names[column]);
     ema_text_add(why, ": travels ");
@@ -209,17 +213,23 @@ static ema_csv_status_t ema_units_fit(const ema_csv_rows_t* rows, double travel_
     }
     if (command_mm > stroke_mm) {
         return ema_unit_error(why, EMA_COLUMN_COMMAND, command_mm, " mm and the actuator's stroke is ", stroke_mm,
-                              ((command_mm / 1000.0) <= stroke_mm) ? ema_micrometres : " mm; correct the unit of the column, or the actuator's travel_mm");
+                              ((command_mm / 1000.0) <= stroke_mm)
+                                  ? ema_micrometres
+                                  : " mm; correct the unit of the column, or the actuator's travel_mm");
     }
     if (together && (position_mm * UNIT_FACTOR < command_mm)) {
-        return ema_unit_error(why, EMA_COLUMN_POSITION, position_mm, " mm along with a command over ", command_mm, ema_metres);
+        return ema_unit_error(why, EMA_COLUMN_POSITION, position_mm, " mm along with a command over ", command_mm,
+                              ema_metres);
     }
     if (position_mm > (stroke_mm * (1.0 + TRAVEL_MARGIN))) {
         return ema_unit_error(why, EMA_COLUMN_POSITION, position_mm, " mm and the actuator's stroke is ", stroke_mm,
-                              ((position_mm / 1000.0) <= stroke_mm) ? ema_micrometres : " mm; correct the unit of the column, or the actuator's travel_mm");
+                              ((position_mm / 1000.0) <= stroke_mm)
+                                  ? ema_micrometres
+                                  : " mm; correct the unit of the column, or the actuator's travel_mm");
     }
     if (together && (position_mm > (UNIT_FACTOR * command_mm))) {
-        return ema_unit_error(why, EMA_COLUMN_POSITION, position_mm, " mm along with a command over ", command_mm, ema_micrometres);
+        return ema_unit_error(why, EMA_COLUMN_POSITION, position_mm, " mm along with a command over ", command_mm,
+                              ema_micrometres);
     }
     const double reach_mm = fmax(rows->highest_mm[1], -rows->lowest_mm[1]);
     if (reach_mm > (travel_mm * (1.0 + TRAVEL_MARGIN))) {
@@ -238,14 +248,17 @@ ema_csv_status_t ema_csv_rows_fit(const ema_csv_rows_t* rows, double travel_mm, 
 {
     const double period_s = ema_csv_rows_period_s(rows);
     if (fabs(period_s - record_period_s) > (PERIOD_TOLERANCE * record_period_s)) {
-        const bool milliseconds = fabs(period_s - (1000.0 * record_period_s)) <= (STEP_TOLERANCE * 1000.0 * record_period_s);
+        const bool milliseconds =
+            fabs(period_s - (1000.0 * record_period_s)) <= (STEP_TOLERANCE * 1000.0 * record_period_s);
         ema_text_add(why, ema_names[EMA_COLUMN_TIME]);
         ema_text_add(why, ": a row every ");
         ema_text_add_real(why, period_s, STEP_DIGITS);
         ema_text_add(why, " s, and the actuator records one every ");
         ema_text_add_real(why, record_period_s, STEP_DIGITS);
-        ema_text_add(why, milliseconds ? " s: looks like milliseconds; divide the column by 1000"
-                                       : " s; set the actuator's step_s and record_every_steps to this recording, or resample it");
+        ema_text_add(why,
+                     milliseconds
+                         ? " s: looks like milliseconds; divide the column by 1000"
+                         : " s; set the actuator's step_s and record_every_steps to this recording, or resample it");
         return EMA_CSV_PERIOD;
     }
     return ema_units_fit(rows, travel_mm, why);

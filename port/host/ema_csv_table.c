@@ -47,9 +47,11 @@ int32_t ema_csv_count(const char* path, int64_t* rows, char* message, int32_t me
     return ema_finish(&csv, status, message, message_size);
 }
 
-int32_t ema_csv_load(const char* path, double* out, int64_t capacity_rows, int64_t* rows, int32_t* columns_mask, double* period_s, char* message, int32_t message_size)
+int32_t ema_csv_load(const char* path, double* out, int64_t capacity_rows, int64_t* rows, int32_t* columns_mask,
+                     double* period_s, char* message, int32_t message_size)
 {
-    if ((path == NULL) || (out == NULL) || (capacity_rows < 0) || (rows == NULL) || (columns_mask == NULL) || (period_s == NULL)) {
+    if ((path == NULL) || (out == NULL) || (capacity_rows < 0) || (rows == NULL) || (columns_mask == NULL)
+        || (period_s == NULL)) {
         return ema_usage(message, message_size);
     }
     ema_csv_t csv;
@@ -89,7 +91,8 @@ static const char* ema_not_finite(const double* row, int32_t columns_mask)
     return NULL;
 }
 
-int32_t ema_csv_table_check(const char* name, const double* table, int64_t rows, int32_t columns_mask, double* period_s, char* message, int32_t message_size)
+int32_t ema_csv_table_check(const char* name, const double* table, int64_t rows, int32_t columns_mask, double* period_s,
+                            char* message, int32_t message_size)
 {
     if ((name == NULL) || (table == NULL) || (rows < 0) || (period_s == NULL)) {
         return ema_usage(message, message_size);
@@ -123,7 +126,8 @@ int32_t ema_csv_table_check(const char* name, const double* table, int64_t rows,
     return (int32_t)status;
 }
 
-int32_t ema_csv_table_fit(const char* name, const double* table, int64_t rows, double travel_mm, double record_period_s, char* message, int32_t message_size)
+int32_t ema_csv_table_fit(const char* name, const double* table, int64_t rows, double travel_mm, double record_period_s,
+                          char* message, int32_t message_size)
 {
     if ((name == NULL) || (table == NULL) || (rows < 0)) {
         return ema_usage(message, message_size);

@@ -77,7 +77,8 @@ void ema_text_add_foreign(ema_text_t* line, const char* begin, size_t length, si
         size_t bytes = ema_text_utf8(begin + at, length - at);
         const unsigned char first = (unsigned char)begin[at];
         /* C1 controls are two bytes that start with C2. */
-        const int control = (first < 0x20U) || (first == 0x7FU) || ((bytes == 2U) && (first == 0xC2U) && ((unsigned char)begin[at + 1U] < 0xA0U));
+        const int control = (first < 0x20U) || (first == 0x7FU)
+                            || ((bytes == 2U) && (first == 0xC2U) && ((unsigned char)begin[at + 1U] < 0xA0U));
         if ((at + ((bytes == 0U) ? 1U : bytes)) > limit) {
             ema_text_bytes(line, "...", 3U);
             return;

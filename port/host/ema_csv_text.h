@@ -17,7 +17,8 @@ ema_text_t ema_text_start(char* buffer, size_t size);
 /* Adds text of the program. */
 void ema_text_add(ema_text_t* line, const char* text);
 
-/* Adds text from outside: control characters and broken UTF-8 become `?`. More than `limit` bytes are cut and end in `...`. */
+/* Adds text from outside: control characters and broken UTF-8 become `?`. More than `limit` bytes are cut and end in
+ * `...`. */
 void ema_text_add_foreign(ema_text_t* line, const char* begin, size_t length, size_t limit);
 
 /* Adds a path; of a long one the end. */

@@ -1,4 +1,5 @@
-/* ema_identify: feeds a recorded CSV to the onboard module as the actuator's electronics would feed their samples, and prints the result. */
+/* ema_identify: feeds a recorded CSV to the onboard module as the actuator's electronics would feed their samples, and
+ * prints the result. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <stdio.h>
@@ -80,7 +81,8 @@ static bool ema_prepare(ema_program_t* program)
     ema_record_config_t record = {.buffer = program->buffer, .command_full_scale_mm = full_scale_mm};
     record.full_scale[EMA_CHANNEL_POSITION] = full_scale_mm;
     record.format = options->int16 ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
-    record.buffer_bytes = options->int16 ? EMA_RECORD_INT16_BYTES(EMA_IDENTIFY_ROWS, VALUES_PER_ROW) : EMA_RECORD_REAL_BYTES(EMA_IDENTIFY_ROWS, VALUES_PER_ROW);
+    record.buffer_bytes = options->int16 ? EMA_RECORD_INT16_BYTES(EMA_IDENTIFY_ROWS, VALUES_PER_ROW)
+                                         : EMA_RECORD_REAL_BYTES(EMA_IDENTIFY_ROWS, VALUES_PER_ROW);
     (void)ema_session_config_default(&program->config, &program->actuator, &record);
     if (options->seed_given) {
         program->config.annealer.seed = options->seed;
@@ -89,13 +91,17 @@ static bool ema_prepare(ema_program_t* program)
     ema_status_t status = ema_model_init(&model, &program->actuator, EMA_R(0.0));
     if (status != EMA_OK) {
         /* Single values are in range by now; only the sum of the delays can still be outside. */
-        return ema_refuse(program, ema_actuator_name(program), ema_status_text(status),
-                          (status == EMA_ERR_RANGE) ? "; keep encoder.delay_s and effects.feedback_delay.delay_s together within 12 model steps" : "; correct the actuator");
+        return ema_refuse(
+            program, ema_actuator_name(program), ema_status_text(status),
+            (status == EMA_ERR_RANGE)
+                ? "; keep encoder.delay_s and effects.feedback_delay.delay_s together within 12 model steps"
+                : "; correct the actuator");
     }
     status = ema_session_init(&program->session, &program->config);
     if (status != EMA_OK) {
         return ema_refuse(program, ema_actuator_name(program), ema_status_text(status),
-                          "; let the bounds of [search] hold the healthy screw.csj_Nm and screw.blk_mm, neither of them zero, and correct its other settings");
+                          "; let the bounds of [search] hold the healthy screw.csj_Nm and screw.blk_mm, neither of "
+                          "them zero, and correct its other settings");
     }
     return true;
 }
@@ -166,13 +172,15 @@ static bool ema_search(ema_program_t* program)
         status = ema_session_result(&program->session, &program->report.result);
     }
     if (status != EMA_OK) {
-        return ema_refuse(program, program->options.record, ema_status_text(status), "; check that recording and actuator belong together");
+        return ema_refuse(program, program->options.record, ema_status_text(status),
+                          "; check that recording and actuator belong together");
     }
     program->report.search_s = ema_now_s() - start_s;
     return true;
 }
 
-/* Writes the JSON file. It comes into being here, so that nothing that appeared in the meantime is overwritten either. */
+/* Writes the JSON file. It comes into being here, so that nothing that appeared in the meantime is overwritten either.
+ */
 static bool ema_write_json(ema_program_t* program)
 {
     const char* const path = program->options.json;
@@ -183,7 +191,8 @@ static bool ema_write_json(ema_program_t* program)
     ema_report_json(&program->report, file);
     const bool written = ferror(file) == 0;
     if ((fclose(file) != 0) || !written) {
-        return ema_refuse(program, path, "the file could not be written to its end", "; check that there is room on the disk");
+        return ema_refuse(program, path, "the file could not be written to its end",
+                          "; check that there is room on the disk");
     }
     return true;
 }
@@ -220,7 +229,8 @@ static bool ema_same_file(const char* first, const char* second)
 static bool ema_reads_json(const ema_options_cli_t* options)
 {
     return (options->json != NULL)
-           && (ema_same_file(options->json, options->record) || ((options->config != NULL) && ema_same_file(options->json, options->config)));
+           && (ema_same_file(options->json, options->record)
+               || ((options->config != NULL) && ema_same_file(options->json, options->config)));
 }
 
 int main(int argc, char* argv[])
@@ -236,12 +246,14 @@ int main(int argc, char* argv[])
         return EXIT_SUCCESS;
     }
     if (ema_reads_json(&program.options)) {
-        (void)ema_refuse(&program, program.options.json, "--json names a file that is read", "; give the result another name");
+        (void)ema_refuse(&program, program.options.json, "--json names a file that is read",
+                         "; give the result another name");
         (void)fprintf(stderr, "%s\n", program.message);
         return EXIT_BAD_USAGE;
     }
     if ((program.options.json != NULL) && !program.options.force && (access(program.options.json, F_OK) == 0)) {
-        (void)ema_refuse(&program, program.options.json, "the file exists and is not overwritten", "; name another one or give --force");
+        (void)ema_refuse(&program, program.options.json, "the file exists and is not overwritten",
+                         "; name another one or give --force");
         (void)fprintf(stderr, "%s\n", program.message);
         return EXIT_BAD_USAGE;
     }

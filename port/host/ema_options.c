@@ -9,20 +9,23 @@
 #define SLICE_STEPS_MAX 1000000000U
 #define SEED_MAX 9007199254740991U /* every reader of JSON holds it exactly */
 
-const char* const ema_usage_text = "usage: ema_identify [--reference | --config FILE] [--json FILE [--force]] [--slice N] [--seed N] [--int16] RECORD.csv\n"
-                                   "\n"
-                                   "Feeds a recording to the onboard module row by row and prints what the module finds: CSJ (dry friction) and BLK (backlash).\n"
-                                   "\n"
-                                   "  --reference    the healthy actuator is the reference actuator (the default)\n"
-                                   "  --config FILE  the healthy actuator: lines `section.field = value`, as `ema export --flat` writes them\n"
-                                   "  --json FILE    also write the result to FILE, which must not exist\n"
-                                   "  --force        replace FILE when it exists\n"
-                                   "  --slice N      model steps per slice (200); changes no result\n"
-                                   "  --seed N       seed of the search (the actuator's)\n"
-                                   "  --int16        keep the record as scaled 16-bit integers, as a small target does\n"
-                                   "  --help         this text\n"
-                                   "\n"
-                                   "Exit code: 0 done, 1 bad input, 2 wrong usage.\n";
+const char* const ema_usage_text =
+    "usage: ema_identify [--reference | --config FILE] [--json FILE [--force]] [--slice N] [--seed N] [--int16] "
+    "RECORD.csv\n"
+    "\n"
+    "Feeds a recording to the onboard module row by row and prints what the module finds: CSJ (dry friction) and BLK "
+    "(backlash).\n"
+    "\n"
+    "  --reference    the healthy actuator is the reference actuator (the default)\n"
+    "  --config FILE  the healthy actuator: lines `section.field = value`, as `ema export --flat` writes them\n"
+    "  --json FILE    also write the result to FILE, which must not exist\n"
+    "  --force        replace FILE when it exists\n"
+    "  --slice N      model steps per slice (200); changes no result\n"
+    "  --seed N       seed of the search (the actuator's)\n"
+    "  --int16        keep the record as scaled 16-bit integers, as a small target does\n"
+    "  --help         this text\n"
+    "\n"
+    "Exit code: 0 done, 1 bad input, 2 wrong usage.\n";
 
 static bool ema_refuse(char* message, size_t size, const char* argument, const char* text)
 {
@@ -77,7 +80,8 @@ static bool ema_take_flag(ema_options_cli_t* options, const char* argument, bool
 
 static bool ema_takes_value(const char* argument)
 {
-    return (strcmp(argument, "--json") == 0) || (strcmp(argument, "--config") == 0) || (strcmp(argument, "--slice") == 0) || (strcmp(argument, "--seed") == 0);
+    return (strcmp(argument, "--json") == 0) || (strcmp(argument, "--config") == 0)
+           || (strcmp(argument, "--slice") == 0) || (strcmp(argument, "--seed") == 0);
 }
 
 /* Stores the value of an option; NULL, or what the value should have been. */
@@ -116,7 +120,8 @@ bool ema_options_read(ema_options_cli_t* options, int argc, char* const argv[], 
         } else if (!only_files && ema_takes_value(argument)) {
             ++i;
             if (i == argc) {
-                return ema_refuse(message, message_size, argument, "a value is missing behind this option; see ema_identify --help");
+                return ema_refuse(message, message_size, argument,
+                                  "a value is missing behind this option; see ema_identify --help");
             }
             const char* const wanted = ema_take_value(options, argument, argv[i]);
             if (wanted != NULL) {
@@ -136,13 +141,16 @@ bool ema_options_read(ema_options_cli_t* options, int argc, char* const argv[], 
         return true;
     }
     if (reference && (options->config != NULL)) {
-        return ema_refuse(message, message_size, options->config, "--config and --reference exclude each other; give one of them");
+        return ema_refuse(message, message_size, options->config,
+                          "--config and --reference exclude each other; give one of them");
     }
     if (options->force && (options->json == NULL)) {
-        return ema_refuse(message, message_size, "--force", "there is no --json FILE to replace; give one or leave --force out");
+        return ema_refuse(message, message_size, "--force",
+                          "there is no --json FILE to replace; give one or leave --force out");
     }
     if (options->record == NULL) {
-        return ema_refuse(message, message_size, NULL, "no recording given; name a CSV file, or see ema_identify --help");
+        return ema_refuse(message, message_size, NULL,
+                          "no recording given; name a CSV file, or see ema_identify --help");
     }
     return true;
 }

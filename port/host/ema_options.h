@@ -12,7 +12,7 @@ typedef struct {
     const char* json;   /* NULL: no file */
     uint32_t slice_steps;
     uint64_t seed;
-    bool seed_given;    /* else the actuator's */
+    bool seed_given; /* else the actuator's */
     bool int16;
     bool force;
     bool help;

@@ -20,7 +20,8 @@ typedef struct {
 
 static const ema_reason_t ema_reasons[] = {
     {EMA_REASON_NOT_FINISHED, "the search has not ended"},
-    {EMA_REASON_INADEQUATE, "the residual is larger than the sensor noise explains: an effect is missing from the model"},
+    {EMA_REASON_INADEQUATE,
+     "the residual is larger than the sensor noise explains: an effect is missing from the model"},
     {EMA_REASON_AT_BOUND, "an estimate lies on a bound of its search"},
     {EMA_REASON_NOT_CONVERGED, "the evaluations were used up while the cost still fell"},
     {EMA_REASON_NEAR_THRESHOLD, "a shift cannot be told from its threshold with the stated confidence"},
@@ -87,7 +88,8 @@ static double ema_std(const ema_result_t* result, uint32_t fault)
 static void ema_write_shifts(const ema_report_t* report, FILE* out)
 {
     for (uint32_t i = 0; i < FAULTS; ++i) {
-        (void)fprintf(out, "%s%s %+.1f %%", (i == 0U) ? "" : ", ", ema_fault_name[i], (double)report->result.identified[i].shift_percent);
+        (void)fprintf(out, "%s%s %+.1f %%", (i == 0U) ? "" : ", ", ema_fault_name[i],
+                      (double)report->result.identified[i].shift_percent);
     }
 }
 
@@ -113,7 +115,8 @@ static void ema_write_sentence(const ema_report_t* report, FILE* out)
         (void)fputs(".\n", out);
     } else {
         ema_write_shifts(report, out);
-        (void)fprintf(out, ": healthy, both within their thresholds of %.3g %% and %.3g %%.\n", (double)report->config->identified[0].min_shift_percent,
+        (void)fprintf(out, ": healthy, both within their thresholds of %.3g %% and %.3g %%.\n",
+                      (double)report->config->identified[0].min_shift_percent,
                       (double)report->config->identified[1].min_shift_percent);
     }
 }
@@ -133,8 +136,8 @@ void ema_report_text(const ema_report_t* report, FILE* out)
         if (isfinite(std)) {
             (void)snprintf(std_text, sizeof std_text, "%.2g", std);
         }
-        (void)fprintf(out, "%s  %s  %10.6f  %10s  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i], (double)found->estimate, std_text,
-                      ema_healthy(report, i), (double)found->shift_percent);
+        (void)fprintf(out, "%s  %s  %10.6f  %10s  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i],
+                      (double)found->estimate, std_text, ema_healthy(report, i), (double)found->shift_percent);
     }
     const double before = (double)result->objective_before;
     const double after = (double)result->objective_after;
@@ -143,11 +146,15 @@ void ema_report_text(const ema_report_t* report, FILE* out)
         (void)fprintf(out, " (%+.3f %%)", 100.0 * (after - before) / before);
     }
     (void)fprintf(out, "; residual %.3g um rms\n", 1000.0 * (double)result->residual_rms_mm);
-    (void)fprintf(out, "search      %" PRIu32 " model runs, %.2f million model steps, ended by %s, seed %" PRIu64 "\n", result->evaluations, (double)result->model_steps / 1.0e6,
-                  ema_outcome_name(result->outcome), report->config->annealer.seed);
-    (void)fprintf(out, "time        %.3f s, %.3f s of them in the search (the paper: 40 to 75 s per case)\n", report->wall_s, report->search_s);
-    (void)fprintf(out, "recording   %s: %" PRId64 " rows, one every %.6g s, kept as %s\n", path, report->rows, report->period_s, report->int16 ? "16-bit integers" : "32-bit reals");
-    (void)fprintf(out, "verdict     %s; the model %s\n", ema_verdict_name(result->verdict), result->adequate ? "explains the recording" : "does not explain the recording");
+    (void)fprintf(out, "search      %" PRIu32 " model runs, %.2f million model steps, ended by %s, seed %" PRIu64 "\n",
+                  result->evaluations, (double)result->model_steps / 1.0e6, ema_outcome_name(result->outcome),
+                  report->config->annealer.seed);
+    (void)fprintf(out, "time        %.3f s, %.3f s of them in the search (the paper: 40 to 75 s per case)\n",
+                  report->wall_s, report->search_s);
+    (void)fprintf(out, "recording   %s: %" PRId64 " rows, one every %.6g s, kept as %s\n", path, report->rows,
+                  report->period_s, report->int16 ? "16-bit integers" : "32-bit reals");
+    (void)fprintf(out, "verdict     %s; the model %s\n", ema_verdict_name(result->verdict),
+                  result->adequate ? "explains the recording" : "does not explain the recording");
     for (size_t i = 0; i < REASON_COUNT; ++i) {
         if ((result->reasons & ema_reasons[i].bit) != 0U) {
             (void)fprintf(out, "  because   %s\n", ema_reasons[i].text);
@@ -216,11 +223,14 @@ void ema_report_json(const ema_report_t* report, FILE* out)
     ema_json_real(out, ",\n  \"objective_after_mm2s\": ", (double)result->objective_after);
     ema_json_real(out, ",\n  \"residual_rms_mm\": ", (double)result->residual_rms_mm);
     ema_json_real(out, ",\n  \"residual_correlation\": ", (double)result->residual_correlation);
-    (void)fprintf(out, ",\n  \"evaluations\": %" PRIu32 ",\n  \"model_steps\": %" PRIu64, result->evaluations, result->model_steps);
-    (void)fprintf(out, ",\n  \"outcome\": \"%s\",\n  \"seed\": %" PRIu64, ema_outcome_name(result->outcome), report->config->annealer.seed);
+    (void)fprintf(out, ",\n  \"evaluations\": %" PRIu32 ",\n  \"model_steps\": %" PRIu64, result->evaluations,
+                  result->model_steps);
+    (void)fprintf(out, ",\n  \"outcome\": \"%s\",\n  \"seed\": %" PRIu64, ema_outcome_name(result->outcome),
+                  report->config->annealer.seed);
     ema_json_real(out, ",\n  \"search_s\": ", report->search_s);
     ema_json_real(out, ",\n  \"wall_s\": ", report->wall_s);
-    (void)fprintf(out, ",\n  \"verdict\": \"%s\",\n  \"adequate\": %s,\n  \"reasons\": [", ema_verdict_name(result->verdict), result->adequate ? "true" : "false");
+    (void)fprintf(out, ",\n  \"verdict\": \"%s\",\n  \"adequate\": %s,\n  \"reasons\": [",
+                  ema_verdict_name(result->verdict), result->adequate ? "true" : "false");
     const char* joint = "";
     for (size_t i = 0; i < REASON_COUNT; ++i) {
         if ((result->reasons & ema_reasons[i].bit) != 0U) {

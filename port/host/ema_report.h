@@ -16,8 +16,8 @@ typedef struct {
     bool int16;
     const ema_session_config_t* config;
     ema_result_t result;
-    double search_s;    /* from the first to the last model step */
-    double wall_s;      /* from the command line to the answer */
+    double search_s; /* from the first to the last model step */
+    double wall_s;   /* from the command line to the answer */
 } ema_report_t;
 
 /* Both write to `out`; whether it took everything is ferror's to say. */

@@ -1,6 +1,7 @@
 /* A board without hardware: it runs anywhere, with the example's simulated machine on its pins.
  *
- * Time passes only while the firmware waits, a period at a time; a slice takes none. Each function says what a real board does in its place.
+ * Time passes only while the firmware waits, a period at a time; a slice takes none. Each function says what a real
+ * board does in its place.
  */
 #include "ace_board.h"
 
@@ -14,7 +15,8 @@ static uint32_t counter;
 static uint32_t period;
 static ace_tick_t on_tick;
 
-/* Real: start a free-running timer, program the tick timer's reload, enable its interrupt below the drive's and above everything that may wait. */
+/* Real: start a free-running timer, program the tick timer's reload, enable its interrupt below the drive's and above
+ * everything that may wait. */
 uint32_t ace_board_start(uint32_t period_ticks, ace_tick_t tick)
 {
     period = period_ticks;

@@ -1,7 +1,8 @@
 /* What a board supplies to the example firmware: a counter, a timer interrupt, three sensors and a drive.
  *
- * A new board copies ace_board.c of this folder, which needs no hardware, and replaces its functions one by one; port/cortex_m/ace_board.c is one that was
- * filled in. Nothing here knows the module, and the module knows nothing of this.
+ * A new board copies ace_board.c of this folder, which needs no hardware, and replaces its functions one by one;
+ * port/cortex_m/ace_board.c is one that was filled in. Nothing here knows the module, and the module knows nothing of
+ * this.
  */
 #ifndef ACE_BOARD_H
 #define ACE_BOARD_H
@@ -18,8 +19,8 @@ typedef struct {
 /* What the timer interrupt calls. */
 typedef void (*ace_tick_t)(void);
 
-/* Starts the counter and a timer interrupt every `period_ticks` of it; its first call of `tick` comes one period from now. The result is the counter at this
- * instant. */
+/* Starts the counter and a timer interrupt every `period_ticks` of it; its first call of `tick` comes one period from
+ * now. The result is the counter at this instant. */
 uint32_t ace_board_start(uint32_t period_ticks, ace_tick_t tick);
 
 /* Stops the interrupt. */

@@ -46,7 +46,8 @@ static float next_speed(float speed_rad_s, float torque_Nm)
 static void step(void)
 {
     const float drop_V = ACE_PLANT_DEAD_TIME_V * clamp(plant.current_A / DEAD_TIME_WIDTH_A, -1.0f, 1.0f);
-    const float change_V = plant.voltage_V - drop_V - (RESISTANCE_OHM * plant.current_A) - (BACK_EMF_V_S_PER_RAD * plant.speed_rad_s);
+    const float change_V =
+        plant.voltage_V - drop_V - (RESISTANCE_OHM * plant.current_A) - (BACK_EMF_V_S_PER_RAD * plant.speed_rad_s);
     const float before_A = plant.current_A;
     const float before_rad_s = plant.speed_rad_s;
     plant.current_A += (STEP_S / INDUCTANCE_H) * change_V;

@@ -1,5 +1,5 @@
-/* The machine that the example's board would drive: motor, gears, screw with dry friction and play, integrated in small steps. Not part of the module, and
- * written without it. */
+/* The machine that the example's board would drive: motor, gears, screw with dry friction and play, integrated in small
+ * steps. Not part of the module, and written without it. */
 #ifndef ACE_PLANT_H
 #define ACE_PLANT_H
 
@@ -19,7 +19,8 @@
 /* At rest in the middle of its travel and its play, no voltage. */
 void ace_plant_reset(void);
 
-/* Moves the machine on by one period with the voltage that was held, and reads its encoders. The first call reads the machine at rest. */
+/* Moves the machine on by one period with the voltage that was held, and reads its encoders. The first call reads the
+ * machine at rest. */
 ace_sensors_t ace_plant_sensors(void);
 
 /* The voltage from now on. */

@@ -26,7 +26,8 @@ static const ema_bounds_t ema_bounds[] = {
 #define EMA_BOUNDS_0(...)
 #define EMA_BOUNDS_JOIN(held) EMA_BOUNDS_##held
 #define EMA_BOUNDS_OF(held) EMA_BOUNDS_JOIN(held)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_BOUNDS_OF(EMA_HELD(name))(parameters)
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    EMA_BOUNDS_OF(EMA_HELD(name))(parameters)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 #undef EMA_P
@@ -38,14 +39,15 @@ static const ema_bounds_t ema_bounds[] = {
 };
 
 /* How many of them an effect has. */
-#define EMA_BOUNDS_COUNT(held, site, values) \
+#define EMA_BOUNDS_COUNT(held, site, values)                                                                           \
     ((held) ? ((((uint32_t)(site) & (uint32_t)EMA_SITE_IS_TABLE) != 0U) ? EMA_TABLE_BOUNDS : (uint32_t)(values)) : 0U)
 
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     +EMA_BOUNDS_COUNT(EMA_HAS_##name != 0, EMA_SITE_##site, sizeof(ema_effect_##name##_t) / sizeof(ema_real))
-_Static_assert((sizeof(ema_bounds) / sizeof(ema_bounds[0])) == (EMA_PARAM_COUNT + EMA_OPTION_COUNT
+_Static_assert((sizeof(ema_bounds) / sizeof(ema_bounds[0]))
+                   == (EMA_PARAM_COUNT + EMA_OPTION_COUNT
 #include "ema/ema_effects.def"
-                                                                ),
+                       ),
                "the nodes of a table share one row of bounds");
 #undef EMA_EFFECT
 
@@ -92,8 +94,10 @@ static ema_real* ema_value_at(ema_actuator_t* actuator, size_t id)
     return &base[place];
 }
 
-/* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest. Says why it stopped. */
-static size_t ema_values_within(const ema_real* value, size_t count, const ema_bounds_t* bounds, size_t rows, ema_status_t* status)
+/* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest.
+ * Says why it stopped. */
+static size_t ema_values_within(const ema_real* value, size_t count, const ema_bounds_t* bounds, size_t rows,
+                                ema_status_t* status)
 {
     size_t good = 0U;
     while ((*status == EMA_OK) && (good < count)) {

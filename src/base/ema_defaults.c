@@ -13,7 +13,8 @@ static const ema_range_t ema_ranges[] = {
 #undef EMA_EFFECT
 #undef EMA_P
 #define EMA_PARAM(section, field, nominal, lower, upper, text)
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {(ema_real)(nominal), (ema_real)(lower), (ema_real)(upper)},
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    {(ema_real)(nominal), (ema_real)(lower), (ema_real)(upper)},
 #include "ema/ema_params.def"
 #undef EMA_PARAM
 #undef EMA_OPTION

@@ -1,7 +1,8 @@
-/* The rows of ema_effects.def as numbers, and which of them this build holds: all, or with EMA_EFFECTS_CHOSEN those whose EMA_WITH_<name> is 1.
+/* The rows of ema_effects.def as numbers, and which of them this build holds: all, or with EMA_EFFECTS_CHOSEN those
+ * whose EMA_WITH_<name> is 1.
  *
- * The structures are the same in every build, so a configuration fits all of them; of an effect that is left out neither code nor ranges remain, and one that
- * is not zero is refused with EMA_ERR_ABSENT.
+ * The structures are the same in every build, so a configuration fits all of them; of an effect that is left out
+ * neither code nor ranges remain, and one that is not zero is refused with EMA_ERR_ABSENT.
  */
 #ifndef EMA_EFFECT_ROWS_H
 #define EMA_EFFECT_ROWS_H
@@ -46,7 +47,8 @@ enum {
 
 /* Which of them this build holds. */
 enum {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_HAS_##name = EMA_HELD(name),
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    EMA_HAS_##name = EMA_HELD(name),
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
     EMA_HAS_NONE = 0
@@ -55,12 +57,14 @@ enum {
 /* One bit per site at which an effect of this build acts, and whether one of them is a table. */
 enum {
     EMA_SITES_HELD = 0U
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) | ((uint32_t)EMA_HAS_##name << ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_MASK))
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    | ((uint32_t)EMA_HAS_##name << ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_MASK))
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
     ,
     EMA_TABLES_HELD = 0U
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) | ((uint32_t)EMA_HAS_##name * ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_IS_TABLE))
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    | ((uint32_t)EMA_HAS_##name * ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_IS_TABLE))
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 };

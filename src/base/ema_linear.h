@@ -1,4 +1,5 @@
-/* Small symmetric positive systems. Only the lower triangle is held, row after row: element (i, j), j <= i, stands at i (i + 1) / 2 + j. */
+/* Small symmetric positive systems. Only the lower triangle is held, row after row: element (i, j), j <= i, stands at i
+ * (i + 1) / 2 + j. */
 #ifndef EMA_LINEAR_H
 #define EMA_LINEAR_H
 

@@ -32,13 +32,32 @@ typedef uint32_t ema_bits_t;
 #endif
 
 const ema_real ema_inverse[EMA_INVERSE_COUNT] = {
-    EMA_R(0.0),                 EMA_R(1.0),                 EMA_R(0.5),                 EMA_R(0.3333333333333333),  EMA_R(0.25),
-    EMA_R(0.2),                 EMA_R(0.16666666666666666), EMA_R(0.14285714285714285), EMA_R(0.125),               EMA_R(0.1111111111111111),
-    EMA_R(0.1),                 EMA_R(0.09090909090909091), EMA_R(0.08333333333333333), EMA_R(0.07692307692307693), EMA_R(0.07142857142857142),
-    EMA_R(0.06666666666666667), EMA_R(0.0625),              EMA_R(0.058823529411764705), EMA_R(0.05555555555555555), EMA_R(0.05263157894736842),
-    EMA_R(0.05),                EMA_R(0.047619047619047616),
+    EMA_R(0.0),
+    EMA_R(1.0),
+    EMA_R(0.5),
+    EMA_R(0.3333333333333333),
+    EMA_R(0.25),
+    EMA_R(0.2),
+    EMA_R(0.16666666666666666),
+    EMA_R(0.14285714285714285),
+    EMA_R(0.125),
+    EMA_R(0.1111111111111111),
+    EMA_R(0.1),
+    EMA_R(0.09090909090909091),
+    EMA_R(0.08333333333333333),
+    EMA_R(0.07692307692307693),
+    EMA_R(0.07142857142857142),
+    EMA_R(0.06666666666666667),
+    EMA_R(0.0625),
+    EMA_R(0.058823529411764705),
+    EMA_R(0.05555555555555555),
+    EMA_R(0.05263157894736842),
+    EMA_R(0.05),
+    EMA_R(0.047619047619047616),
 #if EMA_REAL64
-    0.045454545454545456, 0.043478260869565216, 0.041666666666666664,
+    0.045454545454545456,
+    0.043478260869565216,
+    0.041666666666666664,
 #endif
 };
 
@@ -93,7 +112,8 @@ ema_real ema_log(ema_real x)
     (void)memcpy(&bits, &x, sizeof bits); /* EMA-D3 */
     const ema_bits_t biased = (bits >> EMA_MANTISSA_BITS) & EMA_EXPONENT_MASK;
     int32_t exponent = (int32_t)biased - EMA_EXPONENT_BIAS;
-    bits = (bits & (((ema_bits_t)1 << EMA_MANTISSA_BITS) - (ema_bits_t)1)) | ((ema_bits_t)(uint32_t)EMA_EXPONENT_BIAS << EMA_MANTISSA_BITS);
+    bits = (bits & (((ema_bits_t)1 << EMA_MANTISSA_BITS) - (ema_bits_t)1))
+           | ((ema_bits_t)(uint32_t)EMA_EXPONENT_BIAS << EMA_MANTISSA_BITS);
     ema_real mantissa;
     (void)memcpy(&mantissa, &bits, sizeof mantissa); /* EMA-D3 */
     if (mantissa > EMA_R(1.4142135623730951)) {

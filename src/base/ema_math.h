@@ -71,7 +71,8 @@ static inline void ema_add_compensated(ema_real* high, ema_real* low, ema_real a
     *high = sum;
 }
 
-/* e^x; zero below the smallest normal number, the largest finite number above the range. Relative error under 3 units in the last place. */
+/* e^x; zero below the smallest normal number, the largest finite number above the range. Relative error under 3 units
+ * in the last place. */
 ema_real ema_exp(ema_real x);
 
 /* Natural logarithm of x > 0, normal numbers. Error under 3 units in the last place of max(1, |log x|). */
@@ -81,7 +82,8 @@ ema_real ema_log(ema_real x);
 ema_real ema_sin(ema_real x);
 ema_real ema_cos(ema_real x);
 
-/* A whole number as a real, rounded once as a conversion rounds it; the target has no instruction for more than 32 bits. */
+/* A whole number as a real, rounded once as a conversion rounds it; the target has no instruction for more than 32
+ * bits. */
 ema_real ema_real_of(uint64_t whole);
 
 /* Sine of a phase in turns, given as a fraction of 2^64. Absolute error under 2 epsilon. */

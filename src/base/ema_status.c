@@ -4,9 +4,9 @@ const char* ema_status_text(ema_status_t status)
 {
     const char* text;
     switch (status) {
-#define EMA_STATUS_CASE(name, value, message) \
-    case (name):                              \
-        text = (message);                     \
+#define EMA_STATUS_CASE(name, value, message)                                                                          \
+    case (name):                                                                                                       \
+        text = (message);                                                                                              \
         break;
         EMA_STATUS_LIST(EMA_STATUS_CASE)
 #undef EMA_STATUS_CASE

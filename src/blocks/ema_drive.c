@@ -17,15 +17,18 @@ void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema
     drive->delay_part = steps - (ema_real)drive->delay_steps;
 }
 
-void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied)
+void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
+                            ema_real speed_rad_s, ema_drive_output_t* applied)
 {
-    const ema_real reference_A = ema_clamp(output * drive->current_scale_A, -drive->current_limit_A, drive->current_limit_A);
+    const ema_real reference_A =
+        ema_clamp(output * drive->current_scale_A, -drive->current_limit_A, drive->current_limit_A);
     const ema_real emf_V = motor->back_emf_V_s_per_rad * speed_rad_s;
     ema_real needed_V = (motor->resistance_ohm * reference_A) + emf_V;
     applied->input = reference_A;
     applied->current_loop = true;
     if (drive->loop_s > EMA_R(0.0)) {
-        needed_V = (motor->resistance_ohm * current_A) + (motor->inductance_H * ((reference_A - current_A) / drive->loop_s)) + emf_V;
+        needed_V = (motor->resistance_ohm * current_A)
+                   + (motor->inductance_H * ((reference_A - current_A) / drive->loop_s)) + emf_V;
         if (ema_abs(needed_V) > drive->supply_V) {
             needed_V = (needed_V > EMA_R(0.0)) ? drive->supply_V : -drive->supply_V;
             applied->input = needed_V;
@@ -35,12 +38,14 @@ void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, 
     applied->voltage_V = (drive->command_scale_V > EMA_R(0.0)) ? (output * drive->command_scale_V) : needed_V;
 }
 
-void ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied)
+void ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
+                     ema_real speed_rad_s, ema_drive_output_t* applied)
 {
     ema_drive_step(drive, motor, output, current_A, speed_rad_s, applied);
 }
 
-ema_real ema_circuit_follow(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input)
+ema_real ema_circuit_follow(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state,
+                            ema_real input)
 {
     const ema_real limit_A = plant->drive.current_limit_A;
     return ema_clamp((circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input), -limit_A, limit_A);

@@ -8,10 +8,12 @@
 void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options);
 
 /* Current mode: the loop follows its reference while the bus voltage suffices, else the bus voltage is applied. */
-void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied);
+void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
+                            ema_real speed_rad_s, ema_drive_output_t* applied);
 
 /* The step below as a function, where it is not in the way of every model step. */
-void ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied);
+void ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
+                     ema_real speed_rad_s, ema_drive_output_t* applied);
 
 /* The circuit that it drives. */
 static inline const ema_circuit_t* ema_circuit_of(const ema_plant_t* plant, const ema_drive_output_t* applied)
@@ -20,9 +22,11 @@ static inline const ema_circuit_t* ema_circuit_of(const ema_plant_t* plant, cons
 }
 
 /* Current of a circuit without a time constant under `input`, inside the drive's limit. */
-ema_real ema_circuit_follow(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state, ema_real input);
+ema_real ema_circuit_follow(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state,
+                            ema_real input);
 
-static inline void ema_drive_step(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied)
+static inline void ema_drive_step(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output,
+                                  ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied)
 {
     if (drive->current_mode) {
         ema_drive_current_mode(drive, motor, output, current_A, speed_rad_s, applied);

@@ -28,8 +28,10 @@ ema_real ema_encoder_general(const ema_encoder_t* encoder, ema_state_t* state, e
         const ema_real second = state->delay_mm[(at - 1U) & mask];
         const ema_real third = state->delay_mm[(at - 2U) & mask];
         /* parabola through the three samples, written around the first so that a constant stays exact */
-        value = first + (f * (((EMA_R(2.0) * (second - first)) - (EMA_R(0.5) * (third - first)))
-                              + (f * ((EMA_R(0.5) * (third - first)) - (second - first)))));
+        value = first
+                + (f
+                   * (((EMA_R(2.0) * (second - first)) - (EMA_R(0.5) * (third - first)))
+                      + (f * ((EMA_R(0.5) * (third - first)) - (second - first)))));
     }
     if (encoder->resolution_mm > EMA_R(0.0)) {
         value = ema_floor((value * encoder->steps_per_mm) + EMA_R(0.5)) * encoder->resolution_mm;

@@ -17,7 +17,8 @@ static inline ema_real ema_encoder_rod(const ema_encoder_t* encoder, ema_real ro
 }
 
 /* What the position loop sees, from the motor position and the rod sensor's reading. */
-static inline ema_real ema_encoder_step(const ema_encoder_t* encoder, ema_state_t* state, ema_real motor_mm, ema_real rod_reading_mm)
+static inline ema_real ema_encoder_step(const ema_encoder_t* encoder, ema_state_t* state, ema_real motor_mm,
+                                        ema_real rod_reading_mm)
 {
     const ema_real position_mm = encoder->at_rod ? rod_reading_mm : motor_mm;
     return encoder->plain ? position_mm : ema_encoder_general(encoder, state, position_mm);

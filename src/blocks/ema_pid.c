@@ -37,12 +37,14 @@ ema_real ema_pid_general(const ema_pid_t* pid, ema_state_t* state, ema_real erro
     ema_real raw;
     ema_real integrand;
     if (pid->cascade) {
-        const ema_real asked_m_s = ema_clamp(pid->position_gain_per_s * error_m, -pid->speed_limit_m_s, pid->speed_limit_m_s);
+        const ema_real asked_m_s =
+            ema_clamp(pid->position_gain_per_s * error_m, -pid->speed_limit_m_s, pid->speed_limit_m_s);
         const ema_real speed_error_m_s = asked_m_s - speed_m_s;
         raw = (pid->speed_gain_s_per_m * speed_error_m_s) + state->integral;
         integrand = pid->speed_integral_per_m * speed_error_m_s;
     } else {
-        const ema_real derivative_m_s = pid->derivative_on_speed ? -speed_m_s : ((error_m - previous_error_m) * pid->rate_hz);
+        const ema_real derivative_m_s =
+            pid->derivative_on_speed ? -speed_m_s : ((error_m - previous_error_m) * pid->rate_hz);
         raw = (pid->kp_per_m * error_m) + state->integral + (pid->kd_s_per_m * derivative_m_s);
         integrand = pid->ki_per_m_s * error_m;
     }

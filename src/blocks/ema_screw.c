@@ -27,7 +27,8 @@ void ema_screw_play_keep(const ema_screw_t* screw, ema_state_t* state, ema_real 
     ema_screw_play(screw, state, input_mm);
 }
 
-ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm, ema_real level_forward_Nm, ema_real level_backward_Nm)
+ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm,
+                                  ema_real level_forward_Nm, ema_real level_backward_Nm)
 {
     ema_motion_t motion = EMA_MOTION_STUCK;
     if ((torque_Nm > level_forward_Nm) && (angle_rad < screw->stop_upper_rad)) {

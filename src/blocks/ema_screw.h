@@ -49,6 +49,7 @@ static inline void ema_screw_play(const ema_screw_t* screw, ema_state_t* state, 
 
 /* Which way a shaft at rest goes under a net torque, for the levels of dry friction against each direction.
  * At an end stop it can only leave inward. */
-ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm, ema_real level_forward_Nm, ema_real level_backward_Nm);
+ema_motion_t ema_screw_break_away(const ema_screw_t* screw, ema_real angle_rad, ema_real torque_Nm,
+                                  ema_real level_forward_Nm, ema_real level_backward_Nm);
 
 #endif

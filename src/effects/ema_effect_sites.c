@@ -9,17 +9,21 @@ _Static_assert(EMA_INDEX_COUNT <= 8 * (int)sizeof(ema_effect_set_t), "a set of e
 
 #define EMA_BIT(name) ((ema_effect_set_t)1 << (uint32_t)EMA_INDEX_##name)
 
-/* Whether an effect acts in this run; known beforehand of one that this build leaves out, so that nothing of it is compiled. */
+/* Whether an effect acts in this run; known beforehand of one that this build leaves out, so that nothing of it is
+ * compiled. */
 #define EMA_RUNS(set, name) ((EMA_HAS_##name != 0) && (((set) & EMA_BIT(name)) != 0U))
 
 /* The places of effects with state, one after the other. */
 typedef struct {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1]; /* EMA-D1 */
+/* EMA-D1 */
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1];
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 } ema_memory_shape_t;
 
-#define EMA_MEMORY_PLACE(name) (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name) /* EMA-D2 */
+/* EMA-D2 */
+#define EMA_MEMORY_PLACE(name)                                                                                         \
+    (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name)
 
 /* The first value of an effect is its size; the list's nominal for it is zero. */
 #define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name) /* EMA-D4 */
@@ -32,7 +36,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
     const ema_active_t none = {0};
     ema_active_t* const active = &plant->active;
     const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
-    ema_real* held = (ema_real*)(void*)&plant->effects; /* EMA-D4 */
+    ema_real* held = (ema_real*)(void*)&plant->effects;            /* EMA-D4 */
     *active = none;
     active->substeps = 1U;
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
@@ -43,7 +47,8 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
             const ema_effect_set_t bit = (ema_effect_set_t)1 << k;
             active->at[site] |= bit;
             active->tables |= table ? bit : 0U;
-            active->any = active->any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
+            active->any =
+                active->any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
             active->substeps = (row->substeps > active->substeps) ? row->substeps : active->substeps;
         }
         if ((site != (uint32_t)EMA_SITE_PARAMETER) && !table) {
@@ -58,9 +63,9 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 {
 /* EMA-D1, EMA-D2 */
-#define EMA_ADJUST(name)                                             \
-    if ((EMA_HAS_##name != 0) && (EMA_SIZE(effects, name) != EMA_R(0.0))) { \
-        ema_effect_##name##_adjust(&effects->name, params);          \
+#define EMA_ADJUST(name)                                                                                               \
+    if ((EMA_HAS_##name != 0) && (EMA_SIZE(effects, name) != EMA_R(0.0))) {                                            \
+        ema_effect_##name##_adjust(&effects->name, params);                                                            \
     }
 #define EMA_ADJUST_PARAMETER(name) EMA_ADJUST(name)
 #define EMA_ADJUST_TRANSMISSION(name)
@@ -88,13 +93,13 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
 {
     ema_real change_Nm = EMA_R(0.0);
-#define EMA_CALL_FRICTION(name)                                                          \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) { \
-        change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);            \
+#define EMA_CALL_FRICTION(name)                                                                                        \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) {                                                         \
+        change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);                                          \
     }
-#define EMA_CALL_FRICTION_TABLE(name)                                                    \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) { \
-        change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);        \
+#define EMA_CALL_FRICTION_TABLE(name)                                                                                  \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) {                                                         \
+        change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);                                      \
     }
 #define EMA_CALL_PARAMETER(name)
 #define EMA_CALL_TORQUE(name)
@@ -106,7 +111,8 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 #define EMA_CALL_TORQUE_TABLE(name)
 #define EMA_CALL_VOLTAGE_TABLE(name)
 #define EMA_CALL_READING_TABLE(name)
-#define EMA_EFFECT(name, site_name, memory, substeps, equation, source, look_alikes, parameters) EMA_CALL_##site_name(name)
+#define EMA_EFFECT(name, site_name, memory, substeps, equation, source, look_alikes, parameters)                       \
+    EMA_CALL_##site_name(name)
 #include "ema/ema_effects.def"
 #undef EMA_CALL_FRICTION
 #undef EMA_CALL_FRICTION_TABLE
@@ -120,13 +126,13 @@ ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
     ema_real torque_Nm = EMA_R(0.0);
 #undef EMA_CALL_TORQUE
 #undef EMA_CALL_TORQUE_TABLE
-#define EMA_CALL_TORQUE(name)                                              \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) { \
-        torque_Nm += ema_effect_##name(&plant->effects.name, site);        \
+#define EMA_CALL_TORQUE(name)                                                                                          \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) {                                                           \
+        torque_Nm += ema_effect_##name(&plant->effects.name, site);                                                    \
     }
-#define EMA_CALL_TORQUE_TABLE(name)                                        \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) { \
-        torque_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site);       \
+#define EMA_CALL_TORQUE_TABLE(name)                                                                                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) {                                                           \
+        torque_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site);                                                \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_TORQUE
@@ -140,9 +146,9 @@ ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real load_Nm = EMA_R(0.0);
 #undef EMA_CALL_LOAD
-#define EMA_CALL_LOAD(name)                                              \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_LOAD], name)) { \
-        load_Nm += ema_effect_##name(&plant->effects.name, site);        \
+#define EMA_CALL_LOAD(name)                                                                                            \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_LOAD], name)) {                                                             \
+        load_Nm += ema_effect_##name(&plant->effects.name, site);                                                      \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_LOAD
@@ -155,13 +161,13 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
     ema_real voltage_V = EMA_R(0.0);
 #undef EMA_CALL_VOLTAGE
 #undef EMA_CALL_VOLTAGE_TABLE
-#define EMA_CALL_VOLTAGE(name)                                              \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) { \
-        voltage_V += ema_effect_##name(&plant->effects.name, site);         \
+#define EMA_CALL_VOLTAGE(name)                                                                                         \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) {                                                          \
+        voltage_V += ema_effect_##name(&plant->effects.name, site);                                                    \
     }
-#define EMA_CALL_VOLTAGE_TABLE(name)                                        \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) { \
-        voltage_V += ema_effect_##name(EMA_LEARNED(plant, name), site);        \
+#define EMA_CALL_VOLTAGE_TABLE(name)                                                                                   \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) {                                                          \
+        voltage_V += ema_effect_##name(EMA_LEARNED(plant, name), site);                                                \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_VOLTAGE
@@ -175,9 +181,9 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real change = EMA_R(0.0);
 #undef EMA_CALL_MOTOR
-#define EMA_CALL_MOTOR(name)                                             \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_MOTOR], name)) { \
-        change += ema_effect_##name(&plant->effects.name, site);         \
+#define EMA_CALL_MOTOR(name)                                                                                           \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_MOTOR], name)) {                                                            \
+        change += ema_effect_##name(&plant->effects.name, site);                                                       \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_MOTOR
@@ -189,9 +195,9 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real reading_mm = EMA_R(0.0);
 #undef EMA_CALL_READING_TABLE
-#define EMA_CALL_READING_TABLE(name)                                        \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) { \
-        reading_mm += ema_effect_##name(EMA_LEARNED(plant, name), site);       \
+#define EMA_CALL_READING_TABLE(name)                                                                                   \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) {                                                          \
+        reading_mm += ema_effect_##name(EMA_LEARNED(plant, name), site);                                               \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_READING_TABLE
@@ -199,7 +205,8 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
     return reading_mm;
 }
 
-/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero inside. Tables of readings look at the rod's position. */
+/* How far the tables in use are outside the range that they were seen in, the farthest of them, over that range; zero
+ * inside. Tables of readings look at the rod's position. */
 static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* state, ema_site_t* site)
 {
     ema_real outside_ratio = EMA_R(0.0);
@@ -208,9 +215,9 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* st
 #undef EMA_CALL_VOLTAGE_TABLE
 #undef EMA_CALL_READING_TABLE
 #define EMA_OUTSIDE(name, seen_mm)                                                                                     \
-    if (EMA_RUNS(plant->active.tables, name)) { \
+    if (EMA_RUNS(plant->active.tables, name)) {                                                                        \
         site->position_mm = (seen_mm);                                                                                 \
-        outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site), outside_ratio);     \
+        outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site), outside_ratio);       \
     }
 #define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
 #define EMA_CALL_TORQUE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
@@ -240,9 +247,9 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 {
     ema_real share = EMA_R(0.0);
 #undef EMA_CALL_PRESLIDING
-#define EMA_CALL_PRESLIDING(name)                                                                        \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) { \
-        share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);       \
+#define EMA_CALL_PRESLIDING(name)                                                                                      \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) {                                                       \
+        share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);                     \
     }
 #include "ema/ema_effects.def"
     return share;
@@ -251,9 +258,9 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share)
 {
 #undef EMA_CALL_PRESLIDING
-#define EMA_CALL_PRESLIDING(name)                                   \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) { \
-        memory[EMA_MEMORY_PLACE(name)] = share;                     \
+#define EMA_CALL_PRESLIDING(name)                                                                                      \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) {                                                       \
+        memory[EMA_MEMORY_PLACE(name)] = share;                                                                        \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_PRESLIDING
@@ -265,15 +272,16 @@ void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* s
     const ema_rod_t rigid = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     *rod = rigid;
 #undef EMA_CALL_TRANSMISSION
-#define EMA_CALL_TRANSMISSION(name)                                                                  \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_TRANSMISSION], name)) { \
-        *rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);       \
+#define EMA_CALL_TRANSMISSION(name)                                                                                    \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_TRANSMISSION], name)) {                                                     \
+        *rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);                         \
     }
 #include "ema/ema_effects.def"
 #undef EMA_CALL_TRANSMISSION
 }
 
-void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm, ema_real span_s, ema_rod_t* rod)
+void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,
+                                 ema_real span_s, ema_rod_t* rod)
 {
     ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
     for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {

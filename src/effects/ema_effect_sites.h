@@ -1,5 +1,5 @@
-/* Where optional effects act. Declared and dispatched from the rows of ema_effects.def alone: a new effect is one row and
- * one file with the function of its site.
+/* Where optional effects act. Declared and dispatched from the rows of ema_effects.def alone: a new effect is one row
+ * and one file with the function of its site.
  */
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
@@ -14,7 +14,7 @@ typedef struct {
     ema_real angle_rad;
     ema_real position_mm; /* motor position expressed at the rod */
     ema_real current_A;
-    ema_real voltage_V;   /* applied by the drive */
+    ema_real voltage_V; /* applied by the drive */
 } ema_site_t;
 
 /* One integration step of what lies behind the play. */
@@ -26,20 +26,26 @@ typedef struct {
 } ema_transmission_t;
 
 /* The function that an effect's file supplies, by site. */
-#define EMA_DECLARE_PARAMETER(name) void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
-#define EMA_DECLARE_FRICTION(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site, ema_real level_Nm);
-#define EMA_DECLARE_TORQUE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_PARAMETER(name)                                                                                    \
+    void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
+#define EMA_DECLARE_FRICTION(name)                                                                                     \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site, ema_real level_Nm);
+#define EMA_DECLARE_TORQUE(name)                                                                                       \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_DECLARE_LOAD(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_VOLTAGE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_VOLTAGE(name)                                                                                      \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_DECLARE_MOTOR(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_PRESLIDING(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad);
-#define EMA_DECLARE_TRANSMISSION(name)                                                             \
-    void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);    \
+#define EMA_DECLARE_PRESLIDING(name)                                                                                   \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad);
+#define EMA_DECLARE_TRANSMISSION(name)                                                                                 \
+    void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);                        \
     ema_rod_t ema_effect_##name(const ema_effect_##name##_t* effect, const ema_transmission_t* step, ema_real* memory);
 #define EMA_DECLARE_FRICTION_TABLE(name) EMA_DECLARE_FRICTION(name)
 #define EMA_DECLARE_TORQUE_TABLE(name) EMA_DECLARE_TORQUE(name)
 #define EMA_DECLARE_VOLTAGE_TABLE(name) EMA_DECLARE_VOLTAGE(name)
-#define EMA_DECLARE_READING_TABLE(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_READING_TABLE(name)                                                                                \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_DECLARE_##site(name)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
@@ -58,7 +64,8 @@ typedef struct {
 
 /* Before the run: what those at site PARAMETER make of the parameters. */
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
-/* Gives the plant the sets of effects that differ from zero, the substeps that they need, and the values that they look at while it runs. */
+/* Gives the plant the sets of effects that differ from zero, the substeps that they need, and the values that they look
+ * at while it runs. */
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
 
 /* Whether effects act at a site of this plant; constant where the build has none there. */
@@ -70,7 +77,10 @@ static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
 /* Whether any acts on the motion, and whether a learned table acts. */
 static inline bool ema_acts_on_motion(const ema_plant_t* plant)
 {
-    return (((uint32_t)EMA_SITES_HELD & ~(((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING))) != 0U) && plant->active.any;
+    return (((uint32_t)EMA_SITES_HELD
+             & ~(((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING)))
+            != 0U)
+           && plant->active.any;
 }
 
 static inline bool ema_acts_by_table(const ema_plant_t* plant)
@@ -85,16 +95,19 @@ ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site);
 ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site);
 /* Relative change of torque constant and back-EMF. */
 ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site);
-/* Share of dry friction, -1 to 1, that the contact carries after a turn from the share that `memory` holds; without changing it. */
+/* Share of dry friction, -1 to 1, that the contact carries after a turn from the share that `memory` holds; without
+ * changing it. */
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad);
 /* Keeps that share. */
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);
 /* What the rod sensor reads on top; the site's position is the rod's. */
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
-/* What learned tables add to the rod sensor's reading at this state; keeps in it how far tables are used outside the range that they were seen in. */
+/* What learned tables add to the rod sensor's reading at this state; keeps in it how far tables are used outside the
+ * range that they were seen in. */
 ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state);
 void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod);
 /* The same from the state, which it leaves as it is, to the end `play_end_mm` of the play. */
-void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm, ema_real span_s, ema_rod_t* rod);
+void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,
+                                 ema_real span_s, ema_rod_t* rod);
 
 #endif

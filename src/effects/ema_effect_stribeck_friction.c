@@ -21,7 +21,8 @@ static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)
     return power;
 }
 
-ema_real ema_effect_stribeck_friction(const ema_effect_stribeck_friction_t* effect, const ema_site_t* site, ema_real level_Nm)
+ema_real ema_effect_stribeck_friction(const ema_effect_stribeck_friction_t* effect, const ema_site_t* site,
+                                      ema_real level_Nm)
 {
     const ema_real power = ema_stribeck_power(ema_abs(site->speed_rad_s) / effect->speed_rad_s, effect->shape);
     return (power < EMA_FADED) ? (level_Nm * effect->rise * ema_exp(-power)) : EMA_R(0.0);

@@ -14,7 +14,9 @@ enum {
 
 #define EMA_TABLE_SPANS ((uint32_t)(EMA_TABLE_VALUES - EMA_TABLE_NODES - 1))
 
-#define EMA_ASSERT_TABLE(name) _Static_assert(sizeof(ema_effect_##name##_t) == ((size_t)EMA_TABLE_VALUES * sizeof(ema_real)), "a table as EMA_TABLE makes it");
+#define EMA_ASSERT_TABLE(name)                                                                                         \
+    _Static_assert(sizeof(ema_effect_##name##_t) == ((size_t)EMA_TABLE_VALUES * sizeof(ema_real)),                     \
+                   "a table as EMA_TABLE makes it");
 #define EMA_ASSERT_PARAMETER(name)
 #define EMA_ASSERT_FRICTION(name)
 #define EMA_ASSERT_TORQUE(name)
@@ -31,7 +33,8 @@ enum {
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 
-/* Where the site is on the axis, counted from the first node; on a periodic axis within one period, else the period is zero. */
+/* Where the site is on the axis, counted from the first node; on a periodic axis within one period, else the period is
+ * zero. */
 typedef struct {
     ema_real from_first;
     ema_real period;
@@ -80,7 +83,8 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
         value += share * (node[0] - node[EMA_TABLE_SPANS]);
     } else {
         /* written so that NaN lands on the first node */
-        const ema_real spans = ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPANS / range), EMA_R(0.0), (ema_real)EMA_TABLE_SPANS);
+        const ema_real spans =
+            ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPANS / range), EMA_R(0.0), (ema_real)EMA_TABLE_SPANS);
         const uint32_t span = (uint32_t)spans;
         if (span < EMA_TABLE_SPANS) {
             value = node[span] + ((spans - (ema_real)span) * (node[span + 1U] - node[span]));

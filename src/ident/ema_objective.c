@@ -4,8 +4,8 @@
 #include "ema_record_row.h"
 #include "ema_tick.h"
 
-ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
-                                 ema_real start_mm, ema_real limit)
+ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record,
+                                 const ema_real weight[EMA_CHANNEL_COUNT], ema_real start_mm, ema_real limit)
 {
     if ((objective == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL)) {
         return EMA_ERR_NULL;
@@ -47,7 +47,8 @@ static inline ema_real ema_objective_row(const ema_objective_t* objective, const
     ema_real sum = EMA_R(0.0);
     for (uint32_t k = 0; k < objective->channels; ++k) {
         const uint32_t channel = objective->channel[k];
-        const ema_real error = ema_record_value(record, objective->row, (uint32_t)record->place[channel]) - ema_output_channel(simulated, channel);
+        const ema_real error = ema_record_value(record, objective->row, (uint32_t)record->place[channel])
+                               - ema_output_channel(simulated, channel);
         sum += objective->weight[k] * (error * error);
     }
     return sum;
@@ -63,7 +64,8 @@ ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t ste
         ema_output_t simulated;
         ema_tick(&objective->model.plant, state, &objective->model.work, objective->command_mm, &simulated);
         if (objective->step_in_row == 0U) {
-            ema_add_compensated(&objective->sum, &objective->sum_low, ema_objective_row(objective, &simulated) * objective->period_s);
+            ema_add_compensated(&objective->sum, &objective->sum_low,
+                                ema_objective_row(objective, &simulated) * objective->period_s);
             if (!(objective->sum <= objective->limit)) {
                 const bool finite = ema_is_finite(objective->sum);
                 objective->sum = finite ? objective->sum : EMA_COST_MAX;

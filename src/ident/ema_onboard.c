@@ -10,7 +10,8 @@
 #define EMA_PRINT_START 2166136261U
 #define EMA_PRINT_FACTOR 16777619U
 
-/* So much of what CSJ and BLK have moved in the signals may look like something else: standing errors of a machine grow with its friction. */
+/* So much of what CSJ and BLK have moved in the signals may look like something else: standing errors of a machine grow
+ * with its friction. */
 #define EMA_TRUST EMA_R(0.02)
 
 /* Scores nearer than this to the best, three standard deviations or a share of it, are not told from it. */
@@ -47,10 +48,14 @@ uint32_t ema_onboard_print(const ema_actuator_t* actuator)
 /* Numbers of a table with which the loops below stay inside its arrays. */
 static bool ema_table_sound(const ema_signatures_t* table)
 {
-    bool sound = (table->version == EMA_SIGNATURES_VERSION) && (table->pattern != NULL) && (table->unit != NULL) && (table->value != NULL);
-    sound = sound && (table->channels >= 1U) && (table->channels <= EMA_CHANNEL_COUNT) && (table->faults <= EMA_SIGNATURE_FAULTS_MAX);
-    sound = sound && (table->rows <= EMA_SIGNATURE_ROWS_MAX) && (table->nuisances <= table->rows) && (table->patterns >= 1U) && (table->patterns <= EMA_SIGNATURE_ROWS_MAX);
-    sound = sound && (table->bins >= 1U) && (table->bin_rows >= 1U) && (table->bins <= (table->record_rows / table->bin_rows));
+    bool sound = (table->version == EMA_SIGNATURES_VERSION) && (table->pattern != NULL) && (table->unit != NULL)
+                 && (table->value != NULL);
+    sound = sound && (table->channels >= 1U) && (table->channels <= EMA_CHANNEL_COUNT)
+            && (table->faults <= EMA_SIGNATURE_FAULTS_MAX);
+    sound = sound && (table->rows <= EMA_SIGNATURE_ROWS_MAX) && (table->nuisances <= table->rows)
+            && (table->patterns >= 1U) && (table->patterns <= EMA_SIGNATURE_ROWS_MAX);
+    sound = sound && (table->bins >= 1U) && (table->bin_rows >= 1U)
+            && (table->bins <= (table->record_rows / table->bin_rows));
     for (uint32_t k = 0; sound && (k < table->channels); ++k) {
         sound = table->channel[k] < EMA_CHANNEL_COUNT;
     }
@@ -65,7 +70,8 @@ static bool ema_table_sound(const ema_signatures_t* table)
     return sound;
 }
 
-ema_status_t ema_onboard_check(const ema_signatures_t* table, const ema_actuator_t* actuator, const ema_record_t* record)
+ema_status_t ema_onboard_check(const ema_signatures_t* table, const ema_actuator_t* actuator,
+                               const ema_record_t* record)
 {
     if ((table == NULL) || (actuator == NULL) || (record == NULL)) {
         return EMA_ERR_NULL;
@@ -81,7 +87,8 @@ ema_status_t ema_onboard_check(const ema_signatures_t* table, const ema_actuator
     return EMA_OK;
 }
 
-ema_status_t ema_onboard_start(ema_onboard_t* self, const ema_signatures_t* table, const ema_actuator_t* actuator, const ema_record_t* record, ema_real start_mm)
+ema_status_t ema_onboard_start(ema_onboard_t* self, const ema_signatures_t* table, const ema_actuator_t* actuator,
+                               const ema_record_t* record, ema_real start_mm)
 {
     if (self == NULL) {
         return EMA_ERR_NULL;
@@ -169,7 +176,8 @@ uint32_t ema_onboard_run(ema_onboard_t* self, uint32_t steps)
         if (self->step_in_row == 0U) {
             for (uint32_t k = 0; k < table->channels; ++k) {
                 const uint32_t channel = table->channel[k];
-                scores->difference[k] += ema_record_value(record, self->row, (uint32_t)record->place[channel]) - ema_output_channel(&simulated, channel);
+                scores->difference[k] += ema_record_value(record, self->row, (uint32_t)record->place[channel])
+                                         - ema_output_channel(&simulated, channel);
             }
             scores->command_mm += self->command_mm;
             ++scores->row_in_bin;
@@ -275,7 +283,8 @@ ema_status_t ema_onboard_result(const ema_onboard_t* self, ema_finding_t* findin
         finding->energy -= scores->product[row] * scores->product[row];
     }
     finding->limit = table->limit + (EMA_TRUST * EMA_TRUST * scores->moved_square);
-    const bool same = (self->record->count == table->record_rows) && (scores->command_apart_mm <= table->command_apart_mm);
+    const bool same =
+        (self->record->count == table->record_rows) && (scores->command_apart_mm <= table->command_apart_mm);
     if (same && ema_is_finite(finding->energy)) {
         for (uint32_t k = 0; k < table->faults; ++k) {
             finding->moved[k] = table->fault[k].turn * scores->product[table->fault[k].row];

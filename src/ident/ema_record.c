@@ -4,7 +4,8 @@
 
 #define EMA_INT16_FULL EMA_R(32767.0)
 
-/* Below the least the value of one count has few bits left or none; above the largest all counts together may round to infinity. */
+/* Below the least the value of one count has few bits left or none; above the largest all counts together may round to
+ * infinity. */
 #define EMA_FULL_SCALE_MIN EMA_R(1.0e-30)
 #define EMA_FULL_SCALE_MAX EMA_R(1.0e30)
 
@@ -81,7 +82,8 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
     const size_t start = (size_t)record->count * record->stride;
     for (uint32_t place = 0; place < record->stride; ++place) {
         if (scaled) {
-            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_clamp(ema_floor((row[place] / record->unit[place]) + EMA_R(0.5)), -EMA_INT16_FULL, EMA_INT16_FULL);
+            ((int16_t*)record->buffer)[start + place] = (int16_t)ema_clamp(
+                ema_floor((row[place] / record->unit[place]) + EMA_R(0.5)), -EMA_INT16_FULL, EMA_INT16_FULL);
         } else {
             ((ema_real*)record->buffer)[start + place] = row[place];
         }
@@ -100,7 +102,8 @@ ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t 
     }
     sample->command_mm = ema_record_command(record, row, row * every_steps);
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        sample->channel[channel] = (record->place[channel] < 0) ? EMA_R(0.0) : ema_record_value(record, row, (uint32_t)record->place[channel]);
+        sample->channel[channel] =
+            (record->place[channel] < 0) ? EMA_R(0.0) : ema_record_value(record, row, (uint32_t)record->place[channel]);
     }
     return EMA_OK;
 }
@@ -119,7 +122,9 @@ bool ema_record_weights(const ema_record_t* record, const ema_real* weight)
 {
     bool valid = true;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        valid = valid && ((weight[channel] == EMA_R(0.0)) || ((weight[channel] > EMA_R(0.0)) && (record->place[channel] >= 0)));
+        valid =
+            valid
+            && ((weight[channel] == EMA_R(0.0)) || ((weight[channel] > EMA_R(0.0)) && (record->place[channel] >= 0)));
     }
     return valid;
 }

@@ -9,7 +9,8 @@
 static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row, uint32_t place)
 {
     const size_t at = ((size_t)row * record->stride) + place;
-    return (record->format == EMA_RECORD_INT16) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place]) : ((const ema_real*)record->buffer)[at];
+    return (record->format == EMA_RECORD_INT16) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place])
+                                                : ((const ema_real*)record->buffer)[at];
 }
 
 /* Whether the weights of the channels, by ema_channel_t, are none negative and on recorded channels alone. */

@@ -9,7 +9,8 @@
 /* A residual that repeats itself entirely would make the standard errors infinite. */
 #define EMA_CORRELATION_MAX EMA_R(0.999)
 
-/* Rows over which what lasts is told from noise: noise sums up to little over so many, and every motion lasts longer. */
+/* Rows over which what lasts is told from noise: noise sums up to little over so many, and every motion lasts longer.
+ */
 #define EMA_BLOCK_ROWS 16U
 
 /* Scatter of a measured correlation that white noise may show, in standard errors. */
@@ -18,10 +19,12 @@
 /* Part of a shared residual that may have been taken for a parameter. */
 #define EMA_BIAS_SHARE EMA_R(0.35)
 
-ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record, const ema_real weight[EMA_CHANNEL_COUNT],
-                                   const ema_value_id_t* ids, const ema_real* delta, uint32_t count, ema_real start_mm)
+ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record,
+                                   const ema_real weight[EMA_CHANNEL_COUNT], const ema_value_id_t* ids,
+                                   const ema_real* delta, uint32_t count, ema_real start_mm)
 {
-    if ((self == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL) || (ids == NULL) || (delta == NULL)) {
+    if ((self == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL) || (ids == NULL)
+        || (delta == NULL)) {
         return EMA_ERR_NULL;
     }
     if (record->count < 1U) {
@@ -65,7 +68,9 @@ void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actu
 /* Adds one row to the sums once every run has passed it. */
 static void ema_sensitivity_row(ema_sensitivity_t* self)
 {
-    const ema_real residual_mm = ema_record_at(self->record, self->row, (uint32_t)self->record->place[EMA_CHANNEL_POSITION]) - self->row_output[0].position_mm;
+    const ema_real residual_mm =
+        ema_record_at(self->record, self->row, (uint32_t)self->record->place[EMA_CHANNEL_POSITION])
+        - self->row_output[0].position_mm;
     self->position_square += residual_mm * residual_mm;
     self->position_neighbours += residual_mm * self->position_last_mm;
     self->position_last_mm = residual_mm;
@@ -79,7 +84,8 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         if (self->weight[channel] > EMA_R(0.0)) {
             const ema_real base = ema_output_channel(&self->row_output[0], channel);
-            const ema_real residual = ema_record_at(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
+            const ema_real residual =
+                ema_record_at(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
             ema_real slope[EMA_IDENTIFIED_MAX];
             self->weighted_square += self->weight[channel] * residual * residual;
             for (uint32_t i = 0; i < self->parameters; ++i) {
@@ -124,7 +130,8 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
     return made;
 }
 
-/* Share of the residual's mean square that neighbouring rows have in common, above what white noise may show: by pairs, or by blocks where it lasts. */
+/* Share of the residual's mean square that neighbouring rows have in common, above what white noise may show: by pairs,
+ * or by blocks where it lasts. */
 static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
 {
     const ema_real width = (ema_real)EMA_BLOCK_ROWS;
@@ -145,7 +152,8 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     const uint32_t count = self->parameters;
     const ema_real rows = (ema_real)self->row;
     result->residual_rms_mm = ema_sqrt(self->position_square / rows);
-    result->residual_correlation = (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
+    result->residual_correlation =
+        (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
 
     result->outside_ratio = self->state[0].outside_ratio;
     result->crossed = self->pushed[0] && self->pushed[1];

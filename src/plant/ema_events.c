@@ -23,12 +23,15 @@ void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_w
         current_A = ema_clamp(free_A, -limit_A, limit_A);
         regime->held = (current_A != free_A) || (reached_A == limit_A);
     } else {
-        rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s) + (circuit->rate_voltage * input);
-        regime->held = ((current_A >= limit_A) && (rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (rate < EMA_R(0.0)));
+        rate = (circuit->rate_current * current_A) + (circuit->rate_speed * state->speed_rad_s)
+               + (circuit->rate_voltage * input);
+        regime->held =
+            ((current_A >= limit_A) && (rate > EMA_R(0.0))) || ((current_A <= -limit_A) && (rate < EMA_R(0.0)));
     }
     regime->held = regime->held && (last->kind != EMA_EVENT_RELEASE);
     const ema_real size_A = ema_abs(current_A);
-    bool saturated = (size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && ((rate * current_A) > EMA_R(0.0)));
+    bool saturated =
+        (size_A > plant->torque_limit_A) || ((size_A == plant->torque_limit_A) && ((rate * current_A) > EMA_R(0.0)));
     if (reached_A == plant->torque_limit_A) {
         saturated = regime->saturated_Nm == EMA_R(0.0);
     }
@@ -51,7 +54,8 @@ void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_wor
     span->torque_Nm = segment->forces.torque_Nm + work->regime.saturated_Nm;
     span->torque_rise_Nm = segment->torque_rise_Nm;
     span->span_s = work->span_s;
-    span->torque_gain_Nm_per_A = (work->regime.saturated_Nm != EMA_R(0.0)) ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;
+    span->torque_gain_Nm_per_A =
+        (work->regime.saturated_Nm != EMA_R(0.0)) ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;
     span->at_rest = state->motion == 0;
     span->current_held = work->regime.held;
     if (span->current_held && circuit->algebraic) {
@@ -72,7 +76,8 @@ void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_wor
     }
 }
 
-/* Takes the earlier of the known event and the crossing of `bound` by a series that has crossed it at the end of the span. */
+/* Takes the earlier of the known event and the crossing of `bound` by a series that has crossed it at the end of the
+ * span. */
 static void ema_event_take(ema_event_t* event, ema_event_kind_t kind, ema_real* terms, ema_real bound, ema_real from)
 {
     const ema_real keep = terms[0];
@@ -135,8 +140,11 @@ static void ema_event_at_rest(const ema_plant_t* plant, const ema_state_t* state
     ema_event_t* const event = &work->event;
     ema_real* const torque_Nm = work->series.speed_rad_s;
     /* a current that follows the voltage at once can break away at the very start */
-    const ema_motion_t at_start = ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm[0], forces->level_forward_Nm, forces->level_backward_Nm);
-    const ema_motion_t at_end = ema_screw_break_away(&plant->screw, state->angle_rad, ema_series_at(torque_Nm, EMA_R(1.0)), forces->level_forward_Nm, forces->level_backward_Nm);
+    const ema_motion_t at_start = ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm[0],
+                                                       forces->level_forward_Nm, forces->level_backward_Nm);
+    const ema_motion_t at_end =
+        ema_screw_break_away(&plant->screw, state->angle_rad, ema_series_at(torque_Nm, EMA_R(1.0)),
+                             forces->level_forward_Nm, forces->level_backward_Nm);
     if (at_start != EMA_MOTION_STUCK) {
         event->kind = (at_start == EMA_MOTION_FORWARD) ? EMA_EVENT_FORWARD : EMA_EVENT_BACKWARD;
         event->at = EMA_R(0.0);

@@ -1,4 +1,5 @@
-/* What happens in a span of the motion, and when: reversal, break-away, end of travel, saturation. The span is a power series, so an event is a root of it.
+/* What happens in a span of the motion, and when: reversal, break-away, end of travel, saturation. The span is a power
+ * series, so an event is a root of it.
  *
  * Nothing here moves the state or asks effects, so that no other frame lies under a search.
  */
@@ -7,7 +8,8 @@
 
 #include "ema_forces.h"
 
-/* What holds from now on. The work's event is what happened just before, its regime what held until then: on a bound itself they decide, for rounding puts the current on either side. */
+/* What holds from now on. The work's event is what happened just before, its regime what held until then: on a bound
+ * itself they decide, for rounding puts the current on either side. */
 void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
 
 /* Where the segment would end if nothing happened in it. */

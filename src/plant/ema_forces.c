@@ -6,7 +6,8 @@
 #include "ema_motor.h"
 #include "ema_screw.h"
 
-static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm, ema_real direction)
+static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm,
+                          ema_real direction)
 {
     const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, direction);
     ema_real total_Nm = own_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
@@ -16,18 +17,22 @@ static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_
     return ema_max(total_Nm, EMA_R(0.0));
 }
 
-/* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at rest. */
-static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, const ema_site_t* site, ema_real load_Nm)
+/* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at
+ * rest. */
+static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, const ema_site_t* site,
+                                     ema_real load_Nm)
 {
     if (!ema_acts(plant, EMA_SITE_PRESLIDING)) {
         const ema_real direction = (ema_real)state->motion;
         return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
     }
     const ema_real share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
-    return -share * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
+    return -share
+           * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
 }
 
-/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion. */
+/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion.
+ */
 static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
 {
     ema_real speed = speed_rad_s;
@@ -71,8 +76,10 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
         const ema_real change = ema_site_motor(plant, &site);
         const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
         /* the limit holds for the torque with its change */
-        forces->torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
-        forces->input -= applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+        forces->torque_Nm +=
+            ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
+        forces->input -=
+            applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
     }
     if ((state->motion == (int32_t)EMA_MOTION_STUCK) && !ema_acts(plant, EMA_SITE_PRESLIDING)) {
         forces->level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
@@ -104,7 +111,8 @@ void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema
     ema_segment_t* const segment = &work->segment;
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         ema_forces_at(plant, state, work, &segment->start);
-        const ema_real play_end_mm = ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
+        const ema_real play_end_mm =
+            ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
         ema_site_transmission_trial(plant, state, play_end_mm, work->span_s, &work->rod);
         segment->forces.torque_Nm = work->forces.torque_Nm + work->rod.reaction_start_Nm;
         ema_forces_at(plant, state, work, &segment->end);

@@ -7,7 +7,8 @@
 /* The forces at a point of the motion, into the work's `forces`. */
 void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_point_t* point);
 
-/* Opens the work's segment at the state, over the work's span: the forces at its start, held over it until its end is known. */
+/* Opens the work's segment at the state, over the work's span: the forces at its start, held over it until its end is
+ * known. */
 void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
 
 /* Lets the forces rise evenly to those at the predicted end. */

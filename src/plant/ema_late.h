@@ -16,7 +16,8 @@ static inline void ema_drive_current(const ema_plant_t* plant, ema_state_t* stat
 /* Keeps the output; what is applied at the start of the model step goes to the work. */
 void ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output);
 
-/* The model step under it: first what was asked before, over its share, then what was asked later; each in as many integration steps as a whole one. */
+/* The model step under it: first what was asked before, over its share, then what was asked later; each in as many
+ * integration steps as a whole one. */
 void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
 #endif

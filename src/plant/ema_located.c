@@ -26,7 +26,8 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, ema_wo
     const ema_forces_t* const forces = &work->forces;
     ema_forces_at(plant, state, work, &here);
     const ema_real torque_Nm = forces->torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
-    state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces->level_forward_Nm, forces->level_backward_Nm);
+    state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces->level_forward_Nm,
+                                                  forces->level_backward_Nm);
 }
 
 /* How a shaft moves once it has left its rest. */

@@ -4,14 +4,17 @@
 #include "ema_forces.h"
 #include "ema_math.h"
 
-/* How far the forces inside a step may be off an even rise, as a share of the torques at work, or of the voltage: far below what an effect that can be seen makes. */
+/* How far the forces inside a step may be off an even rise, as a share of the torques at work, or of the voltage: far
+ * below what an effect that can be seen makes. */
 #define EMA_UNEVEN EMA_R(5.0e-5)
 #define EMA_UNEVEN_INPUT EMA_R(1.0e-4)
 
 static ema_real ema_response_rise(const ema_response_t* response, const ema_segment_t* segment)
 {
-    return ema_response_at(response, segment->start.current_A, segment->start.speed_rad_s, segment->forces.input, segment->forces.torque_Nm)
-           + ((response->from_voltage_rise * segment->input_rise) + (response->from_torque_rise * segment->torque_rise_Nm));
+    return ema_response_at(response, segment->start.current_A, segment->start.speed_rad_s, segment->forces.input,
+                           segment->forces.torque_Nm)
+           + ((response->from_voltage_rise * segment->input_rise)
+              + (response->from_torque_rise * segment->torque_rise_Nm));
 }
 
 /* End of the segment from the prepared responses; answers the angle moved. */
@@ -24,7 +27,8 @@ static ema_real ema_segment_respond(const ema_circuit_t* circuit, int32_t motion
         segment->end.speed_rad_s = ema_response_rise(&circuit->speed, segment);
         segment->end.angle_rad = segment->start.angle_rad + turn_rad;
     } else {
-        segment->end.current_A = (circuit->stuck_from_current * segment->start.current_A) + (circuit->stuck_from_voltage * segment->forces.input)
+        segment->end.current_A = (circuit->stuck_from_current * segment->start.current_A)
+                                 + (circuit->stuck_from_voltage * segment->forces.input)
                                  + (circuit->stuck_from_voltage_rise * segment->input_rise);
     }
     return turn_rad;
@@ -33,19 +37,22 @@ static ema_real ema_segment_respond(const ema_circuit_t* circuit, int32_t motion
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
 {
     if (state->motion == (int32_t)EMA_MOTION_ELASTIC) {
-        ema_site_presliding_keep(plant, state->effect_memory, ema_site_presliding(plant, state->effect_memory, turn_rad));
+        ema_site_presliding_keep(plant, state->effect_memory,
+                                 ema_site_presliding(plant, state->effect_memory, turn_rad));
     }
     ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
-/* Current at the fraction `at` of the segment, from its values and rates at both ends: forces that follow the current bend with it. */
+/* Current at the fraction `at` of the segment, from its values and rates at both ends: forces that follow the current
+ * bend with it. */
 static ema_real ema_segment_current(const ema_work_t* work, ema_real at)
 {
     const ema_circuit_t* const circuit = work->circuit;
     const ema_segment_t* const segment = &work->segment;
     const ema_real change_A = segment->start.current_A - segment->end.current_A;
     const ema_real slowing_rad_s = segment->start.speed_rad_s - segment->end.speed_rad_s;
-    const ema_real bend_A_s = (circuit->rate_current * change_A) + (circuit->rate_speed * slowing_rad_s) - (circuit->rate_voltage * segment->input_rise);
+    const ema_real bend_A_s = (circuit->rate_current * change_A) + (circuit->rate_speed * slowing_rad_s)
+                              - (circuit->rate_voltage * segment->input_rise);
     const ema_real even_A = segment->start.current_A - (at * change_A);
     return circuit->algebraic ? even_A : (even_A + (EMA_R(0.5) * at * (EMA_R(1.0) - at) * work->span_s * bend_A_s));
 }
@@ -56,24 +63,30 @@ static bool ema_segment_even_at(const ema_plant_t* plant, const ema_state_t* sta
     const ema_segment_t* const segment = &work->segment;
     const ema_real gained_rad_s = at * (segment->end.speed_rad_s - segment->start.speed_rad_s);
     const ema_point_t here = {ema_segment_current(work, at), segment->start.speed_rad_s + gained_rad_s,
-                              segment->start.angle_rad + (at * work->span_s * (segment->start.speed_rad_s + (EMA_R(0.5) * gained_rad_s)))};
+                              segment->start.angle_rad
+                                  + (at * work->span_s * (segment->start.speed_rad_s + (EMA_R(0.5) * gained_rad_s)))};
     ema_forces_at(plant, state, work, &here);
-    const ema_real torque_Nm = plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
-    const ema_real torque_off_Nm = work->forces.torque_Nm - (segment->forces.torque_Nm + (at * segment->torque_rise_Nm));
+    const ema_real torque_Nm =
+        plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
+    const ema_real torque_off_Nm =
+        work->forces.torque_Nm - (segment->forces.torque_Nm + (at * segment->torque_rise_Nm));
     const ema_real input_off = work->forces.input - (segment->forces.input + (at * segment->input_rise));
-    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm)) && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(work->applied.input)));
+    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm))
+           && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(work->applied.input)));
 }
 
-/* Whether an even rise stands for the whole segment: it does at two points, between which a ripple cannot hide. An elastic contact forgets which way it was
- * stretched, so a turning point inside is too much for it. */
+/* Whether an even rise stands for the whole segment: it does at two points, between which a ripple cannot hide. An
+ * elastic contact forgets which way it was stretched, so a turning point inside is too much for it. */
 static bool ema_segment_even(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    const bool turns = (state->motion == (int32_t)EMA_MOTION_ELASTIC) && !((work->segment.start.speed_rad_s * work->segment.end.speed_rad_s) > EMA_R(0.0));
-    return !turns && ema_segment_even_at(plant, state, work, EMA_R(0.5)) && ema_segment_even_at(plant, state, work, EMA_R(0.1875));
+    const bool turns = (state->motion == (int32_t)EMA_MOTION_ELASTIC)
+                       && !((work->segment.start.speed_rad_s * work->segment.end.speed_rad_s) > EMA_R(0.0));
+    return !turns && ema_segment_even_at(plant, state, work, EMA_R(0.5))
+           && ema_segment_even_at(plant, state, work, EMA_R(0.1875));
 }
 
-/* One integration step with effects but without an event, by the work's circuit over its span; false, and nothing changed, when something would happen, or, with
- * `even`, when the effects do not rise evenly over it. */
+/* One integration step with effects but without an event, by the work's circuit over its span; false, and nothing
+ * changed, when something would happen, or, with `even`, when the effects do not rise evenly over it. */
 static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, bool even)
 {
     if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
@@ -87,13 +100,16 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
 
     bool smooth = ema_abs(segment->end.current_A) <= plant->linear_current_A;
     if (state->motion != (int32_t)EMA_MOTION_STUCK) {
-        const bool keeps = (state->motion == (int32_t)EMA_MOTION_ELASTIC) || (((ema_real)state->motion * segment->end.speed_rad_s) > EMA_R(0.0));
-        smooth = smooth && keeps && (segment->end.angle_rad < plant->screw.stop_upper_rad) && (segment->end.angle_rad > plant->screw.stop_lower_rad);
+        const bool keeps = (state->motion == (int32_t)EMA_MOTION_ELASTIC)
+                           || (((ema_real)state->motion * segment->end.speed_rad_s) > EMA_R(0.0));
+        smooth = smooth && keeps && (segment->end.angle_rad < plant->screw.stop_upper_rad)
+                 && (segment->end.angle_rad > plant->screw.stop_lower_rad);
     } else {
         const ema_real gain = plant->motor.torque_constant_Nm_per_A;
         const ema_real first_Nm = segment->forces.torque_Nm + (gain * segment->start.current_A);
         const ema_real last_Nm = segment->forces.torque_Nm + segment->torque_rise_Nm + (gain * segment->end.current_A);
-        smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment->forces.level_forward_Nm) && (ema_min(first_Nm, last_Nm) >= -segment->forces.level_backward_Nm);
+        smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment->forces.level_forward_Nm)
+                 && (ema_min(first_Nm, last_Nm) >= -segment->forces.level_backward_Nm);
     }
     smooth = smooth && (!even || ema_segment_even(plant, state, work));
     if (smooth) {
@@ -105,7 +121,8 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
 }
 
 /* Moves the rod behind the play over an integration step. */
-static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real play_start_mm, ema_real span_s)
+static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
+                                  ema_real play_start_mm, ema_real span_s)
 {
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
@@ -135,7 +152,8 @@ bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, ema_work_t* 
     work->circuit = &plant->whole_step;
     work->span_s = plant->step_s;
     /* the whole step is prepared for the circuit of the drive's mode alone */
-    const bool whole = (work->applied.current_loop == plant->drive.current_mode) && ema_motion_smooth(plant, state, work, true);
+    const bool whole =
+        (work->applied.current_loop == plant->drive.current_mode) && ema_motion_smooth(plant, state, work, true);
     if (whole) {
         ema_transmission_move(plant, state, work, play_start_mm, plant->step_s);
     }

@@ -1,7 +1,8 @@
 /* Moves current, speed and angle of motor, gearbox and screw over one model step.
  *
- * Between events the plant is linear and its inputs are held, so a step is one product with prepared responses. A step in which
- * something happens (reversal, break-away, end stop, saturation), or in which effects act, goes through ema_motion_located.
+ * Between events the plant is linear and its inputs are held, so a step is one product with prepared responses. A step
+ * in which something happens (reversal, break-away, end stop, saturation), or in which effects act, goes through
+ * ema_motion_located.
  */
 #ifndef EMA_MOTION_H
 #define EMA_MOTION_H
@@ -19,15 +20,19 @@ void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t*
 /* Turns the shaft; an elastic contact follows. */
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad);
 
-/* A whole model step in one integration step, with effects; false, and nothing changed, when something happens in it or the effects change too much for it. */
+/* A whole model step in one integration step, with effects; false, and nothing changed, when something happens in it or
+ * the effects change too much for it. */
 bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
-static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s, ema_real input, ema_real torque_Nm)
+static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s,
+                                       ema_real input, ema_real torque_Nm)
 {
-    return (response->from_current * current_A) + (response->from_speed * speed_rad_s) + ((response->from_voltage * input) + (response->from_torque * torque_Nm));
+    return (response->from_current * current_A) + (response->from_speed * speed_rad_s)
+           + ((response->from_voltage * input) + (response->from_torque * torque_Nm));
 }
 
-/* One integration step in which nothing happens; false, and nothing changed, when something would. NaN answers false. */
+/* One integration step in which nothing happens; false, and nothing changed, when something would. NaN answers false.
+ */
 static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
     const ema_circuit_t* const circuit = ema_circuit_of(plant, applied);
@@ -42,9 +47,11 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
         const ema_real next_rad_s = ema_response_at(&circuit->speed, current_A, speed_rad_s, applied->input, torque_Nm);
         ema_real angle_rad = state->angle_rad;
         ema_real low_rad = state->angle_low_rad;
-        ema_add_compensated(&angle_rad, &low_rad, ema_response_at(&circuit->angle, current_A, speed_rad_s, applied->input, torque_Nm));
-        plain = plain && (forward ? (next_rad_s > EMA_R(0.0)) : (next_rad_s < EMA_R(0.0))) && (ema_abs(next_A) <= plant->linear_current_A)
-                && (angle_rad < plant->screw.stop_upper_rad) && (angle_rad > plant->screw.stop_lower_rad);
+        ema_add_compensated(&angle_rad, &low_rad,
+                            ema_response_at(&circuit->angle, current_A, speed_rad_s, applied->input, torque_Nm));
+        plain = plain && (forward ? (next_rad_s > EMA_R(0.0)) : (next_rad_s < EMA_R(0.0)))
+                && (ema_abs(next_A) <= plant->linear_current_A) && (angle_rad < plant->screw.stop_upper_rad)
+                && (angle_rad > plant->screw.stop_lower_rad);
         if (plain) {
             state->current_A = next_A;
             state->speed_rad_s = next_rad_s;
@@ -52,9 +59,11 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
             state->angle_low_rad = low_rad;
         }
     } else {
-        const ema_real next_A = (circuit->stuck_from_current * current_A) + (circuit->stuck_from_voltage * applied->input);
+        const ema_real next_A =
+            (circuit->stuck_from_current * current_A) + (circuit->stuck_from_voltage * applied->input);
         const ema_real torque_Nm = plant->motor.torque_constant_Nm_per_A * next_A;
-        plain = plain && (torque_Nm <= plant->screw.hold_upper_Nm) && (torque_Nm >= plant->screw.hold_lower_Nm) && (ema_abs(next_A) <= plant->linear_current_A);
+        plain = plain && (torque_Nm <= plant->screw.hold_upper_Nm) && (torque_Nm >= plant->screw.hold_lower_Nm)
+                && (ema_abs(next_A) <= plant->linear_current_A);
         if (plain) {
             state->current_A = next_A;
         }
@@ -78,7 +87,8 @@ static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state,
 /* Where the motion has brought motor and rod. */
 static inline void ema_motion_arrive(const ema_plant_t* plant, ema_state_t* state)
 {
-    state->motor_mm = (plant->gearbox.lead_mm_per_rad * state->angle_rad) + (plant->gearbox.lead_mm_per_rad * state->angle_low_rad);
+    state->motor_mm =
+        (plant->gearbox.lead_mm_per_rad * state->angle_rad) + (plant->gearbox.lead_mm_per_rad * state->angle_low_rad);
     ema_screw_play(&plant->screw, state, state->motor_mm);
     if (!ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         state->rod_mm = state->play_mm;

@@ -32,7 +32,8 @@ static void ema_circuit_set(ema_circuit_t* circuit, ema_real time_constant_s, em
 }
 
 /* Sum of the rates of the linear plant with that law: a bound of its fastest motion. */
-static ema_real ema_fastest_per_s(const ema_params_t* params, ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
+static ema_real ema_fastest_per_s(const ema_params_t* params, ema_real time_constant_s, ema_real speed_per_input,
+                                  ema_real gain)
 {
     const bool lags = time_constant_s > EMA_R(0.0);
     const ema_real inverse_inertia_per_kgm2 = EMA_R(1.0) / params->inertia_kgm2;
@@ -45,7 +46,8 @@ static ema_real ema_fastest_per_s(const ema_params_t* params, ema_real time_cons
 /* Integration steps in a model step that the plant itself needs. */
 static ema_real ema_substeps_needed(const ema_params_t* params, const ema_options_t* options)
 {
-    ema_real fastest_per_s = ema_fastest_per_s(params, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    ema_real fastest_per_s = ema_fastest_per_s(params, params->inductance_H / params->resistance_ohm,
+                                               params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
     if (options->mode == 1) {
         const ema_real loop_per_s = ema_fastest_per_s(params, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
         /* an ideal drive never applies the bus voltage itself */
@@ -55,13 +57,15 @@ static ema_real ema_substeps_needed(const ema_params_t* params, const ema_option
 }
 
 /* Why no model can be made of parameters as the effects leave them. */
-static ema_status_t ema_plant_check(const ema_params_t* params, const ema_options_t* options, ema_real inertia_kgm2, ema_real start_mm)
+static ema_status_t ema_plant_check(const ema_params_t* params, const ema_options_t* options, ema_real inertia_kgm2,
+                                    ema_real start_mm)
 {
     ema_status_t status = EMA_OK;
     if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
-        || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0)) || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
-        || !((params->anti_windup_per_s * params->step_s * (ema_real)options->every_steps) < EMA_ANTI_WINDUP_MAX) || !(params->resistance_ohm > EMA_R(0.0))
-        || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
+        || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0))
+        || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
+        || !((params->anti_windup_per_s * params->step_s * (ema_real)options->every_steps) < EMA_ANTI_WINDUP_MAX)
+        || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
         status = EMA_ERR_RANGE;
     } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * inertia_kgm2))) {
         status = EMA_ERR_INERTIA;
@@ -84,12 +88,14 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
         plant->substeps = wanted;
     }
     /* what lies behind a compliance moves by itself: forces that rise evenly do not vouch for it */
-    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0) && ema_acts_on_motion(plant) && !ema_acts(plant, EMA_SITE_TRANSMISSION);
+    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0)
+                              && ema_acts_on_motion(plant) && !ema_acts(plant, EMA_SITE_TRANSMISSION);
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
     plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
     plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
-    ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
+    ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad,
+                    EMA_R(1.0) / params->resistance_ohm);
     ema_circuit_set(&plant->current_loop, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
     plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
 }
@@ -143,15 +149,18 @@ void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;
     state->rod_mm = plant->start_mm;
-    const ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, plant->start_mm, state->current_A, EMA_R(0.0)};
-    const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm) + (ema_acts(plant, EMA_SITE_READING) ? ema_site_reading(plant, &site) : EMA_R(0.0));
+    const ema_site_t site = {plant,           state->speed_rad_s, state->angle_rad,
+                             plant->start_mm, state->current_A,   EMA_R(0.0)};
+    const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm)
+                            + (ema_acts(plant, EMA_SITE_READING) ? ema_site_reading(plant, &site) : EMA_R(0.0));
     const ema_real seen_mm = plant->encoder.at_rod ? rod_mm : plant->start_mm;
     for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
         state->delay_mm[k] = seen_mm;
     }
 }
 
-ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm)
+ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_actuator_t* actuator,
+                             ema_real start_mm)
 {
     ema_status_t status = ema_is_finite(start_mm) ? ema_actuator_check(actuator, NULL) : EMA_ERR_NOT_FINITE;
     if (status == EMA_OK) {

@@ -5,11 +5,13 @@
 /* Bracketing steps of the root search; Illinois' rule gains a digit or more in each. */
 #define EMA_ROOT_STEPS 14U
 
-void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_span_t* span)
+void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit,
+                      const ema_span_t* span)
 {
     const bool follows = circuit->algebraic && !span->current_held;
     series->speed_rad_s[0] = span->speed_rad_s;
-    series->current_A[0] = follows ? ((circuit->rate_speed * span->speed_rad_s) + (circuit->rate_voltage * span->input)) : span->current_A;
+    series->current_A[0] =
+        follows ? ((circuit->rate_speed * span->speed_rad_s) + (circuit->rate_voltage * span->input)) : span->current_A;
     ema_real input = span->input;
     ema_real torque_Nm = span->torque_Nm;
     ema_real input_next = span->input_rise;
@@ -20,16 +22,20 @@ void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_
         const ema_real speed_rad_s = series->speed_rad_s[k];
         ema_real acceleration_rad_s2 = EMA_R(0.0);
         if (!span->at_rest) {
-            acceleration_rad_s2 = ((span->torque_gain_Nm_per_A * current_A) - (plant->screw.viscous_Nm_s_per_rad * speed_rad_s) + torque_Nm)
+            acceleration_rad_s2 = ((span->torque_gain_Nm_per_A * current_A)
+                                   - (plant->screw.viscous_Nm_s_per_rad * speed_rad_s) + torque_Nm)
                                   * plant->screw.inverse_inertia_per_kgm2;
         }
         series->speed_rad_s[k + 1U] = share_s * acceleration_rad_s2;
         if (span->current_held) {
             series->current_A[k + 1U] = EMA_R(0.0);
         } else if (circuit->algebraic) {
-            series->current_A[k + 1U] = (circuit->rate_speed * series->speed_rad_s[k + 1U]) + (circuit->rate_voltage * input_next);
+            series->current_A[k + 1U] =
+                (circuit->rate_speed * series->speed_rad_s[k + 1U]) + (circuit->rate_voltage * input_next);
         } else {
-            series->current_A[k + 1U] = share_s * ((circuit->rate_current * current_A) + (circuit->rate_speed * speed_rad_s) + (circuit->rate_voltage * input));
+            series->current_A[k + 1U] = share_s
+                                        * ((circuit->rate_current * current_A) + (circuit->rate_speed * speed_rad_s)
+                                           + (circuit->rate_voltage * input));
         }
         input = input_next;
         torque_Nm = torque_next_Nm;
@@ -95,13 +101,16 @@ static void ema_circuit_column(const ema_plant_t* plant, ema_circuit_t* circuit,
     ema_series_angle(&work->series, work->span.span_s, work->terms);
     ((ema_real*)(void*)&circuit->current)[column] = ema_series_at(work->series.current_A, EMA_R(1.0)); /* EMA-D4 */
     ((ema_real*)(void*)&circuit->speed)[column] = ema_series_at(work->series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&circuit->angle)[column] = ema_series_at(work->terms, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&circuit->angle)[column] = ema_series_at(work->terms, EMA_R(1.0));              /* EMA-D4 */
 }
 
 void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
 {
-    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), span_s, plant->motor.torque_constant_Nm_per_A, false, false};
-    /* at rest first: its responses, to current, voltage and rise of the voltage, are kept aside before those of the motion take their places */
+    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0),
+                             EMA_R(0.0), EMA_R(0.0), span_s,     plant->motor.torque_constant_Nm_per_A,
+                             false,      false};
+    /* at rest first: its responses, to current, voltage and rise of the voltage, are kept aside before those of the
+     * motion take their places */
     ema_real* const driven = (ema_real*)(void*)&work->span; /* EMA-D4 */
     work->span = none;
     work->span.at_rest = true;

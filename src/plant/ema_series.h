@@ -1,16 +1,17 @@
-/* Motion over a span as a power series in the fraction of the span: exact for a linear plant with inputs that are constant or rise
- * evenly. The same series gives the response of a whole step and the instant of an event inside it.
+/* Motion over a span as a power series in the fraction of the span: exact for a linear plant with inputs that are
+ * constant or rise evenly. The same series gives the response of a whole step and the instant of an event inside it.
  */
 #ifndef EMA_SERIES_H
 #define EMA_SERIES_H
 
 #include "ema/ema_work.h"
 
-/* Rate of the fastest linear motion times the span that the series is built for, at most; the first term left out is then
- * below the number type's resolution. */
+/* Rate of the fastest linear motion times the span that the series is built for, at most; the first term left out is
+ * then below the number type's resolution. */
 #define EMA_SERIES_REACH EMA_R(1.7)
 
-void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_span_t* span);
+void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_circuit_t* circuit,
+                      const ema_span_t* span);
 
 /* Terms of the angle from the start of the span, into EMA_SERIES_TERMS + 1 places. */
 void ema_series_angle(const ema_series_t* series, ema_real span_s, ema_real* terms);

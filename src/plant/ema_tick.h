@@ -4,7 +4,8 @@
 
 #include "ema/ema_work.h"
 
-/* One model step with `command_mm` held over it; `row` is what it shows, except the rod's speed, which no objective looks at. */
+/* One model step with `command_mm` held over it; `row` is what it shows, except the rod's speed, which no objective
+ * looks at. */
 void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real command_mm, ema_output_t* row);
 
 #endif

@@ -16,7 +16,8 @@
 /* Share of the walk's candidates that are drawn from the whole range of their coordinate: the way out of a plateau. */
 #define EMA_JUMP_SHARE EMA_R(0.15)
 
-/* Candidates per dimension that are drawn from the whole box before the walk begins: a start on a plateau does no harm. */
+/* Candidates per dimension that are drawn from the whole box before the walk begins: a start on a plateau does no harm.
+ */
 #define EMA_SCOUTS_PER_DIMENSION 4U
 
 /* Larger than any cost: no limit yet. */
@@ -29,9 +30,12 @@ static bool ema_inside(ema_real value, ema_real lower, ema_real upper)
 
 static bool ema_config_valid(const ema_annealer_config_t* config)
 {
-    bool valid = (config->dimension >= 1U) && (config->dimension <= EMA_ANNEALER_DIMENSION_MAX) && ema_inside(config->first_step, EMA_STEP_MIN, EMA_R(1.0))
-                 && ema_inside(config->initial_temperature, EMA_R(1.0e-30), EMA_R(1.0e30)) && (config->cooling > EMA_R(0.0)) && (config->cooling < EMA_R(1.0))
-                 && ema_inside(config->function_tolerance, EMA_R(0.0), EMA_R(1.0e30)) && (config->stall_evaluations >= 1U) && (config->evaluation_budget >= 1U);
+    bool valid = (config->dimension >= 1U) && (config->dimension <= EMA_ANNEALER_DIMENSION_MAX)
+                 && ema_inside(config->first_step, EMA_STEP_MIN, EMA_R(1.0))
+                 && ema_inside(config->initial_temperature, EMA_R(1.0e-30), EMA_R(1.0e30))
+                 && (config->cooling > EMA_R(0.0)) && (config->cooling < EMA_R(1.0))
+                 && ema_inside(config->function_tolerance, EMA_R(0.0), EMA_R(1.0e30))
+                 && (config->stall_evaluations >= 1U) && (config->evaluation_budget >= 1U);
     for (uint32_t i = 0; valid && (i < config->dimension); ++i) {
         valid = ema_inside(config->start[i], EMA_R(0.0), EMA_R(1.0));
     }
@@ -82,7 +86,8 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
     } else if (!((source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(quadratic, annealer))) {
         const uint32_t i = annealer->coordinate;
         const bool jump = ema_random_uniform(random) < EMA_JUMP_SHARE;
-        const ema_real draw = jump ? ema_random_uniform(random) : (annealer->current.x[i] + (annealer->step[i] * ema_random_normal(random)));
+        const ema_real draw = jump ? ema_random_uniform(random)
+                                   : (annealer->current.x[i] + (annealer->step[i] * ema_random_normal(random)));
         annealer->candidate = annealer->current;
         annealer->candidate.x[i] = ema_reflect(draw);
         annealer->walked = !jump;
@@ -120,7 +125,8 @@ static void ema_annealer_reanneal(ema_annealer_t* annealer)
     const ema_real spread = annealer->points[ema_worst_point(annealer)].cost - annealer->best.cost;
     annealer->temperature = ema_max(annealer->temperature, spread);
     for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
-        annealer->step[i] = ema_max(annealer->step[i], ema_min(annealer->step[i] * EMA_R(4.0), annealer->config.first_step));
+        annealer->step[i] =
+            ema_max(annealer->step[i], ema_min(annealer->step[i] * EMA_R(4.0), annealer->config.first_step));
     }
     annealer->accepted_since = 0U;
     ++annealer->info.reannealed;
@@ -129,7 +135,8 @@ static void ema_annealer_reanneal(ema_annealer_t* annealer)
 static void ema_annealer_decide(ema_annealer_t* annealer)
 {
     /* before the first cost there is no limit either, and no cost is still none */
-    const bool accepted = (annealer->candidate.cost < EMA_NO_COST) && (annealer->candidate.cost <= annealer->accept_limit);
+    const bool accepted =
+        (annealer->candidate.cost < EMA_NO_COST) && (annealer->candidate.cost <= annealer->accept_limit);
     if (annealer->walked) {
         ema_real* const step = &annealer->step[annealer->coordinate];
         *step = ema_clamp(*step * (accepted ? EMA_STEP_GROW : EMA_STEP_SHRINK), EMA_STEP_MIN, EMA_R(1.0));
@@ -159,7 +166,8 @@ static ema_outcome_t ema_annealer_judge(ema_annealer_t* annealer)
     } else {
         /* still inside the window */
     }
-    if ((outcome == EMA_OUTCOME_ACTIVE) && (config->accept_limit > 0U) && (annealer->info.accepted >= config->accept_limit)) {
+    if ((outcome == EMA_OUTCOME_ACTIVE) && (config->accept_limit > 0U)
+        && (annealer->info.accepted >= config->accept_limit)) {
         outcome = EMA_OUTCOME_COUNT;
     }
     if ((outcome == EMA_OUTCOME_ACTIVE) && (annealer->info.evaluations >= config->evaluation_budget)) {

@@ -11,12 +11,14 @@
 /* How far from the best point, in spreads of the points, a minimum is believed. */
 #define EMA_REACH EMA_R(3.0)
 
-/* Share of the costs' spread that is added to every cost's distance from the best: keeps the weight of the best points finite. */
+/* Share of the costs' spread that is added to every cost's distance from the best: keeps the weight of the best points
+ * finite. */
 #define EMA_WEIGHT_FLOOR EMA_R(0.02)
 
 uint32_t ema_quadratic_unknowns(uint32_t dimension)
 {
-    return (dimension <= EMA_FULL_DIMENSION_MAX) ? (((dimension + 1U) * (dimension + 2U)) / 2U) : ((2U * dimension) + 1U);
+    return (dimension <= EMA_FULL_DIMENSION_MAX) ? (((dimension + 1U) * (dimension + 2U)) / 2U)
+                                                 : ((2U * dimension) + 1U);
 }
 
 /* Terms of the quadratic at z: 1, z_i, then products; z stands in its places already. */
@@ -140,7 +142,8 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     return true;
 }
 
-void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random, ema_real* x)
+void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random,
+                        ema_real* x)
 {
     const uint32_t dimension = annealer->config.dimension;
     const ema_real width = ema_sqrt(annealer->temperature);

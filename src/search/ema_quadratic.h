@@ -7,10 +7,13 @@
 /* Number of unknowns in `dimension` dimensions; a fit wants somewhat more points. */
 uint32_t ema_quadratic_unknowns(uint32_t dimension);
 
-/* Fits; `quadratic` may be the annealer's own. False when the points do not determine a quadratic with a minimum near them. Cost: one Cholesky solution. */
+/* Fits; `quadratic` may be the annealer's own. False when the points do not determine a quadratic with a minimum near
+ * them. Cost: one Cholesky solution. */
 bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* annealer);
 
-/* Draws from exp(-quadratic / temperature): normal around the minimum. Writes `dimension` numbers, not yet inside the box. */
-void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random, ema_real* x);
+/* Draws from exp(-quadratic / temperature): normal around the minimum. Writes `dimension` numbers, not yet inside the
+ * box. */
+void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random,
+                        ema_real* x);
 
 #endif

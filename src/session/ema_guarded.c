@@ -5,10 +5,12 @@
 #include "ema_math.h"
 #include "ema_runs.h"
 
-/* Temperature at a start that the table gave, over the objective at the healthy values: from there the search still leaves a start that is wrong. */
+/* Temperature at a start that the table gave, over the objective at the healthy values: from there the search still
+ * leaves a start that is wrong. */
 #define EMA_START_WARMTH EMA_R(0.001)
 
-static const ema_finding_t ema_no_finding = {.kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};
+static const ema_finding_t ema_no_finding = {
+    .kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};
 
 /* The table is refused before anything has changed. */
 static ema_status_t ema_guarded_table_check(const ema_session_config_t* config, const ema_signatures_t* signatures)
@@ -21,7 +23,8 @@ static ema_status_t ema_guarded_table_check(const ema_session_config_t* config, 
     return (status == EMA_OK) ? ema_onboard_check(signatures, config->actuator, &record) : status;
 }
 
-ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config, const ema_signatures_t* signatures)
+ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config,
+                              const ema_signatures_t* signatures)
 {
     if ((guarded == NULL) || (config == NULL)) {
         return EMA_ERR_NULL;
@@ -66,7 +69,9 @@ static ema_status_t ema_guarded_begin(ema_guarded_t* guarded)
         guarded->phase = EMA_GUARDED_SESSION;
         return EMA_OK;
     }
-    const ema_status_t status = ema_onboard_start(&session->scoring, guarded->signatures, guarded->session.config->actuator, &session->record, ema_runs_start_mm(session));
+    const ema_status_t status =
+        ema_onboard_start(&session->scoring, guarded->signatures, guarded->session.config->actuator, &session->record,
+                          ema_runs_start_mm(session));
     if (status == EMA_OK) {
         ema_model_learned(&session->scoring.model, guarded->session.config->actuator);
         guarded->phase = EMA_GUARDED_STARTING;
@@ -102,8 +107,10 @@ static uint32_t ema_guarded_slice(const ema_guarded_t* guarded, uint32_t steps)
 static void ema_guarded_cool(ema_guarded_t* guarded)
 {
     ema_annealer_t* const annealer = &guarded->session.annealer;
-    if ((guarded->finding.kind != EMA_FINDING_NONE) && (annealer->info.evaluations == 0U) && guarded->session.healthy_done) {
-        const ema_real warm = ema_max(EMA_START_WARMTH * guarded->session.healthy_cost, annealer->config.function_tolerance);
+    if ((guarded->finding.kind != EMA_FINDING_NONE) && (annealer->info.evaluations == 0U)
+        && guarded->session.healthy_done) {
+        const ema_real warm =
+            ema_max(EMA_START_WARMTH * guarded->session.healthy_cost, annealer->config.function_tolerance);
         annealer->temperature = ema_min(warm, annealer->config.initial_temperature);
     }
 }
@@ -116,10 +123,13 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
     guarded->phase = EMA_GUARDED_DONE;
     if ((guarded->signatures != NULL) && (guarded->finding.kind != EMA_FINDING_NONE)) {
         for (uint32_t i = 0; i < guarded->session.config->identified_count; ++i) {
-            (void)ema_actuator_set(&session->actuator, guarded->session.config->identified[i].id, guarded->result.identified[i].estimate);
+            (void)ema_actuator_set(&session->actuator, guarded->session.config->identified[i].id,
+                                   guarded->result.identified[i].estimate);
         }
         guarded->finding = ema_no_finding;
-        if (ema_onboard_start(&session->scoring, guarded->signatures, &session->actuator, &session->record, session->start_mm) == EMA_OK) {
+        if (ema_onboard_start(&session->scoring, guarded->signatures, &session->actuator, &session->record,
+                              session->start_mm)
+            == EMA_OK) {
             ema_model_learned(&session->scoring.model, guarded->session.config->actuator);
             guarded->phase = EMA_GUARDED_LOOKING;
         }

@@ -21,7 +21,8 @@ void ema_guarded_place(ema_guarded_t* guarded)
                 start = ema_clamp(value + guarded->finding.moved[k], EMA_START_LOWER * value, EMA_START_UPPER * value);
             }
         }
-        annealer.start[i] = ema_clamp((start - identified->lower) / (identified->upper - identified->lower), EMA_R(0.0), EMA_R(1.0));
+        annealer.start[i] =
+            ema_clamp((start - identified->lower) / (identified->upper - identified->lower), EMA_R(0.0), EMA_R(1.0));
     }
     /* nothing but the start differs from what was checked */
     (void)ema_annealer_init(&guarded->session.annealer, &annealer);

@@ -39,12 +39,16 @@ static ema_status_t ema_search_start(ema_session_t* session)
     } else {
         session->actuator = *config->actuator;
     }
-    const ema_real limit = (config->abandon && session->healthy_done) ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX) : EMA_COST_MAX;
-    ema_status_t status = ema_objective_start(&session->run, &session->actuator, &session->record, config->weight, session->start_mm, limit);
+    const ema_real limit = (config->abandon && session->healthy_done)
+                               ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX)
+                               : EMA_COST_MAX;
+    ema_status_t status = ema_objective_start(&session->run, &session->actuator, &session->record, config->weight,
+                                              session->start_mm, limit);
     /* tables are read where the configuration lies, so that a copy of the session does not depend on its original */
     ema_model_learned(&session->run.model, config->actuator);
     if ((status != EMA_OK) && session->healthy_done) {
-        /* bounds can hold values of which no model can be made, too stiff ones for instance: they cost the most, and the search goes on */
+        /* bounds can hold values of which no model can be made, too stiff ones for instance: they cost the most, and
+         * the search goes on */
         session->run.state = EMA_OBJECTIVE_DIVERGED;
         session->run.sum = EMA_COST_MAX;
         status = EMA_OK;
@@ -69,7 +73,8 @@ ema_status_t ema_runs_next(ema_session_t* session)
     if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
         status = ema_search_start(session);
     } else {
-        /* an estimate beside which no model can be made is left unweighed: the result then says that the record does not determine it */
+        /* an estimate beside which no model can be made is left unweighed: the result then says that the record does
+         * not determine it */
         session->weighed = ema_runs_weigh(session) == EMA_OK;
         session->phase = session->weighed ? EMA_PHASE_WEIGHING : EMA_PHASE_DONE;
     }

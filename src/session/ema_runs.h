@@ -1,4 +1,5 @@
-/* The model runs of a session, one after the other: at the healthy values, at the annealer's candidates, and those that weigh the estimate. */
+/* The model runs of a session, one after the other: at the healthy values, at the annealer's candidates, and those that
+ * weigh the estimate. */
 #ifndef EMA_RUNS_H
 #define EMA_RUNS_H
 

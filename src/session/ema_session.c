@@ -14,10 +14,12 @@
 #define EMA_FIRST_STEP EMA_R(0.2)
 #define EMA_STALL_PER_PARAMETER 20U
 
-/* What ending a model run and preparing the next costs, in model steps without effects: a slice that has less left does not begin it. Measured on the target. */
+/* What ending a model run and preparing the next costs, in model steps without effects: a slice that has less left does
+ * not begin it. Measured on the target. */
 #define EMA_RUN_STEPS 160U
 
-ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator, const ema_record_config_t* record)
+ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator,
+                                        const ema_record_config_t* record)
 {
     if ((config == NULL) || (actuator == NULL) || (record == NULL)) {
         return EMA_ERR_NULL;
@@ -29,8 +31,10 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
     config->record = *record;
     config->weight[EMA_CHANNEL_POSITION] = EMA_R(1.0);
     config->identified_count = 2U;
-    const ema_identified_t csj = {EMA_VALUE_ID(csj_Nm), params->csj_lower_Nm, params->csj_upper_Nm, params->csj_min_shift_percent};
-    const ema_identified_t blk = {EMA_VALUE_ID(blk_mm), params->blk_lower_mm, params->blk_upper_mm, params->blk_min_shift_percent};
+    const ema_identified_t csj = {EMA_VALUE_ID(csj_Nm), params->csj_lower_Nm, params->csj_upper_Nm,
+                                  params->csj_min_shift_percent};
+    const ema_identified_t blk = {EMA_VALUE_ID(blk_mm), params->blk_lower_mm, params->blk_upper_mm,
+                                  params->blk_min_shift_percent};
     config->identified[0] = csj;
     config->identified[1] = blk;
     config->annealer.first_step = EMA_FIRST_STEP;
@@ -58,18 +62,22 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         if (!(identified->lower < identified->upper)) {
             return EMA_ERR_BOUNDS;
         }
-        if (ema_actuator_is_learned(identified->id) || (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK)) {
+        if (ema_actuator_is_learned(identified->id)
+            || (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK)) {
             return EMA_ERR_RANGE;
         }
         ema_bounds_t bounds;
-        if (!ema_bounds_of(identified->id, &bounds) || (identified->lower < bounds.lower) || (identified->upper > bounds.upper)) {
+        if (!ema_bounds_of(identified->id, &bounds) || (identified->lower < bounds.lower)
+            || (identified->upper > bounds.upper)) {
             return EMA_ERR_RANGE;
         }
-        if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0)) || !(identified->min_shift_percent >= EMA_R(0.0))) {
+        if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0))
+            || !(identified->min_shift_percent >= EMA_R(0.0))) {
             return EMA_ERR_RANGE;
         }
         if (config->start_at_healthy) {
-            annealer->start[i] = ema_clamp((healthy - identified->lower) / (identified->upper - identified->lower), EMA_R(0.0), EMA_R(1.0));
+            annealer->start[i] = ema_clamp((healthy - identified->lower) / (identified->upper - identified->lower),
+                                           EMA_R(0.0), EMA_R(1.0));
         }
     }
     return EMA_OK;

@@ -6,7 +6,8 @@
 #define EMA_OUTSIDE_MAX EMA_R(0.0334)
 
 /* Reasons that one parameter's estimate gives; `fault` is set when it is surely beyond its threshold. */
-static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate, ema_real healthy, ema_real confidence, bool* fault)
+static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate,
+                                     ema_real healthy, ema_real confidence, bool* fault)
 {
     uint32_t reasons = estimate->at_bound ? (uint32_t)EMA_REASON_AT_BOUND : 0U;
     const ema_real scatter_percent = (confidence * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
@@ -36,7 +37,8 @@ void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         ema_real healthy = EMA_R(1.0);
         (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
-        const uint32_t found = ema_estimate_reasons(&config->identified[i], &result->identified[i], healthy, params->confidence_std, &fault);
+        const uint32_t found = ema_estimate_reasons(&config->identified[i], &result->identified[i], healthy,
+                                                    params->confidence_std, &fault);
         near_threshold |= found & (uint32_t)EMA_REASON_NEAR_THRESHOLD;
         reasons |= found & ~(uint32_t)EMA_REASON_NEAR_THRESHOLD;
     }

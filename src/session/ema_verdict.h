@@ -4,7 +4,8 @@
 
 #include "ema/ema_session.h"
 
-/* Fills verdict, adequacy and reasons of `result` from its estimates and residual. `determined` says whether the standard errors exist. */
+/* Fills verdict, adequacy and reasons of `result` from its estimates and residual. `determined` says whether the
+ * standard errors exist. */
 void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_result_t* result);
 
 #endif

@@ -21,7 +21,9 @@ ema_status_t ema_runs_weigh(ema_session_t* session)
             delta[i] = -delta[i];
         }
     }
-    const ema_status_t status = ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta, config->identified_count, session->start_mm);
+    const ema_status_t status =
+        ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta,
+                              config->identified_count, session->start_mm);
     if (status == EMA_OK) {
         ema_sensitivity_learned(&session->weighing, config->actuator);
     }

@@ -39,7 +39,8 @@ static ema_real ema_ramp_wave(uint64_t phase, ema_real steep)
     return ema_clamp(value * steep, EMA_R(-1.0), EMA_R(1.0));
 }
 
-/* A rate below half a turn as a fraction of 2^64. It is mostly tiny: scaling by 2^20 before the conversion keeps its bits. */
+/* A rate below half a turn as a fraction of 2^64. It is mostly tiny: scaling by 2^20 before the conversion keeps its
+ * bits. */
 static uint64_t ema_rate64(ema_real rate)
 {
     const ema_real scaled = rate * EMA_R(1048576.0);
@@ -76,7 +77,8 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
     switch (config->kind) {
     case EMA_COMMAND_CHIRP: {
         const ema_real steps = config->duration_s / step_s;
-        if (!ema_in_range(steps, EMA_R(1.0), EMA_STEPS_MAX) || !ema_in_range(config->end_hz, EMA_R(0.0), half_rate_hz)) {
+        if (!ema_in_range(steps, EMA_R(1.0), EMA_STEPS_MAX)
+            || !ema_in_range(config->end_hz, EMA_R(0.0), half_rate_hz)) {
             status = EMA_ERR_RANGE;
         } else {
             const ema_real rate = ((config->end_hz - config->start_hz) * step_s) / (EMA_R(2.0) * steps);
@@ -86,7 +88,8 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
         break;
     }
     case EMA_COMMAND_MULTISINE:
-        if ((config->count < 1U) || (config->count > EMA_MULTISINE_LINES_MAX) || (((ema_real)config->count * config->start_hz) > half_rate_hz)) {
+        if ((config->count < 1U) || (config->count > EMA_MULTISINE_LINES_MAX)
+            || (((ema_real)config->count * config->start_hz) > half_rate_hz)) {
             status = EMA_ERR_RANGE;
         } else {
             made.scale_mm = config->amplitude_mm / ema_sqrt((ema_real)config->count);
@@ -135,7 +138,8 @@ ema_real ema_command_at(const ema_command_t* command, uint32_t step)
     switch (command->config.kind) {
     case EMA_COMMAND_CHIRP: {
         const uint64_t held = (step < command->last_step) ? index : (uint64_t)command->last_step;
-        value = command->config.amplitude_mm * ema_sin_turn64((command->turns * held) + (command->turns_rate * held * held));
+        value = command->config.amplitude_mm
+                * ema_sin_turn64((command->turns * held) + (command->turns_rate * held * held));
         break;
     }
     case EMA_COMMAND_MULTISINE:
@@ -145,7 +149,8 @@ ema_real ema_command_at(const ema_command_t* command, uint32_t step)
         value = command->config.amplitude_mm * ema_ramp_wave(command->turns * index, EMA_R(1.0));
         break;
     case EMA_COMMAND_TRAPEZOID:
-        value = command->config.amplitude_mm * ema_ramp_wave(command->turns * index, EMA_R(1.0) / command->config.share);
+        value =
+            command->config.amplitude_mm * ema_ramp_wave(command->turns * index, EMA_R(1.0) / command->config.share);
         break;
     case EMA_COMMAND_STEP:
         value = (step < command->last_step) ? EMA_R(0.0) : command->config.amplitude_mm;

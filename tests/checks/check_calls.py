@@ -46,7 +46,7 @@ def cycles(calls: dict[str, set[str]]) -> list[list[str]]:
                 open_calls.pop()
                 done.add(path.pop())
             elif callee in path:
-                found.append(path[path.index(callee):])
+                found.append(path[path.index(callee) :])
             elif callee not in done:
                 path.append(callee)
                 open_calls.append(iter(sorted(calls.get(callee, ()))))
@@ -56,8 +56,10 @@ def cycles(calls: dict[str, set[str]]) -> list[list[str]]:
 def check_graph(graph: stack.Graph, defined: set[str]) -> list[str]:
     """Problems in a call graph of a library that defines these functions."""
     known = {name_of(title) for title in graph.frames}
-    problems = [f"{name}: the library defines it, the call graph does not hold it: build the library from these sources"
-                for name in sorted(defined - known)]
+    problems = [
+        f"{name}: the library defines it, the call graph does not hold it: build the library from these sources"
+        for name in sorted(defined - known)
+    ]
     for caller, callees in sorted(graph.calls.items()):
         for callee in sorted(callees - graph.frames.keys()):
             plain = callee.removeprefix("__builtin_")
@@ -65,7 +67,9 @@ def check_graph(graph: stack.Graph, defined: set[str]) -> list[str]:
                 problems.append(f"{name_of(caller)}: calls through a pointer: call the function by its name")
             elif plain not in ALLOWED | INSTRUCTIONS:
                 problems.append(f"{name_of(caller)}: calls {plain}, which the module does not define: keep it out of src")
-    problems += [" -> ".join(map(name_of, [*ring, ring[0]])) + ": recursion: write it as a loop with a bound" for ring in cycles(graph.calls)]
+    problems += [
+        " -> ".join(map(name_of, [*ring, ring[0]])) + ": recursion: write it as a loop with a bound" for ring in cycles(graph.calls)
+    ]
     return problems
 
 
@@ -75,7 +79,15 @@ def graph_of(root: Path, compiler: str, real64: int) -> stack.Graph:
     root = root.resolve()
     sources = c_files(root, "src", suffixes=(".c",))
     with tempfile.TemporaryDirectory() as folder:
-        flags = ["-std=c11", "-O0", "-ffp-contract=off", "-fno-math-errno", "-fcallgraph-info=su", f"-DEMA_REAL64={real64}", *include_flags(root)]
+        flags = [
+            "-std=c11",
+            "-O0",
+            "-ffp-contract=off",
+            "-fno-math-errno",
+            "-fcallgraph-info=su",
+            f"-DEMA_REAL64={real64}",
+            *include_flags(root),
+        ]
         if sources:
             run = subprocess.run([compiler, *flags, "-c", *map(str, sources)], cwd=folder, capture_output=True, text=True, check=False)
             if run.returncode != 0:

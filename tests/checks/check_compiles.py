@@ -69,8 +69,13 @@ def check_clang(root: Path, compiler: str) -> tuple[list[str], int]:
     files = [file for file in c_files(root, "src", "port", suffixes=(".c",)) if "cortex_m" not in file.parts]
     for file in files:
         for real64 in (0, 1):
-            flags = [*include_flags(root), f"-DEMA_REAL64={real64}", "-Wimplicit-float-conversion", "-Wfloat-conversion",
-                     "-Wdouble-promotion"]
+            flags = [
+                *include_flags(root),
+                f"-DEMA_REAL64={real64}",
+                "-Wimplicit-float-conversion",
+                "-Wfloat-conversion",
+                "-Wdouble-promotion",
+            ]
             error = compile_errors(compiler, flags, file)
             if error:
                 problems.append(f"{file.relative_to(root)}, EMA_REAL64={real64}: {error}")
@@ -102,7 +107,9 @@ def check_snippets(root: Path, compiler: str, also: list[str], documents: tuple[
         blocks = blocks_of(root, document)
         checked += len(blocks)
         if not blocks and str(document.relative_to(root)) in documents:
-            problems.append(f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py")
+            problems.append(
+                f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py"
+            )
         with tempfile.TemporaryDirectory() as folder:
             problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, also, Path(folder), blocks)]
     return problems, checked
@@ -114,7 +121,15 @@ def snippet_errors(root: Path, compiler: str, also: list[str], folder: Path, blo
     for name, exported in EXPORTED.items():
         (folder / name).write_text(f'#include "{root / "port/cortex_m/example" / exported}"\n', encoding="utf-8")
     rows = [block for block in blocks if ROW.search(block)]
-    flags = ["-I", str(folder), *include_flags(root), "-I", str(root / "tests/support"), *UNITY, *(flag for place in also for flag in ("-isystem", place))]
+    flags = [
+        "-I",
+        str(folder),
+        *include_flags(root),
+        "-I",
+        str(root / "tests/support"),
+        *UNITY,
+        *(flag for place in also for flag in ("-isystem", place)),
+    ]
     units = [block for block in blocks if block not in rows]
     if rows:
         (folder / "own_effects.def").write_text("\n".join(rows), encoding="utf-8")

@@ -39,8 +39,9 @@ def area(root: Path, path: Path) -> str:
 def check(root: Path) -> tuple[list[str], int]:
     """Problems, and the number of includes of the project's own headers that were looked at."""
     files = c_files(root, "src", "include", "port")
-    level_of_stem = {path.stem: area(root, path).split("/")[1] for path in files
-                     if path.suffix == ".c" and area(root, path).startswith("src/")}
+    level_of_stem = {
+        path.stem: area(root, path).split("/")[1] for path in files if path.suffix == ".c" and area(root, path).startswith("src/")
+    }
     problems: list[str] = []
     direct: dict[Path, list[Path]] = {}
     looked_at = 0
@@ -98,8 +99,9 @@ def check(root: Path) -> tuple[list[str], int]:
             other = level_of_stem.get(target.stem) if there == "include" else there.split("/")[1]
             if there.startswith("port/") or other is None or other in ALLOWED[level]:
                 continue
-            problems.append(f"{path.relative_to(root)}: level {level} sees {target.name} of level {other}:"
-                            " move the code up, or what it needs down")
+            problems.append(
+                f"{path.relative_to(root)}: level {level} sees {target.name} of level {other}: move the code up, or what it needs down"
+            )
     return problems, looked_at
 
 

@@ -26,8 +26,10 @@ PRECISIONS = ("EMA_REAL64=0", "EMA_REAL64=1")
 DOCUMENT = Path("docs/MISRA.md")
 
 # All others are required.
-ADVISORY = frozenset("1.2 2.3 2.4 2.5 2.6 2.7 4.2 5.9 8.7 8.9 8.11 8.13 10.5 11.4 11.5 12.1 12.3 12.4 13.3 13.4 15.1 15.4 15.5 17.5 17.8 18.4 18.5 19.2 20.1"
-                     " 20.5 20.10 21.12".split())
+ADVISORY = frozenset(
+    "1.2 2.3 2.4 2.5 2.6 2.7 4.2 5.9 8.7 8.9 8.11 8.13 10.5 11.4 11.5 12.1 12.3 12.4 13.3 13.4 15.1 15.4 15.5 17.5 17.8 18.4 18.5 19.2 20.1"
+    " 20.5 20.10 21.12".split()
+)
 MANDATORY = frozenset("9.1 12.5 13.6 17.3 17.4 17.6 19.1 21.13 21.17 21.18 21.19 21.20 22.2 22.4 22.5 22.6".split())
 
 # Rules about tags; the addon makes up names for enumerations and structures without one.
@@ -95,17 +97,36 @@ def run_addon(cppcheck: str, root: Path, definition: str, jobs: int) -> tuple[se
     with tempfile.TemporaryDirectory() as name:
         work = Path(name).resolve()
         (work / "texts.txt").write_text(rule_texts(), encoding="utf-8")
-        (work / "misra.json").write_text(json.dumps({"script": "misra.py", "args": [f"--rule-texts={work / 'texts.txt'}"]}), encoding="utf-8")
+        (work / "misra.json").write_text(
+            json.dumps({"script": "misra.py", "args": [f"--rule-texts={work / 'texts.txt'}"]}), encoding="utf-8"
+        )
         seeded = work / "ema_seeded.c"
         seeded.write_text(SEEDED, encoding="utf-8")
         (work / "build").mkdir()
-        command = [cppcheck, f"-j{jobs}", "--std=c11", "--language=c", "--platform=unix32", f"-D{definition}", *(f"-I{folder}" for folder in folders),
-                   f"--addon={work / 'misra.json'}", "--enable=style", f"--cppcheck-build-dir={work / 'build'}", "--suppress=missingIncludeSystem",
-                   "--template={file}\t{line}\t{id}\t{severity}\t{message}", str(root / "src"), str(seeded)]
+        command = [
+            cppcheck,
+            f"-j{jobs}",
+            "--std=c11",
+            "--language=c",
+            "--platform=unix32",
+            f"-D{definition}",
+            *(f"-I{folder}" for folder in folders),
+            f"--addon={work / 'misra.json'}",
+            "--enable=style",
+            f"--cppcheck-build-dir={work / 'build'}",
+            "--suppress=missingIncludeSystem",
+            "--template={file}\t{line}\t{id}\t{severity}\t{message}",
+            str(root / "src"),
+            str(seeded),
+        ]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         looked_at = {Path(path).name for path in re.findall(r"^Checking (.*) \.\.\.$", run.stdout, re.MULTILINE)}
         found: set[Finding] = set()
-        broken = [f"cppcheck: {line}" for line in run.stdout.splitlines() if line.startswith(("Did not find addon", "cppcheck: error", "Failed to"))]
+        broken = [
+            f"cppcheck: {line}"
+            for line in run.stdout.splitlines()
+            if line.startswith(("Did not find addon", "cppcheck: error", "Failed to"))
+        ]
         in_seeded: set[str] = set()
         for text in run.stderr.splitlines():
             match = FINDING.match(text)
@@ -121,7 +142,9 @@ def run_addon(cppcheck: str, root: Path, definition: str, jobs: int) -> tuple[se
                 broken.append(f"cppcheck, {definition}: {path}:{line}: {rule} ({severity}): {message}")
         missed = SEEDED_RULES - in_seeded
         if missed and not broken:
-            broken.append(f"cppcheck, {definition}: a file with known faults shows none against {', '.join(sorted(missed))}: is its addon misra installed? {run.stdout[-200:].strip()}")
+            broken.append(
+                f"cppcheck, {definition}: a file with known faults shows none against {', '.join(sorted(missed))}: is its addon misra installed? {run.stdout[-200:].strip()}"
+            )
         return found, looked_at - {seeded.name}, broken
 
 
@@ -167,7 +190,9 @@ def judge(found: set[Finding], deviations: dict[str, Deviation], marks: dict[Lin
         names = [name for name in marks.get(place, ()) if name in deviations and deviations[name].rule == finding.rule]
         answered.update((place, name) for name in names)
         if not names:
-            problems.append(f"{finding.file}:{finding.line}: against the {kind(finding.rule)} rule {finding.rule}: mend it, or mark it with a deviation of {DOCUMENT}")
+            problems.append(
+                f"{finding.file}:{finding.line}: against the {kind(finding.rule)} rule {finding.rule}: mend it, or mark it with a deviation of {DOCUMENT}"
+            )
     used: set[str] = set()
     for place, marked in sorted(marks.items()):
         for name in sorted(marked):
@@ -175,15 +200,21 @@ def judge(found: set[Finding], deviations: dict[str, Deviation], marks: dict[Lin
             if name not in deviations:
                 problems.append(f"{place.file}:{place.line}: {name} is no deviation of {DOCUMENT}: write its row there")
             elif deviations[name].by_addon and (place, name) not in answered:
-                problems.append(f"{place.file}:{place.line}: nothing is found against rule {deviations[name].rule} any more: take the mark {name} off")
+                problems.append(
+                    f"{place.file}:{place.line}: nothing is found against rule {deviations[name].rule} any more: take the mark {name} off"
+                )
     problems += [f"{DOCUMENT}: {name} is used nowhere any more: take its row out" for name in sorted(set(deviations) - used)]
     return problems
 
 
 def without_tagless(root: Path, found: set[Finding]) -> set[Finding]:
     """The findings without those about a tag on a line that has none."""
+
     def tagless(finding: Finding) -> bool:
-        return finding.rule in TAG_RULES and NO_TAG.search((root / finding.file).read_text(encoding="utf-8").splitlines()[finding.line - 1]) is not None
+        return (
+            finding.rule in TAG_RULES
+            and NO_TAG.search((root / finding.file).read_text(encoding="utf-8").splitlines()[finding.line - 1]) is not None
+        )
 
     return {finding for finding in found if not tagless(finding)}
 
@@ -221,8 +252,14 @@ def main() -> int:
     except (OSError, ValueError) as error:
         return fail(f"misra: {error}")
     for group in ("mandatory", "required", "advisory"):
-        counts = sorted(((rule, count) for rule, count in rules.items() if kind(rule) == group), key=lambda item: [int(part) for part in item[0].split(".")])
-        print(f"{group}: {sum(count for _, count in counts)} findings" + "".join(f"{', ' if at else ': '}{rule} {count}" for at, (rule, count) in enumerate(counts)))
+        counts = sorted(
+            ((rule, count) for rule, count in rules.items() if kind(rule) == group),
+            key=lambda item: [int(part) for part in item[0].split(".")],
+        )
+        print(
+            f"{group}: {sum(count for _, count in counts)} findings"
+            + "".join(f"{', ' if at else ': '}{rule} {count}" for at, (rule, count) in enumerate(counts))
+        )
     return finish("misra", problems, checked, "files")
 
 

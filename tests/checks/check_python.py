@@ -69,13 +69,19 @@ def check(root: Path, cache: Path) -> tuple[list[str], int]:
         seeded = Path(folder).resolve() / "ema_seeded.py"
         seeded.write_text(SEEDED, encoding="utf-8")
         # ruff is given every file by name: of a folder it leaves out what version control ignores, in silence.
-        ruff, _ = run("ruff", root, ["check", "--no-cache", "--output-format", "concise", "--config", "pyproject.toml", *map(str, (*files, seeded))])
-        mypy, said = run("mypy", root, ["--config-file", "pyproject.toml", "--cache-dir", str(cache), *map(str, (*package, *scripts, seeded))])
+        ruff, _ = run(
+            "ruff", root, ["check", "--no-cache", "--output-format", "concise", "--config", "pyproject.toml", *map(str, (*files, seeded))]
+        )
+        mypy, said = run(
+            "mypy", root, ["--config-file", "pyproject.toml", "--cache-dir", str(cache), *map(str, (*package, *scripts, seeded))]
+        )
     problems = [*rest("ruff", ruff, "F401"), *rest("mypy", mypy, "[return-value]")]
     looked_at = LOOKED_AT.search(said)
     wanted = len(package) + len(scripts) + 1
     if looked_at is None or int(looked_at.group(1)) != wanted:
-        problems.append(f"mypy: looked at {looked_at.group(1) if looked_at else 0} of {wanted} files: see the settings in tools/pyproject.toml")
+        problems.append(
+            f"mypy: looked at {looked_at.group(1) if looked_at else 0} of {wanted} files: see the settings in tools/pyproject.toml"
+        )
     return problems, len(files)
 
 
@@ -87,7 +93,9 @@ def main() -> int:
     arguments = parser.parse_args()
     absent = missing("mypy", "ruff")
     if absent:
-        return fail(f"python: {sys.executable} has no {' and no '.join(absent)}: run cmake --workflow --preset analysis, which installs them into its build folder")
+        return fail(
+            f"python: {sys.executable} has no {' and no '.join(absent)}: run cmake --workflow --preset analysis, which installs them into its build folder"
+        )
     problems, checked = check(arguments.root.resolve(), arguments.build.resolve() / "mypy")
     return finish("python", problems, checked, "files")
 

@@ -14,8 +14,17 @@ from pathlib import Path
 from sources import fail, finish
 
 # The compiler itself calls these, whatever the sources say.
-ALLOWED = {"memcpy", "memset", "memmove", "memcmp", "__memcpy_chk", "__memset_chk", "__memmove_chk",
-           "__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
+ALLOWED = {
+    "memcpy",
+    "memset",
+    "memmove",
+    "memcmp",
+    "__memcpy_chk",
+    "__memset_chk",
+    "__memmove_chk",
+    "__stack_chk_fail",
+    "_GLOBAL_OFFSET_TABLE_",
+}
 WRITABLE = (".data", ".bss", ".tdata", ".tbss", "*COM*")
 
 
@@ -41,10 +50,14 @@ def check_table(table: str, library: str) -> tuple[list[str], int]:
         # .data.rel.ro is written by the loader alone.
         if section.startswith(WRITABLE) and not section.startswith(".data.rel.ro"):
             writable.append((name, member, section))
-    problems = [f"{library}({member}): needs {name}: keep it out of src, or inline it"
-                for name, member in sorted(needed.items()) if name not in defined and name not in ALLOWED]
-    problems += [f"{library}({member}): {name} lies in {section}: make it const, or part of the caller's state"
-                 for name, member, section in writable]
+    problems = [
+        f"{library}({member}): needs {name}: keep it out of src, or inline it"
+        for name, member in sorted(needed.items())
+        if name not in defined and name not in ALLOWED
+    ]
+    problems += [
+        f"{library}({member}): {name} lies in {section}: make it const, or part of the caller's state" for name, member, section in writable
+    ]
     return problems, functions
 
 

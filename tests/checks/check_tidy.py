@@ -29,7 +29,9 @@ SEEDED = "int ema_seeded(int a);\nint ema_seeded(int a)\n{\n    if (a = 3) {\n  
 
 def run_tidy(tidy: str, arguments: list[str], root: Path) -> list[str]:
     """Findings of one run, one line each; a run that fails without one says so."""
-    run = subprocess.run([tidy, "--quiet", f"--config-file={root / '.clang-tidy'}", *arguments], capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        [tidy, "--quiet", f"--config-file={root / '.clang-tidy'}", *arguments], capture_output=True, text=True, check=False
+    )
     found: list[str] = []
     for line in run.stdout.splitlines():
         match = FINDING.match(line)
@@ -60,8 +62,11 @@ def check(root: Path, build: Path, tidy: str, jobs: int) -> tuple[list[str], int
     """Problems, and the number of files looked at."""
     files = c_files(root, "src", suffixes=(".c",))
     known = commands(build)
-    problems = [f"{file.relative_to(root)}: {known.get(file, 0)} compile commands in {build}: it is built in float32 and in float64, configure again"
-                for file in files if known.get(file, 0) < 2]
+    problems = [
+        f"{file.relative_to(root)}: {known.get(file, 0)} compile commands in {build}: it is built in float32 and in float64, configure again"
+        for file in files
+        if known.get(file, 0) < 2
+    ]
     if not files or problems:
         return problems, len(files)
     with tempfile.TemporaryDirectory() as folder:

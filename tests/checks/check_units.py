@@ -77,8 +77,10 @@ def check(root: Path, names: Path) -> tuple[list[str], int]:
             if name in plain:
                 used.add(name)
             elif not any(name.endswith("_" + unit) for unit in units):
-                problems.append(f"{path.relative_to(root)}:{line}: `{name}` has no unit: end it in one (_Nm, _rad_s, ...),"
-                                f" or list it in {names.name} with the reason")
+                problems.append(
+                    f"{path.relative_to(root)}:{line}: `{name}` has no unit: end it in one (_Nm, _rad_s, ...),"
+                    f" or list it in {names.name} with the reason"
+                )
     problems += [f"{names.name}: `{name}` names nothing any more: remove the line" for name in sorted(plain - used)]
     return problems, looked_at
 

@@ -56,8 +56,9 @@ def check_tree(root: Path) -> list[str]:
     paths: list[Path] = []
     for folder, folders, names in os.walk(root):
         # Build folders change while the tests run, and hold other people's files.
-        folders[:] = [name for name in folders if name not in (".git", "__pycache__")
-                      and not (Path(folder) == root and name.startswith("build"))]
+        folders[:] = [
+            name for name in folders if name not in (".git", "__pycache__") and not (Path(folder) == root and name.startswith("build"))
+        ]
         paths += [Path(folder) / name for name in names]
     problems: list[str] = []
     for path in sorted(paths):

@@ -145,7 +145,7 @@ class Words(Tree):
     def test_good(self) -> None:
         """Comments, strings, fields, names of files and the float64 branch may hold any word."""
         text = (
-            "#include <time.h>\n/* malloc, double */ // printf\nconst char* t = \"exp(x) on time\";\n"
+            '#include <time.h>\n/* malloc, double */ // printf\nconst char* t = "exp(x) on time";\n'
             "#if EMA_REAL64\ntypedef double ema_real;\n#else\ntypedef float ema_real;\n#endif\n"
             "int f(const ema_s* s) { return s->time + s->log.exp + ema_exp(timer); }\n"
         )
@@ -168,9 +168,9 @@ class Words(Tree):
 
     def test_tree(self) -> None:
         """Notes to oneself and paths of one machine, in any text file, but not in the build folder."""
-        self.write("docs/a.md", "fine\nTO" "DO later\n")
-        self.write("tools/a.py", "x = '/wo" "rk/main'\n")
-        self.write("build/a.py", "x = '/wo" "rk/main'\n")
+        self.write("docs/a.md", "fine\nTODO later\n")
+        self.write("tools/a.py", "x = '/" + "work/main'\n")
+        self.write("build/a.py", "x = '/" + "work/main'\n")
         problems = check_words.check_tree(self.root)
         self.assertEqual([problem.split(": ")[0] for problem in problems], ["docs/a.md:2", "tools/a.py:1"])
 
@@ -200,8 +200,10 @@ class Symbols(Tree):
     @unittest.skipUnless(COMPILER and NM and sys.platform == "linux", "needs a compiler and nm")
     def test_examples(self) -> None:
         """Good code passes; a library call, a global and a hidden static fail, each by name."""
-        good = ("void* memcpy(void*, const void*, unsigned long);\nstatic const char* const names[2] = {\"a\", \"b\"};\n"
-                "const char* f(int i, int* p) { memcpy(p, &i, sizeof i); return names[i]; }\n")
+        good = (
+            'void* memcpy(void*, const void*, unsigned long);\nstatic const char* const names[2] = {"a", "b"};\n'
+            "const char* f(int i, int* p) { memcpy(p, &i, sizeof i); return names[i]; }\n"
+        )
         self.assertEqual(self.verdict(good)[0], 0, self.verdict(good)[1])
         bad = {
             "void* malloc(unsigned long); void* f(void) { return malloc(3); }": "needs malloc",
@@ -224,10 +226,10 @@ class Symbols(Tree):
 
     def test_problem_names_the_object(self) -> None:
         """The message carries the member of the library."""
-        table = ("Symbols from libema.a[ema_pid.c.o]:\n\n"
-                 "ema_pid |0000| T | FUNC|0010| |.text\npow | | U | NOTYPE| | |*UND*\n")
-        self.assertEqual(check_symbols.check_table(table, "libema.a"),
-                         (["libema.a(ema_pid.c.o): needs pow: keep it out of src, or inline it"], 1))
+        table = "Symbols from libema.a[ema_pid.c.o]:\n\nema_pid |0000| T | FUNC|0010| |.text\npow | | U | NOTYPE| | |*UND*\n"
+        self.assertEqual(
+            check_symbols.check_table(table, "libema.a"), (["libema.a(ema_pid.c.o): needs pow: keep it out of src, or inline it"], 1)
+        )
 
 
 class Calls(Tree):
@@ -248,7 +250,18 @@ class Calls(Tree):
         sources = [str(path) for path in (*(self.root / "src").rglob("*.c"), self.root / "other/c.c")]
         subprocess.run([str(COMPILER), "-std=c11", "-O2", "-c", *sources], cwd=self.root, check=True)
         subprocess.run(["ar", "rc", str(library), *(f"{Path(name).stem}.o" for name in sources)], cwd=self.root, check=True)
-        command = [sys.executable, str(HERE / "check_calls.py"), "--root", str(self.root), "--compiler", str(COMPILER), "--nm", str(NM), str(library), str(library)]
+        command = [
+            sys.executable,
+            str(HERE / "check_calls.py"),
+            "--root",
+            str(self.root),
+            "--compiler",
+            str(COMPILER),
+            "--nm",
+            str(NM),
+            str(library),
+            str(library),
+        ]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         return run.returncode, run.stdout + run.stderr
 
@@ -267,7 +280,10 @@ class Calls(Tree):
         }
         for text, expected in bad.items():
             self.write("src/base/d.c", text)
-            self.write("src/base/b.c", "int b(int i);\nint c(int i);\nint b(int i) { return " + ("c(i - 1)" if "int c(" in text else "2 * i") + "; }\n")
+            self.write(
+                "src/base/b.c",
+                "int b(int i);\nint c(int i);\nint b(int i) { return " + ("c(i - 1)" if "int c(" in text else "2 * i") + "; }\n",
+            )
             code, output = self.verdict()
             self.assertEqual(code, 1, text)
             self.assertIn(expected, output)
@@ -294,9 +310,10 @@ class Units(Tree):
     def setUp(self) -> None:
         super().setUp()
         self.names = self.write("names.txt", "# comment\nunit Nm\nunit rad_s\nplain gain factor\n")
-        self.write("include/ema/ema_a.h",
-                   "typedef struct { ema_real torque_Nm; ema_real gain; /* ema_real odd; */ int count; } a_t;\n"
-                   "ema_real f(ema_real x);\n")
+        self.write(
+            "include/ema/ema_a.h",
+            "typedef struct { ema_real torque_Nm; ema_real gain; /* ema_real odd; */ int count; } a_t;\nema_real f(ema_real x);\n",
+        )
 
     def problems(self) -> list[str]:
         """Problems of the project."""
@@ -308,21 +325,30 @@ class Units(Tree):
 
     def test_bad_fields(self) -> None:
         """A bare name, the second of two, an array, a pointer, a nested structure; the line is right."""
-        for field, name in (("ema_real torque;", "torque"), ("ema_real a_Nm, speed;", "speed"), ("float level[3];", "level"),
-                            ("const ema_real* table;", "table"), ("struct { int n; ema_real inner; } s;", "inner"),
-                            ("ema_real Nm;", "Nm")):
+        for field, name in (
+            ("ema_real torque;", "torque"),
+            ("ema_real a_Nm, speed;", "speed"),
+            ("float level[3];", "level"),
+            ("const ema_real* table;", "table"),
+            ("struct { int n; ema_real inner; } s;", "inner"),
+            ("ema_real Nm;", "Nm"),
+        ):
             self.write("include/ema/ema_b.h", f"struct b {{\n    int n;\n    {field}\n}};\n")
             self.assertEqual(len(self.problems()), 1, field)
             self.assertTrue(self.problems()[0].startswith(f"include/ema/ema_b.h:3: `{name}` has no unit"), self.problems()[0])
 
     def test_bad_rows(self) -> None:
         """The rows of the lists are held to the same rule; macros in headers are not fields."""
-        self.write("include/ema/ema_p.def",
-                   'EMA_PARAM(motor, torque_Nm, 1.0, 0.0, 2.0, "t")\nEMA_PARAM(motor, speed, 1.0, 0.0, 2.0, "t")\n'
-                   'EMA_EFFECT(x, TORQUE, 0, 1, "e", "s", "l",\n   EMA_P(size, 0.0, 0.0, 1.0, "t") EMA_P(b_rad_s, -1.0, 0.0, 1.0, "t"))\n')
+        self.write(
+            "include/ema/ema_p.def",
+            'EMA_PARAM(motor, torque_Nm, 1.0, 0.0, 2.0, "t")\nEMA_PARAM(motor, speed, 1.0, 0.0, 2.0, "t")\n'
+            'EMA_EFFECT(x, TORQUE, 0, 1, "e", "s", "l",\n   EMA_P(size, 0.0, 0.0, 1.0, "t") EMA_P(b_rad_s, -1.0, 0.0, 1.0, "t"))\n',
+        )
         self.write("include/ema/ema_c.h", "typedef struct {\n#define EMA_P(field, n) ema_real field;\n#undef EMA_P\n} c_t;\n")
-        self.assertEqual([problem.split(" has")[0] for problem in self.problems()],
-                         ["include/ema/ema_p.def:2: `speed`", "include/ema/ema_p.def:4: `size`"])
+        self.assertEqual(
+            [problem.split(" has")[0] for problem in self.problems()],
+            ["include/ema/ema_p.def:2: `speed`", "include/ema/ema_p.def:4: `size`"],
+        )
 
     def test_stale_and_broken_list(self) -> None:
         """A name that nothing uses; a line without a reason."""
@@ -378,7 +404,12 @@ class Compiles(Tree):
         self.write("README.md", "no C\n")
         good = 'Text.\n\n```c\n#include "ema/a.h"\nint32_t b(void);\nint32_t b(void)\n{\n    return a(1);\n}\n```\n'
         self.assertEqual(self.snippets(page=good), [])
-        for bad in (good.replace("a(1)", "a(1, 2)"), good.replace("a(1)", "c(1)"), good.replace("ema/a.h", "ema/c.h"), good.replace("a(1);", "a(1)")):
+        for bad in (
+            good.replace("a(1)", "a(1, 2)"),
+            good.replace("a(1)", "c(1)"),
+            good.replace("ema/a.h", "ema/c.h"),
+            good.replace("a(1);", "a(1)"),
+        ):
             problems = self.snippets(page=bad)
             self.assertEqual(len(problems), 2)
             self.assertRegex(problems[0], r"^docs/page\.md, EMA_REAL64=0: docs/page\.md:[4-9]")
@@ -426,12 +457,17 @@ class Misra(Tree):
         """A fault in the source is seen, a mark with a row answers it, and without the fault the mark is too much."""
         self.write("docs/MISRA.md", "")
         self.write("src/base/a.c", self.FAULT)
-        self.assertEqual(self.problems(str(CPPCHECK)), ["src/base/a.c:5: against the required rule 10.4: mend it, or mark it with a deviation of docs/MISRA.md"])
+        self.assertEqual(
+            self.problems(str(CPPCHECK)),
+            ["src/base/a.c:5: against the required rule 10.4: mend it, or mark it with a deviation of docs/MISRA.md"],
+        )
         self.write("docs/MISRA.md", self.ROW)
         self.write("src/base/a.c", self.FAULT.replace("2U;", "2U; /* EMA-D1 */"))
         self.assertEqual(self.problems(str(CPPCHECK)), [])
         self.write("src/base/a.c", self.GOOD.replace("2U;", "2U; /* EMA-D1 */"))
-        self.assertEqual(self.problems(str(CPPCHECK)), ["src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"])
+        self.assertEqual(
+            self.problems(str(CPPCHECK)), ["src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"]
+        )
 
     @unittest.skipUnless(CPPCHECK, "needs cppcheck")
     def test_source_that_is_no_c(self) -> None:
@@ -458,22 +494,38 @@ class Misra(Tree):
         found = {check_misra.Finding("src/a.c", 3, "10.4"), check_misra.Finding("src/a.c", 4, "15.5")}
         self.assertEqual(check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}}), [])
         for rule, group in (("10.4", "required"), ("17.3", "mandatory"), ("99.9", "required")):
-            self.assertIn(f"src/a.c:9: against the {group} rule {rule}",
-                          check_misra.judge({check_misra.Finding("src/a.c", 9, rule)} | found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}})[0])
-        self.assertIn("src/a.c:9: EMA-D3 is no deviation", check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}})[0])
-        self.assertEqual(check_misra.judge(found, rows, {place: {"EMA-D1"}}), ["docs/MISRA.md: EMA-D2 is used nowhere any more: take its row out"])
+            self.assertIn(
+                f"src/a.c:9: against the {group} rule {rule}",
+                check_misra.judge({check_misra.Finding("src/a.c", 9, rule)} | found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}})[0],
+            )
+        self.assertIn(
+            "src/a.c:9: EMA-D3 is no deviation", check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}})[0]
+        )
+        self.assertEqual(
+            check_misra.judge(found, rows, {place: {"EMA-D1"}}), ["docs/MISRA.md: EMA-D2 is used nowhere any more: take its row out"]
+        )
 
     def test_marks(self) -> None:
         """A comment of its own is for the line below; lists are read as well."""
         self.write("src/base/a.c", "/* EMA-D1, EMA-D2 */\n#define A(x) x\nint b; /* EMA-D3 */\n")
         self.write("include/ema/a.def", "A(1) /* EMA-D1 */\n")
-        self.assertEqual(check_misra.read_marks(self.root), {check_misra.Line("include/ema/a.def", 1): {"EMA-D1"},
-                                                            check_misra.Line("src/base/a.c", 2): {"EMA-D1", "EMA-D2"}, check_misra.Line("src/base/a.c", 3): {"EMA-D3"}})
+        self.assertEqual(
+            check_misra.read_marks(self.root),
+            {
+                check_misra.Line("include/ema/a.def", 1): {"EMA-D1"},
+                check_misra.Line("src/base/a.c", 2): {"EMA-D1", "EMA-D2"},
+                check_misra.Line("src/base/a.c", 3): {"EMA-D3"},
+            },
+        )
 
     def test_rows(self) -> None:
         """A row without its reason, one twice, and those for rules that can have none."""
-        for text, message in (("| EMA-D1 | 10.4 | addon | |\n", ":1: write"), (self.ROW + self.ROW, ":2: EMA-D1 stands there twice"),
-                              (self.ROW.replace("10.4", "17.3"), "17.3 is mandatory"), (self.ROW.replace("10.4", "15.5"), "15.5 is advisory")):
+        for text, message in (
+            ("| EMA-D1 | 10.4 | addon | |\n", ":1: write"),
+            (self.ROW + self.ROW, ":2: EMA-D1 stands there twice"),
+            (self.ROW.replace("10.4", "17.3"), "17.3 is mandatory"),
+            (self.ROW.replace("10.4", "15.5"), "15.5 is advisory"),
+        ):
             with self.assertRaisesRegex(ValueError, message):
                 check_misra.read_deviations(self.write("docs/MISRA.md", text))
 
@@ -502,7 +554,10 @@ class Tidy(Tree):
 
     def commands(self, *files: Path) -> None:
         """The list that CMake writes."""
-        self.write("build/compile_commands.json", json.dumps([{"directory": str(self.root), "file": str(file), "command": f"cc -std=c11 -c {file}"} for file in files]))
+        self.write(
+            "build/compile_commands.json",
+            json.dumps([{"directory": str(self.root), "file": str(file), "command": f"cc -std=c11 -c {file}"} for file in files]),
+        )
 
     def problems(self) -> list[str]:
         """Problems of the tree."""

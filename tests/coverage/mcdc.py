@@ -110,7 +110,9 @@ def owners_of(function: dict[str, Any], records: list[tuple[Row, list[bool]]]) -
 
 def decisions_of(function: dict[str, Any], files: dict[str, list[str]]) -> dict[Key, Decision]:
     """The decisions of one function by file, function, place and how often that place came before (a macro used more than once)."""
-    records: list[tuple[Row, list[bool]]] = sorted(((row[:4], row[-1]) for row in function.get("mcdc_records", [])), key=lambda record: record[0])
+    records: list[tuple[Row, list[bool]]] = sorted(
+        ((row[:4], row[-1]) for row in function.get("mcdc_records", [])), key=lambda record: record[0]
+    )
     owners = owners_of(function, records)
     if owners is None:
         raise ReadError(f"{function['name']}: its {len(records)} decisions and their conditions do not fit together")
@@ -148,5 +150,7 @@ def export(llvm_cov: str, llvm_profdata: str, objects: list[Path], profiles: lis
     merged = work / "merged.profdata"
     subprocess.run([llvm_profdata, "merge", "-sparse", *map(str, profiles), "-o", str(merged)], check=True)
     sources = [str(objects[0]), *(part for file in objects[1:] for part in ("-object", str(file)))]
-    run = subprocess.run([llvm_cov, "export", "-format=text", f"-instr-profile={merged}", *sources], check=True, capture_output=True, text=True)
+    run = subprocess.run(
+        [llvm_cov, "export", "-format=text", f"-instr-profile={merged}", *sources], check=True, capture_output=True, text=True
+    )
     return dict(json.loads(run.stdout))

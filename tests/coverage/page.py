@@ -23,7 +23,12 @@ LIMITS = {"lines": 99.0, "branches": 99.0, "conditions": 95.0}
 SECTIONS = {"lines": "Lines and branches", "mcdc": "Conditions"}
 COUNTED = {"lines": ("lines", "branches"), "mcdc": ("conditions",)}
 # Libraries by their folder of objects, and the tests that run them by the end of their names: both precisions, and builds without some effects or without any.
-LIBRARIES = {"f32": "CMakeFiles/ema.dir", "f64": "CMakeFiles/ema64.dir", "some": "tests/CMakeFiles/ema_some.dir", "none": "tests/CMakeFiles/ema_none.dir"}
+LIBRARIES = {
+    "f32": "CMakeFiles/ema.dir",
+    "f64": "CMakeFiles/ema64.dir",
+    "some": "tests/CMakeFiles/ema_some.dir",
+    "none": "tests/CMakeFiles/ema_none.dir",
+}
 # Problems that are printed; more of them have one cause.
 SHOWN = 20
 TABLE = "tests/coverage/gaps.toml"
@@ -40,7 +45,7 @@ cmake --workflow --preset mcdc        conditions; `cmake --build build-mcdc --ta
 ```
 
 A gap without its explanation in `{TABLE}` fails them, and so does an explanation without its gap.
-At least {LIMITS['lines']:.0f} % of lines, {LIMITS['branches']:.0f} % of branches and {LIMITS['conditions']:.0f} % of conditions must be reached.
+At least {LIMITS["lines"]:.0f} % of lines, {LIMITS["branches"]:.0f} % of branches and {LIMITS["conditions"]:.0f} % of conditions must be reached.
 """
 
 ABOUT = {
@@ -105,7 +110,9 @@ def read_table(path: Path) -> list[Explained]:
         missed = {kind: row[kind] for kind in LIMITS if kind in row}
         unknown = sorted(set(row) - {"file", "code", "why", *LIMITS})
         if unknown:
-            raise PageError(f"{path.name}, gap {number}: `{unknown[0]}` is no key: give file, code, why and a number of {', '.join(LIMITS)}")
+            raise PageError(
+                f"{path.name}, gap {number}: `{unknown[0]}` is no key: give file, code, why and a number of {', '.join(LIMITS)}"
+            )
         if not all(isinstance(row.get(key), str) and row[key].strip() for key in ("file", "code", "why")):
             raise PageError(f"{path.name}, gap {number}: give file, code and why")
         if not missed or not all(isinstance(count, int) and count > 0 for count in missed.values()):
@@ -172,7 +179,9 @@ def unexplained(found: Measured, table: list[Explained]) -> list[str]:
     for number, row in enumerate(table):
         for kind, missed in row.missed.items():
             if kind in found.counts and met[(number, kind)] != missed:
-                problems.append(f"{TABLE}: {missed} of the {kind} of `{row.code}` in {row.file} are explained, {met[(number, kind)]} are not reached: correct the row or take it out")
+                problems.append(
+                    f"{TABLE}: {missed} of the {kind} of `{row.code}` in {row.file} are explained, {met[(number, kind)]} are not reached: correct the row or take it out"
+                )
     return problems
 
 
@@ -182,9 +191,14 @@ def section(what: str, found: Measured, table: list[Explained], compiler: str) -
     lines = [f"## {SECTIONS[what]}", "", f"Measured with {compiler}. {ABOUT[what]}", ""]
     lines += ["| file |" + "".join(f" {kind} | reached | % |" for kind in kinds), "|---|" + "---:|---:|---:|" * len(kinds)]
     files = sorted({file for kind in kinds for file, count in found.counts[kind].items() if count.total})
-    rows = [("all", [found.total(kind) for kind in kinds])] + [(f"`{file}`", [found.counts[kind].get(file, Count()) for kind in kinds]) for file in files]
+    rows = [("all", [found.total(kind) for kind in kinds])] + [
+        (f"`{file}`", [found.counts[kind].get(file, Count()) for kind in kinds]) for file in files
+    ]
     for name, counts in rows:
-        lines.append(f"| {name} |" + "".join(f" {count.total} | {count.hit} | {count.percent:.1f} |" if count.total else " 0 | | |" for count in counts))
+        lines.append(
+            f"| {name} |"
+            + "".join(f" {count.total} | {count.hit} | {count.percent:.1f} |" if count.total else " 0 | | |" for count in counts)
+        )
     explained = [row for row in table if any(kind in row.missed for kind in kinds)]
     lines += ["", f"### What is not reached of {' and '.join(kinds)}", ""]
     if explained:
@@ -253,7 +267,9 @@ def measure(given: argparse.Namespace) -> tuple[Measured, str]:
         objects = sorted((build / folder).rglob("*.o"))
         profiles = sorted((build / "profiles").glob(f"test_*_{ending}.profraw"))
         if not objects or not profiles:
-            raise PageError(f"no {'objects' if not objects else 'profiles'} of the tests that end in {ending}: build and run the tests of this build first")
+            raise PageError(
+                f"no {'objects' if not objects else 'profiles'} of the tests that end in {ending}: build and run the tests of this build first"
+            )
         mcdc.join(decisions, mcdc.read(mcdc.export(given.llvm_cov, given.llvm_profdata, objects, profiles, build)))
     return measured_mcdc(root, decisions), f"clang {version_of(given.compiler)}"
 

@@ -55,6 +55,18 @@ def join(libraries: list[dict[Place, Line]]) -> dict[Place, Line]:
 def measure(gcovr: str, root: Path, build: Path, library: Path) -> dict[Place, Line]:
     """What ran of one library's objects."""
     written = build / "coverage-lines.json"
-    command = [gcovr, "--root", str(root), "--filter", "src/", "--object-directory", str(build), str(build / library), "--exclude-unreachable-branches", "--json", str(written)]
+    command = [
+        gcovr,
+        "--root",
+        str(root),
+        "--filter",
+        "src/",
+        "--object-directory",
+        str(build),
+        str(build / library),
+        "--exclude-unreachable-branches",
+        "--json",
+        str(written),
+    ]
     subprocess.run(command, check=True, cwd=root, stdout=subprocess.DEVNULL)
     return read(json.loads(written.read_text(encoding="utf-8")))

@@ -15,11 +15,19 @@ CODE = "src/plant/code.c"
 LINES = ["int f(int a, int b)", "{", "    if ((a > 0) && (b > 0)) {", "        return HELD(a);", "    }", "    return g(a);", "}"]
 
 
-def function(records: list[list[Any]], conditions: list[list[int]], expansions: list[list[int]], names: list[str], name: str = "f") -> dict[str, Any]:
+def function(
+    records: list[list[Any]], conditions: list[list[int]], expansions: list[list[int]], names: list[str], name: str = "f"
+) -> dict[str, Any]:
     """One function as llvm-cov exports it: conditions and expansions as (line, column, end line, end column, file, expanded file)."""
     branches = [[*row[:4], 1, 1, row[4], 0, mcdc.CONDITION] for row in conditions]
     regions = [[*row[:4], 1, row[4], row[5], mcdc.EXPANSION] for row in expansions]
-    return {"name": name, "filenames": names, "branches": branches, "regions": regions, "mcdc_records": [[*row[:4], 0, 5, row[4]] for row in records]}
+    return {
+        "name": name,
+        "filenames": names,
+        "branches": branches,
+        "regions": regions,
+        "mcdc_records": [[*row[:4], 0, 5, row[4]] for row in records],
+    }
 
 
 class Tree(unittest.TestCase):
@@ -50,7 +58,9 @@ class Reached(unittest.TestCase):
     def library(count: int, branches: list[int]) -> dict[reached.Place, reached.Line]:
         """A library of one line, with a line that is no code behind it."""
         line = {"line_number": 3, "count": count, "branches": [{"count": taken} for taken in branches], "gcovr/noncode": False}
-        return reached.read({"files": [{"file": CODE, "lines": [line, {"line_number": 4, "count": 0, "branches": [], "gcovr/noncode": True}]}]})
+        return reached.read(
+            {"files": [{"file": CODE, "lines": [line, {"line_number": 4, "count": 0, "branches": [], "gcovr/noncode": True}]}]}
+        )
 
     def test_libraries_are_joined_line_by_line(self) -> None:
         """Each library adds what it ran."""
@@ -91,7 +101,9 @@ class Conditions(Tree):
 
     def test_a_condition_of_a_macro_belongs_to_the_decision_that_calls_it(self) -> None:
         """The branch lies in the macro's own lines."""
-        called = function([[3, 9, 3, 28, [True, False]]], [[3, 9, 3, 16, 0], [1, 1, 1, 4, 1]], [[3, 20, 3, 27, 0, 1]], [str(self.code), str(self.code)])
+        called = function(
+            [[3, 9, 3, 28, [True, False]]], [[3, 9, 3, 16, 0], [1, 1, 1, 4, 1]], [[3, 20, 3, 27, 0, 1]], [str(self.code), str(self.code)]
+        )
         (decision,) = self.read(called).values()
         self.assertEqual((decision.count, decision.missing()), (2, ["int"]))
 
@@ -160,13 +172,17 @@ class Page(Tree):
     def test_limits(self) -> None:
         """Too little, and nothing at all."""
         self.found.counts["branches"][CODE].add(100, 0)
-        self.assertTrue(any("% of branches are reached, not 99 %" in problem for problem in page.problems_of(self.found, self.table(self.ROW))))
+        self.assertTrue(
+            any("% of branches are reached, not 99 %" in problem for problem in page.problems_of(self.found, self.table(self.ROW)))
+        )
         nothing = page.measured_lines(self.root, {})
-        self.assertEqual([problem.split(":")[0] for problem in page.problems_of(nothing, [])], ["no lines were counted", "no branches were counted"])
+        self.assertEqual(
+            [problem.split(":")[0] for problem in page.problems_of(nothing, [])], ["no lines were counted", "no branches were counted"]
+        )
 
     def test_a_row_that_says_nothing(self) -> None:
         """Each is named by its number."""
-        bad = {"is no key": 'branch = 1\n', "give file, code and why": 'why = " "\n', "say how many": "lines = 0\n"}
+        bad = {"is no key": "branch = 1\n", "give file, code and why": 'why = " "\n', "say how many": "lines = 0\n"}
         for text, change in bad.items():
             key = change.split(" ")[0]
             row = "".join(line for line in self.ROW.splitlines(keepends=True) if not line.startswith(key)) + change
@@ -195,7 +211,9 @@ class Page(Tree):
         found = page.measured_mcdc(self.root, {(str(self.code), "f", (3, 9, 3, 28), 0): decision})
         table = self.table(self.ROW.replace("branches", "conditions"))
         self.assertEqual(found.total("conditions"), page.Count(2, 1))
-        self.assertIn(f"| `{CODE}`: `(a > 0)` | 1 of the conditions, `(b > 0)` | it is so |", page.section("mcdc", found, table, "clang 3.4"))
+        self.assertIn(
+            f"| `{CODE}`: `(a > 0)` | 1 of the conditions, `(b > 0)` | it is so |", page.section("mcdc", found, table, "clang 3.4")
+        )
 
 
 if __name__ == "__main__":

@@ -33,7 +33,9 @@ ema_real fuzz_share(fuzz_bytes_t* bytes)
 
 ema_real fuzz_any(fuzz_bytes_t* bytes)
 {
-    static const float special[] = {NAN, -NAN, INFINITY, -INFINITY, 0.0F, -0.0F, FLT_MIN, -FLT_MIN, FLT_MIN / 8.0F, FLT_MAX, -FLT_MAX, FLT_EPSILON, 1.0F, -1.0F, 1.0e30F, -1.0e30F};
+    static const float special[] = {NAN,     -NAN,     INFINITY,       -INFINITY, 0.0F,     -0.0F,
+                                    FLT_MIN, -FLT_MIN, FLT_MIN / 8.0F, FLT_MAX,   -FLT_MAX, FLT_EPSILON,
+                                    1.0F,    -1.0F,    1.0e30F,        -1.0e30F};
     const uint8_t kind = fuzz_u8(bytes);
     float value = special[kind % 16U];
     if (kind >= 64U) {
@@ -79,7 +81,8 @@ void fuzz_change(fuzz_bytes_t* bytes, ema_actuator_t* actuator, bool wild)
     const ema_range_t* const range = ema_actuator_range(id);
     FUZZ_REQUIRE(range != NULL);
     if (id < EMA_VALUE_COUNT) {
-        FUZZ_REQUIRE(ema_actuator_set(actuator, (ema_value_id_t)id, wild ? fuzz_any(bytes) : fuzz_within(bytes, range)) == EMA_OK);
+        FUZZ_REQUIRE(ema_actuator_set(actuator, (ema_value_id_t)id, wild ? fuzz_any(bytes) : fuzz_within(bytes, range))
+                     == EMA_OK);
     } else {
         /* the largest seed is no float: the next one beyond it is asked for as the smallest number there is */
         const int32_t option = wild ? (int32_t)fuzz_u32(bytes) : (int32_t)(uint32_t)(int64_t)fuzz_within(bytes, range);

@@ -1,4 +1,5 @@
-/* What the fuzz targets share: reading choices from the input's bytes, and properties that end the run when they do not hold. */
+/* What the fuzz targets share: reading choices from the input's bytes, and properties that end the run when they do not
+ * hold. */
 #ifndef EMA_FUZZ_H
 #define EMA_FUZZ_H
 
@@ -13,12 +14,12 @@
 /* libFuzzer calls this with every input; it answers 0. */
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
-#define FUZZ_REQUIRE(condition)                                                                        \
-    do {                                                                                               \
-        if (!(condition)) {                                                                            \
-            (void)fprintf(stderr, "%s:%d: property does not hold: %s\n", __FILE__, __LINE__, #condition); \
-            abort();                                                                                   \
-        }                                                                                              \
+#define FUZZ_REQUIRE(condition)                                                                                        \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            (void)fprintf(stderr, "%s:%d: property does not hold: %s\n", __FILE__, __LINE__, #condition);              \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 /* The bytes not yet used; behind their end everything reads zero. */

@@ -1,4 +1,5 @@
-/* An actuator and a session configured with any numbers: a status, or a model whose every row is finite or says that it diverged. */
+/* An actuator and a session configured with any numbers: a status, or a model whose every row is finite or says that it
+ * diverged. */
 #include "ema/ema_session.h"
 #include "ema_fuzz.h"
 
@@ -11,8 +12,8 @@
 
 static bool output_finite(const ema_output_t* output)
 {
-    return fuzz_finite(output->position_mm) && fuzz_finite(output->motor_position_mm) && fuzz_finite(output->current_A) && fuzz_finite(output->voltage_V)
-           && fuzz_finite(output->speed_mm_s);
+    return fuzz_finite(output->position_mm) && fuzz_finite(output->motor_position_mm) && fuzz_finite(output->current_A)
+           && fuzz_finite(output->voltage_V) && fuzz_finite(output->speed_mm_s);
 }
 
 static void try_model(fuzz_bytes_t* bytes, const ema_actuator_t* actuator, ema_status_t checked)
@@ -22,16 +23,19 @@ static void try_model(fuzz_bytes_t* bytes, const ema_actuator_t* actuator, ema_s
     (void)memset(&before, 0x5A, sizeof before);
     (void)memcpy(&model, &before, sizeof model);
     const ema_real travel_mm = actuator->params.travel_mm;
-    const ema_real start_mm = ((fuzz_u8(bytes) % 4U) == 0U) ? fuzz_any(bytes) : (travel_mm * (fuzz_share(bytes) - EMA_R(0.5)));
+    const ema_real start_mm =
+        ((fuzz_u8(bytes) % 4U) == 0U) ? fuzz_any(bytes) : (travel_mm * (fuzz_share(bytes) - EMA_R(0.5)));
     ema_status_t status = ema_model_init(&model, actuator, start_mm);
     if (status != EMA_OK) {
-        FUZZ_REQUIRE((memcmp(&model.plant, &before.plant, sizeof model.plant) == 0) && (memcmp(&model.state, &before.state, sizeof model.state) == 0));
+        FUZZ_REQUIRE((memcmp(&model.plant, &before.plant, sizeof model.plant) == 0)
+                     && (memcmp(&model.state, &before.state, sizeof model.state) == 0));
         return;
     }
     FUZZ_REQUIRE(checked == EMA_OK);
     for (uint32_t k = 0; (k < STEPS) && ((k * model.plant.substeps) <= SUBSTEPS) && (status != EMA_ERR_DIVERGED); ++k) {
         const uint8_t kind = fuzz_u8(bytes);
-        const ema_real command_mm = (kind < 8U) ? fuzz_any(bytes) : (travel_mm * ((ema_real)kind - EMA_R(128.0)) / EMA_R(120.0));
+        const ema_real command_mm =
+            (kind < 8U) ? fuzz_any(bytes) : (travel_mm * ((ema_real)kind - EMA_R(128.0)) / EMA_R(120.0));
         ema_output_t output = {0};
         status = ema_model_step(&model, command_mm, &output);
         if (status == EMA_ERR_NOT_FINITE) {
@@ -107,7 +111,10 @@ static void try_session(fuzz_bytes_t* bytes, const ema_actuator_t* actuator, ema
     static ema_real buffer[ROWS * (1U + EMA_CHANNEL_COUNT)];
     static ema_session_t session;
     ema_session_config_t config;
-    ema_record_config_t record = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL, .command_full_scale_mm = EMA_R(30.0)};
+    ema_record_config_t record = {.buffer = buffer,
+                                  .buffer_bytes = sizeof buffer,
+                                  .format = EMA_RECORD_REAL,
+                                  .command_full_scale_mm = EMA_R(30.0)};
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         record.full_scale[channel] = EMA_R(30.0);
     }

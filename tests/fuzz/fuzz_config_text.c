@@ -1,4 +1,5 @@
-/* The host program's actuator file: any bytes give an actuator that passes its own check, or one printable line that says why. */
+/* The host program's actuator file: any bytes give an actuator that passes its own check, or one printable line that
+ * says why. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "ema_config.h"

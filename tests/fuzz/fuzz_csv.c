@@ -1,4 +1,5 @@
-/* Recordings as text: any bytes give rows of finite numbers, or a status with one printable line that says why, the same however the bytes arrive. */
+/* Recordings as text: any bytes give rows of finite numbers, or a status with one printable line that says why, the
+ * same however the bytes arrive. */
 #include "ema_csv.h"
 #include "ema_fuzz.h"
 
@@ -78,7 +79,8 @@ static void read_all(ema_csv_t* csv, const uint8_t* text, size_t size, size_t ch
     (void)memcpy(reading->fit_message, csv->message, sizeof reading->fit_message);
     if (reading->status == EMA_CSV_END) {
         FUZZ_REQUIRE(reading->rows >= EMA_CSV_ROWS_MIN);
-        FUZZ_REQUIRE((reading->fit == EMA_CSV_OK) || (reading->fit == EMA_CSV_UNIT) || (reading->fit == EMA_CSV_PERIOD));
+        FUZZ_REQUIRE((reading->fit == EMA_CSV_OK) || (reading->fit == EMA_CSV_UNIT)
+                     || (reading->fit == EMA_CSV_PERIOD));
         FUZZ_REQUIRE((reading->fit == EMA_CSV_OK) == (reading->fit_message[0] == '\0'));
     } else {
         FUZZ_REQUIRE((reading->status > EMA_CSV_OPEN) && (reading->status < EMA_CSV_UNIT));
@@ -110,7 +112,8 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     const size_t chunk = (size > 0U) ? (1U + (size_t)(data[size - 1U] % 61U)) : 1U;
     read_all(&csv, data, size, size + 1U, &whole);
     read_all(&csv, data, size, chunk, &parts);
-    FUZZ_REQUIRE((whole.status == parts.status) && (whole.fit == parts.fit) && (whole.rows == parts.rows) && (whole.hash == parts.hash));
+    FUZZ_REQUIRE((whole.status == parts.status) && (whole.fit == parts.fit) && (whole.rows == parts.rows)
+                 && (whole.hash == parts.hash));
     FUZZ_REQUIRE(strcmp(whole.message, parts.message) == 0);
     FUZZ_REQUIRE(strcmp(whole.fit_message, parts.fit_message) == 0);
     if (whole.status == EMA_CSV_END) {

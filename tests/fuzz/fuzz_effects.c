@@ -1,5 +1,5 @@
-/* Effects with any values of their ranges, several at once: every row is finite or the model says that it diverged; an effect at zero is not there, bit for bit; a copy
- * goes on as the model itself does. */
+/* Effects with any values of their ranges, several at once: every row is finite or the model says that it diverged; an
+ * effect at zero is not there, bit for bit; a copy goes on as the model itself does. */
 #include "ema/ema_model.h"
 #include "ema_fuzz.h"
 
@@ -14,8 +14,9 @@ typedef struct {
     size_t count;
 } effect_t;
 
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
-    {EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)), sizeof(ema_effect_##name##_t) / sizeof(ema_real)},
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    {EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)),                                             \
+     sizeof(ema_effect_##name##_t) / sizeof(ema_real)},
 static const effect_t effects[] = {
 #include "ema/ema_effects.def"
 };
@@ -40,8 +41,8 @@ static bool same_bits(const ema_output_t* a, const ema_output_t* b)
 
 static bool output_finite(const ema_output_t* output)
 {
-    return fuzz_finite(output->position_mm) && fuzz_finite(output->motor_position_mm) && fuzz_finite(output->current_A) && fuzz_finite(output->voltage_V)
-           && fuzz_finite(output->speed_mm_s);
+    return fuzz_finite(output->position_mm) && fuzz_finite(output->motor_position_mm) && fuzz_finite(output->current_A)
+           && fuzz_finite(output->voltage_V) && fuzz_finite(output->speed_mm_s);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

@@ -1,5 +1,6 @@
-/* Samples, call order and slices of the session: whatever is asked of it in between, and however often it is copied, put back or begun anew, the answer is the bits
- * that one straight run gives; a call out of place answers its status and changes nothing. */
+/* Samples, call order and slices of the session: whatever is asked of it in between, and however often it is copied,
+ * put back or begun anew, the answer is the bits that one straight run gives; a call out of place answers its status
+ * and changes nothing. */
 #include "ema/ema_session.h"
 #include "ema_fuzz.h"
 
@@ -17,13 +18,15 @@ typedef struct {
 static ema_sample_t samples[ROWS_MAX];
 static uint32_t sample_count;
 
-/* The actuator, record format and search that the head of the input asks for; both rigs are alike but for their buffers. */
+/* The actuator, record format and search that the head of the input asks for; both rigs are alike but for their
+ * buffers. */
 static bool make_rig(rig_t* rig, fuzz_bytes_t bytes)
 {
     (void)memset(rig, 0, sizeof *rig);
     FUZZ_REQUIRE(ema_actuator_defaults(&rig->actuator) == EMA_OK);
     const uint8_t head = fuzz_u8(&bytes);
-    ema_record_config_t record = {.buffer = rig->buffer, .buffer_bytes = sizeof rig->buffer, .command_full_scale_mm = EMA_R(26.0)};
+    ema_record_config_t record = {
+        .buffer = rig->buffer, .buffer_bytes = sizeof rig->buffer, .command_full_scale_mm = EMA_R(26.0)};
     record.full_scale[EMA_CHANNEL_POSITION] = EMA_R(26.0);
     record.format = ((head & 1U) != 0U) ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
     rig->actuator.options.side = (head >> 1) & 1;
@@ -46,7 +49,8 @@ static bool make_rig(rig_t* rig, fuzz_bytes_t bytes)
     ema_session_t trial;
     ema_model_t model;
     /* a model of many integration steps only makes inputs long */
-    return (ema_model_init(&model, &rig->actuator, EMA_R(0.0)) == EMA_OK) && (model.plant.substeps <= SUBSTEPS_MAX) && (ema_session_init(&trial, &rig->config) == EMA_OK);
+    return (ema_model_init(&model, &rig->actuator, EMA_R(0.0)) == EMA_OK) && (model.plant.substeps <= SUBSTEPS_MAX)
+           && (ema_session_init(&trial, &rig->config) == EMA_OK);
 }
 
 /* A rod that follows its command late, with what the input puts on top. */
@@ -65,7 +69,8 @@ static void make_samples(fuzz_bytes_t* bytes)
         command_mm += rate_mm;
         position_mm += follows * (command_mm - position_mm);
         samples[k].command_mm = command_mm;
-        samples[k].channel[EMA_CHANNEL_POSITION] = position_mm + ((ema_real)((k * 37U) % 17U) * (ema_real)noise * EMA_R(1.0e-5));
+        samples[k].channel[EMA_CHANNEL_POSITION] =
+            position_mm + ((ema_real)((k * 37U) % 17U) * (ema_real)noise * EMA_R(1.0e-5));
     }
     const uint32_t broken = fuzz_u8(bytes) % 8U;
     for (uint32_t k = 0; k < broken; ++k) {
@@ -85,7 +90,8 @@ static void feed(ema_session_t* session, uint32_t* fed, uint32_t count)
         const ema_sample_t* const sample = &samples[*fed];
         const ema_status_t status = ema_session_feed(session, sample);
         const bool finite = fuzz_finite(sample->command_mm) && fuzz_finite(sample->channel[EMA_CHANNEL_POSITION]);
-        FUZZ_REQUIRE((status == EMA_OK) || (status == EMA_ERR_NOT_FINITE) || (status == EMA_ERR_SCALE) || (status == EMA_ERR_FULL));
+        FUZZ_REQUIRE((status == EMA_OK) || (status == EMA_ERR_NOT_FINITE) || (status == EMA_ERR_SCALE)
+                     || (status == EMA_ERR_FULL));
         FUZZ_REQUIRE(finite || (status != EMA_OK));
         FUZZ_REQUIRE(session->record.count == (before + ((status == EMA_OK) ? 1U : 0U)));
         ++*fed;
@@ -101,12 +107,17 @@ static void require_same(const ema_result_t* a, const ema_result_t* b)
 {
     FUZZ_REQUIRE(a->identified_count == b->identified_count);
     for (uint32_t i = 0; i < a->identified_count; ++i) {
-        FUZZ_REQUIRE(same_real(a->identified[i].estimate, b->identified[i].estimate) && same_real(a->identified[i].std, b->identified[i].std));
-        FUZZ_REQUIRE(same_real(a->identified[i].shift_percent, b->identified[i].shift_percent) && (a->identified[i].at_bound == b->identified[i].at_bound));
+        FUZZ_REQUIRE(same_real(a->identified[i].estimate, b->identified[i].estimate)
+                     && same_real(a->identified[i].std, b->identified[i].std));
+        FUZZ_REQUIRE(same_real(a->identified[i].shift_percent, b->identified[i].shift_percent)
+                     && (a->identified[i].at_bound == b->identified[i].at_bound));
     }
-    FUZZ_REQUIRE(same_real(a->objective_before, b->objective_before) && same_real(a->objective_after, b->objective_after));
-    FUZZ_REQUIRE(same_real(a->residual_rms_mm, b->residual_rms_mm) && same_real(a->residual_correlation, b->residual_correlation));
-    FUZZ_REQUIRE((a->evaluations == b->evaluations) && (a->model_steps == b->model_steps) && (a->outcome == b->outcome));
+    FUZZ_REQUIRE(same_real(a->objective_before, b->objective_before)
+                 && same_real(a->objective_after, b->objective_after));
+    FUZZ_REQUIRE(same_real(a->residual_rms_mm, b->residual_rms_mm)
+                 && same_real(a->residual_correlation, b->residual_correlation));
+    FUZZ_REQUIRE((a->evaluations == b->evaluations) && (a->model_steps == b->model_steps)
+                 && (a->outcome == b->outcome));
     FUZZ_REQUIRE(memcmp(&a->random, &b->random, sizeof a->random) == 0);
     FUZZ_REQUIRE((a->verdict == b->verdict) && (a->reasons == b->reasons) && (a->adequate == b->adequate));
 }
@@ -118,7 +129,8 @@ static void require_sound(const ema_session_config_t* config, const ema_result_t
     FUZZ_REQUIRE((result->reasons & (uint32_t)EMA_REASON_NOT_FINISHED) == 0U);
     for (uint32_t i = 0; i < result->identified_count; ++i) {
         const ema_estimate_t* const estimate = &result->identified[i];
-        FUZZ_REQUIRE((estimate->estimate >= config->identified[i].lower) && (estimate->estimate <= (config->identified[i].upper * EMA_R(1.000001))));
+        FUZZ_REQUIRE((estimate->estimate >= config->identified[i].lower)
+                     && (estimate->estimate <= (config->identified[i].upper * EMA_R(1.000001))));
         FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || fuzz_finite(estimate->std));
     }
     FUZZ_REQUIRE(fuzz_finite(result->objective_before) && fuzz_finite(result->objective_after));
@@ -142,8 +154,9 @@ static void ask(ema_session_t* session, uint8_t kind)
     switch (kind % 4U) {
     case 0U:
         FUZZ_REQUIRE(ema_session_result(session, &result) == ((phase == EMA_PHASE_FEEDING) ? EMA_ERR_ORDER : EMA_OK));
-        FUZZ_REQUIRE((phase == EMA_PHASE_FEEDING) || (phase == EMA_PHASE_DONE)
-                     || ((result.verdict == EMA_VERDICT_UNDECIDED) && (result.reasons == (uint32_t)EMA_REASON_NOT_FINISHED)));
+        FUZZ_REQUIRE(
+            (phase == EMA_PHASE_FEEDING) || (phase == EMA_PHASE_DONE)
+            || ((result.verdict == EMA_VERDICT_UNDECIDED) && (result.reasons == (uint32_t)EMA_REASON_NOT_FINISHED)));
         break;
     case 1U:
         FUZZ_REQUIRE((phase == EMA_PHASE_FEEDING) || (ema_session_feed(session, &sample) == EMA_ERR_ORDER));
@@ -153,7 +166,8 @@ static void ask(ema_session_t* session, uint8_t kind)
         FUZZ_REQUIRE(ema_session_result(session, NULL) == EMA_ERR_NULL);
         break;
     default:
-        FUZZ_REQUIRE((phase != EMA_PHASE_FEEDING) || (session->record.count >= EMA_ROWS_MIN) || (ema_session_run(session, 5U) == EMA_ERR_SHORT));
+        FUZZ_REQUIRE((phase != EMA_PHASE_FEEDING) || (session->record.count >= EMA_ROWS_MIN)
+                     || (ema_session_run(session, 5U) == EMA_ERR_SHORT));
         break;
     }
 }

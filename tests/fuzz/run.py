@@ -70,8 +70,19 @@ def run(target: str, programs: Path, corpus: Path, work: Path, seconds: int, lea
     own.mkdir(parents=True, exist_ok=True)
     found.mkdir(parents=True, exist_ok=True)
     words = corpus / f"{target}.dict"
-    command = [str(program), f"-max_total_time={seconds}", f"-max_len={LENGTHS.get(target, 512)}", f"-timeout={LONGEST_S}", f"-rss_limit_mb={MEMORY_MB}", "-print_final_stats=1",
-               f"-seed={seed}", f"-artifact_prefix={found}/", *([f"-dict={words}"] if words.is_file() else []), str(own), str(corpus / target)]
+    command = [
+        str(program),
+        f"-max_total_time={seconds}",
+        f"-max_len={LENGTHS.get(target, 512)}",
+        f"-timeout={LONGEST_S}",
+        f"-rss_limit_mb={MEMORY_MB}",
+        "-print_final_stats=1",
+        f"-seed={seed}",
+        f"-artifact_prefix={found}/",
+        *([f"-dict={words}"] if words.is_file() else []),
+        str(own),
+        str(corpus / target),
+    ]
     begun = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
     took = time.monotonic() - begun
@@ -81,7 +92,9 @@ def run(target: str, programs: Path, corpus: Path, work: Path, seconds: int, lea
     count = re.search(r"stat::number_of_executed_units:\s*(\d+)", done.stderr)
     executions = int(count.group(1)) if count else 0
     if executions < len(kept) + least:
-        raise FuzzError(f"{target}: {executions} executions where at least {len(kept)} kept inputs and {least} more were to run: give it more --seconds")
+        raise FuzzError(
+            f"{target}: {executions} executions where at least {len(kept)} kept inputs and {least} more were to run: give it more --seconds"
+        )
     edges = [int(number) for number in re.findall(r"\bcov: (\d+)", done.stderr)]
     return Ran(target, executions, took, max(edges, default=0), sum(1 for _ in own.iterdir()) + len(kept))
 
@@ -140,7 +153,12 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         while not ran or sum(one.executions for one in ran) < options.executions:
             with ThreadPoolExecutor(options.jobs) as pool:
-                ran += pool.map(lambda target, seed=seed: run(target, options.programs, options.corpus, options.work, options.seconds, options.least, seed), options.targets)
+                ran += pool.map(
+                    lambda target, seed=seed: run(
+                        target, options.programs, options.corpus, options.work, options.seconds, options.least, seed
+                    ),
+                    options.targets,
+                )
             seed += 1
             if options.executions:
                 print(f"{told(ran)}\n", flush=True)

@@ -1,7 +1,9 @@
-/* What Eva takes of the elementary functions instead of looking into them, in ACSL. Each line is shown by tests/proof/every_float.c, which
- * calls the function with every float32 there is. Included before every source of the module, in the analysis alone.
+/* What Eva takes of the elementary functions instead of looking into them, in ACSL. Each line is shown by
+ * tests/proof/every_float.c, which calls the function with every float32 there is. Included before every source of the
+ * module, in the analysis alone.
  *
- * Eva 25 does not take NaN out of a value that an ordered comparison has let through; the two selections say for it what they do with NaN.
+ * Eva 25 does not take NaN out of a value that an ordered comparison has let through; the two selections say for it
+ * what they do with NaN.
  */
 #ifndef EMA_PROOF_CONTRACTS_H
 #define EMA_PROOF_CONTRACTS_H
@@ -24,8 +26,10 @@ static inline ema_real ema_max(ema_real a, ema_real b);
   @ behavior number: assumes !\is_NaN(x); ensures !\is_NaN(\result);
   @ behavior finite: assumes \is_finite(x); ensures \is_finite(\result);
   @ behavior large: assumes -1.0e35 <= x <= 1.0e35; ensures -1.0e35 <= \result <= 1.0e35;
-  @ behavior small: assumes -65536.0 <= x <= 65536.0; ensures \is_finite(\result); ensures -65536.0 <= \result <= 65536.0;
-  @ behavior middle: assumes -2147483000.0 <= x <= 2147483000.0; ensures \is_finite(\result); ensures -2147483648.0 <= \result <= 2147483648.0;
+  @ behavior small: assumes -65536.0 <= x <= 65536.0; ensures \is_finite(\result); ensures -65536.0 <= \result <=
+  65536.0;
+  @ behavior middle: assumes -2147483000.0 <= x <= 2147483000.0; ensures \is_finite(\result); ensures -2147483648.0 <=
+  \result <= 2147483648.0;
   @*/
 ema_real ema_floor(ema_real x);
 

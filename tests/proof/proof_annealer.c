@@ -1,8 +1,9 @@
-/* A search of any configuration that ema_annealer_init accepts, and one cost told to it in any state: any bits in costs, temperatures, steps and in the fit's memory, NaN too.
- * Assumed of the state: the number of points kept is one that is kept, the walk's coordinate is one of the search's, and the points lie in the box; that they still do
+/* A search of any configuration that ema_annealer_init accepts, and one cost told to it in any state: any bits in
+ * costs, temperatures, steps and in the fit's memory, NaN too. Assumed of the state: the number of points kept is one
+ * that is kept, the walk's coordinate is one of the search's, and the points lie in the box; that they still do
  * afterwards is asserted, so both hold for a whole search. */
-#include "states.h"
 #include "ema_quadratic.h"
+#include "states.h"
 
 static ema_annealer_t annealer;
 static ema_annealer_config_t config;

@@ -1,8 +1,10 @@
-/* Each block and each effect with parameters anywhere in their ranges and a state anywhere in the box below: every number stays finite.
+/* Each block and each effect with parameters anywhere in their ranges and a state anywhere in the box below: every
+ * number stays finite.
  *
- * The box is where a motion of an actuator within its ranges can be; its sizes are far beyond what the ranges' own quotients give (2000 V over 0.07 mOhm is 3e7 A).
- * What one block is given here is what the one before it is asserted to give. Of what ema_plant_check refuses, the analysis is told what it cannot see by itself:
- * a time constant is none or at least the shortest step over 64 integration steps of reach 1.7 each. */
+ * The box is where a motion of an actuator within its ranges can be; its sizes are far beyond what the ranges' own
+ * quotients give (2000 V over 0.07 mOhm is 3e7 A). What one block is given here is what the one before it is asserted
+ * to give. Of what ema_plant_check refuses, the analysis is told what it cannot see by itself: a time constant is none
+ * or at least the shortest step over 64 integration steps of reach 1.7 each. */
 #include "states.h"
 
 #include "ema_drive.h"
@@ -41,15 +43,16 @@ static ema_real ema_within(ema_real size)
 /* Every parameter, option and value of an effect, anywhere in its range. */
 static void ema_any_values(void)
 {
-#define EMA_PARAM(section, field, nominal, lower, upper, text) params.field = Frama_C_float_interval(lower##f, upper##f);
+#define EMA_PARAM(section, field, nominal, lower, upper, text)                                                         \
+    params.field = Frama_C_float_interval(lower##f, upper##f);
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) options.field = Frama_C_interval(lower, upper);
 #include "ema/ema_params.def"
 #undef EMA_PARAM
 #undef EMA_OPTION
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
-    { \
-        ema_effect_##name##_t* const effect = &effects.name; \
-        parameters \
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    {                                                                                                                  \
+        ema_effect_##name##_t* const effect = &effects.name;                                                           \
+        parameters                                                                                                     \
     }
 #define EMA_P(field, nominal, lower, upper, text) effect->field = Frama_C_float_interval(lower##f, upper##f);
 #include "ema/ema_effects.def"
@@ -122,7 +125,8 @@ static void ema_block_control(void)
 /* Loads, friction and every effect, at rest and in motion. */
 static void ema_block_forces(void)
 {
-    const ema_point_t point = {ema_within(EMA_BOX_CURRENT_A), ema_within(EMA_BOX_SPEED_RAD_S), ema_within(EMA_BOX_ANGLE_RAD)};
+    const ema_point_t point = {ema_within(EMA_BOX_CURRENT_A), ema_within(EMA_BOX_SPEED_RAD_S),
+                               ema_within(EMA_BOX_ANGLE_RAD)};
     const ema_drive_output_t applied = {ema_within(5000.0f), ema_within(1.0e20f), Frama_C_interval(0, 1) != 0};
     work.applied = applied;
     ema_forces_at(&plant, &state, &work, &point);
@@ -136,7 +140,8 @@ static void ema_block_rod(void)
 {
     ema_screw_play(&plant.screw, &state, ema_within(EMA_BOX_POSITION_MM));
     //@ assert play: -2.1e4 <= state.play_mm <= 2.1e4;
-    const ema_transmission_t step = {ema_within(EMA_BOX_POSITION_MM), state.play_mm, Frama_C_float_interval(1.0e-7f, 2.0e-2f), plant.gearbox.lead_mm_per_rad};
+    const ema_transmission_t step = {ema_within(EMA_BOX_POSITION_MM), state.play_mm,
+                                     Frama_C_float_interval(1.0e-7f, 2.0e-2f), plant.gearbox.lead_mm_per_rad};
     ema_site_transmission(&plant, &step, state.effect_memory, &work.rod);
     const ema_real share = ema_site_presliding(&plant, state.effect_memory, ema_within(EMA_BOX_ANGLE_RAD));
     const ema_site_t site = {&plant, 0.0f, state.angle_rad, state.rod_mm, state.current_A, 0.0f};

@@ -1,5 +1,5 @@
-/* One model step of a run against a record, as a slice of a session makes it: any actuator that passes its check, any state of the model, any numbers in the record.
- * Assumed: the run stands on a row that the record has. */
+/* One model step of a run against a record, as a slice of a session makes it: any actuator that passes its check, any
+ * state of the model, any numbers in the record. Assumed: the run stands on a row that the record has. */
 #include "states.h"
 
 #define EMA_PROOF_ROWS 100U

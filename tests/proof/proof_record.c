@@ -1,5 +1,6 @@
-/* A record of any configuration over a buffer, and one row of any numbers in any of its states, NaN and infinities too; then the row is read.
- * The sizes of the buffer are those in the list: nothing, less than a row, odd ones, whole rows. */
+/* A record of any configuration over a buffer, and one row of any numbers in any of its states, NaN and infinities too;
+ * then the row is read. The sizes of the buffer are those in the list: nothing, less than a row, odd ones, whole rows.
+ */
 #include "states.h"
 
 static ema_record_t record;

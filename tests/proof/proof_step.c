@@ -1,5 +1,5 @@
-/* A model of any actuator that passes its check, and one step from any state: any bits in every number, NaN and infinities too.
- * Shown: no index, pointer, shift, division of whole numbers or conversion goes wrong. */
+/* A model of any actuator that passes its check, and one step from any state: any bits in every number, NaN and
+ * infinities too. Shown: no index, pointer, shift, division of whole numbers or conversion goes wrong. */
 #include "states.h"
 
 static ema_actuator_t actuator;

@@ -28,8 +28,10 @@ CONTRACTS = ("tests/proof/contracts.h", "tests/proof/states.h")
 ELEMENTARY = "ema_floor,ema_exp,ema_log,ema_sin,ema_cos"
 
 # Functions in which paths are kept apart, and how many: a check says nothing once its ways out are merged.
-CHECKS = ("ema_values_within:1000,ema_ranges_check:1000,ema_tables_check:50,ema_table_check:50,ema_actuator_check:1000,ema_any_actuator:2000,"
-          "ema_plant_prepare:100,ema_plant_check:100,ema_model_init:20,ema_run_prepare:20")
+CHECKS = (
+    "ema_values_within:1000,ema_ranges_check:1000,ema_tables_check:50,ema_table_check:50,ema_actuator_check:1000,ema_any_actuator:2000,"
+    "ema_plant_prepare:100,ema_plant_check:100,ema_model_init:20,ema_run_prepare:20"
+)
 
 
 @dataclass(frozen=True)
@@ -54,14 +56,23 @@ def units() -> dict[str, Unit]:
     }
     for dimension in range(1, 9):
         found[f"annealer{dimension}"] = Unit(
-            "annealer", False, "main:20,ema_one_dimension:20,ema_cholesky:2000,ema_solve_lower:200,ema_solve_upper:200,ema_quadratic_terms:100",
-            defines=(f"-DEMA_PROOF_DIMENSION={dimension}",))
+            "annealer",
+            False,
+            "main:20,ema_one_dimension:20,ema_cholesky:2000,ema_solve_lower:200,ema_solve_upper:200,ema_quadratic_terms:100",
+            defines=(f"-DEMA_PROOF_DIMENSION={dimension}",),
+        )
     return found
 
 
 # What the proof of faults must find.
-FAULTS = {"accessing out of bounds index", "division by zero", "signed overflow", "overflow in conversion from floating-point to integer",
-          "invalid RHS operand for shift", "non-finite float value"}
+FAULTS = {
+    "accessing out of bounds index",
+    "division by zero",
+    "signed overflow",
+    "overflow in conversion from floating-point to integer",
+    "invalid RHS operand for shift",
+    "non-finite float value",
+}
 
 
 def command(frama_c: str, root: Path, unit: Unit) -> list[str]:
@@ -69,11 +80,26 @@ def command(frama_c: str, root: Path, unit: Unit) -> list[str]:
     folders = ["include", "tests/proof", *sorted(str(path.relative_to(root)) for path in (root / "src").iterdir() if path.is_dir())]
     preprocess = " ".join(["-include tests/proof/contracts.h", *(f"-I {folder}" for folder in folders), *unit.defines])
     sources = sorted(str(path.relative_to(root)) for path in (root / "src").rglob("*.c"))
-    return [frama_c, "-c11", "-machdep", "gcc_x86_64", f"-cpp-extra-args={preprocess}", f"tests/proof/proof_{unit.file}.c", *sources,
-            "-eva", "-eva-no-results", "-eva-use-spec", ELEMENTARY, "-eva-auto-loop-unroll", "300",
-            "-warn-special-float", "non-finite" if unit.finite else "none",
-            *(() if unit.finite else ("-eva-slevel", "0", "-eva-split-return", "full")),
-            *(("-eva-slevel-function", unit.paths) if unit.paths else ()), *unit.options]
+    return [
+        frama_c,
+        "-c11",
+        "-machdep",
+        "gcc_x86_64",
+        f"-cpp-extra-args={preprocess}",
+        f"tests/proof/proof_{unit.file}.c",
+        *sources,
+        "-eva",
+        "-eva-no-results",
+        "-eva-use-spec",
+        ELEMENTARY,
+        "-eva-auto-loop-unroll",
+        "300",
+        "-warn-special-float",
+        "non-finite" if unit.finite else "none",
+        *(() if unit.finite else ("-eva-slevel", "0", "-eva-split-return", "full")),
+        *(("-eva-slevel-function", unit.paths) if unit.paths else ()),
+        *unit.options,
+    ]
 
 
 def alarms(log: str) -> list[tuple[str, str, str]]:
@@ -120,9 +146,16 @@ def compare(name: str, log: str, page: str) -> list[str]:
     found = alarms(log)
     have = Counter((file, kind) for file, kind, _ in found)
     want = listed(page, name)
-    problems = [f"{text}: not in {PAGE}: exclude it, or list it with its reason" for file, kind, text in found if have[file, kind] > want[file, kind]]
-    problems += [f"{PAGE}: {name}: {file}: {kind}: {count} listed, {have[file, kind]} raised: correct the page"
-                 for (file, kind), count in sorted(want.items()) if have[file, kind] < count]
+    problems = [
+        f"{text}: not in {PAGE}: exclude it, or list it with its reason"
+        for file, kind, text in found
+        if have[file, kind] > want[file, kind]
+    ]
+    problems += [
+        f"{PAGE}: {name}: {file}: {kind}: {count} listed, {have[file, kind]} raised: correct the page"
+        for (file, kind), count in sorted(want.items())
+        if have[file, kind] < count
+    ]
     return problems
 
 
@@ -139,7 +172,14 @@ def main() -> int:
         return SKIP
     root = given.root.resolve()
     # Frama-C asks PWD, not the system, which folder it is in.
-    run = subprocess.run(command(frama_c, root, units()[given.name]), cwd=root, env={**os.environ, "PWD": str(root)}, capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        command(frama_c, root, units()[given.name]),
+        cwd=root,
+        env={**os.environ, "PWD": str(root)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     log = run.stdout + run.stderr
     if given.log:
         given.log.write_text(log, encoding="utf-8")

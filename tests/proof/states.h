@@ -20,8 +20,9 @@ static void ema_leave(void)
     }
 }
 
-/* Any bytes that ema_actuator_check lets through. Eva knows the ranges from the check itself; what it cannot take from a comparison is said by assertions, which
- * every_float.c shows (ema_is_finite is right for every float32) and, for options, tests/unit/test_actuator.c (each is refused outside its range). */
+/* Any bytes that ema_actuator_check lets through. Eva knows the ranges from the check itself; what it cannot take from
+ * a comparison is said by assertions, which every_float.c shows (ema_is_finite is right for every float32) and, for
+ * options, tests/unit/test_actuator.c (each is refused outside its range). */
 static void ema_any_actuator(ema_actuator_t* actuator)
 {
     EMA_ANY(*actuator);
@@ -36,9 +37,9 @@ static void ema_any_actuator(ema_actuator_t* actuator)
         //@ assert known_finite: \is_finite(((ema_real*)&actuator->effects)[k]);
     }
 #define EMA_PARAM(section, field, nominal, lower, upper, text)
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) \
-    if ((actuator->options.field < (lower)) || (actuator->options.field > (upper))) { \
-        ema_leave(); \
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    if ((actuator->options.field < (lower)) || (actuator->options.field > (upper))) {                                  \
+        ema_leave();                                                                                                   \
     }
 #include "ema/ema_params.def"
 #undef EMA_PARAM

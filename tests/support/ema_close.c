@@ -14,8 +14,8 @@ static double allowed_error(double expected, double atol, double rtol)
 bool ema_close(double expected, double actual, double atol, double rtol)
 {
     const bool tolerances = (atol >= 0.0) && (rtol >= 0.0) && isfinite(atol) && isfinite(rtol);
-    return tolerances && isfinite(expected) && isfinite(actual) &&
-           (fabs(actual - expected) <= allowed_error(expected, atol, rtol));
+    return tolerances && isfinite(expected) && isfinite(actual)
+           && (fabs(actual - expected) <= allowed_error(expected, atol, rtol));
 }
 
 bool ema_close_array(const ema_real* expected, const ema_real* actual, size_t count, double atol, double rtol,

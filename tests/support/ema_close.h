@@ -16,14 +16,15 @@
 
 /* What an array comparison found. */
 typedef struct {
-    size_t worst;    /* index of the first non-finite element, else of the largest error over what is allowed */
-    double actual;   /* the two values there */
+    size_t worst;  /* index of the first non-finite element, else of the largest error over what is allowed */
+    double actual; /* the two values there */
     double expected;
-    double error;    /* |actual - expected| there; NaN or infinite when a value is */
-    double allowed;  /* atol + rtol * |expected| there */
+    double error;   /* |actual - expected| there; NaN or infinite when a value is */
+    double allowed; /* atol + rtol * |expected| there */
 } ema_close_report_t;
 
-/* True when both are finite and |actual - expected| <= atol + rtol * |expected|; false for a negative or NaN tolerance. */
+/* True when both are finite and |actual - expected| <= atol + rtol * |expected|; false for a negative or NaN tolerance.
+ */
 bool ema_close(double expected, double actual, double atol, double rtol);
 
 /* The same for every element; false when count is zero. The report is filled in whenever count is not zero. */
@@ -44,21 +45,21 @@ void ema_from_bits_array(const uint64_t* bits, ema_real* values, size_t count);
  * initialisation that forgets a field is seen. */
 #define EMA_GUARD_WORDS 8
 typedef uint32_t ema_guard_t[EMA_GUARD_WORDS];
-#define EMA_GUARDED(type)  \
-    struct {               \
-        ema_guard_t before; \
-        type value;        \
-        ema_guard_t after; \
+#define EMA_GUARDED(type)                                                                                              \
+    struct {                                                                                                           \
+        ema_guard_t before;                                                                                            \
+        type value;                                                                                                    \
+        ema_guard_t after;                                                                                             \
     }
 void ema_guard_set(ema_guard_t before, void* value, size_t size, ema_guard_t after);
 bool ema_guard_intact(const ema_guard_t guard);
 
-#define EMA_GUARD_SET(guarded) \
+#define EMA_GUARD_SET(guarded)                                                                                         \
     ema_guard_set((guarded).before, &(guarded).value, sizeof((guarded).value), (guarded).after)
-#define EMA_ASSERT_GUARDS(guarded)                                                                         \
-    do {                                                                                                   \
-        TEST_ASSERT_TRUE_MESSAGE(ema_guard_intact((guarded).before), "write before " #guarded ".value");   \
-        TEST_ASSERT_TRUE_MESSAGE(ema_guard_intact((guarded).after), "write behind " #guarded ".value");    \
+#define EMA_ASSERT_GUARDS(guarded)                                                                                     \
+    do {                                                                                                               \
+        TEST_ASSERT_TRUE_MESSAGE(ema_guard_intact((guarded).before), "write before " #guarded ".value");               \
+        TEST_ASSERT_TRUE_MESSAGE(ema_guard_intact((guarded).after), "write behind " #guarded ".value");                \
     } while (0)
 
 void ema_assert_close(double expected, double actual, double atol, double rtol, unsigned line);
@@ -66,12 +67,12 @@ void ema_assert_close_array(const ema_real* expected, const ema_real* actual, si
                             unsigned line);
 void ema_assert_same_bits(const void* expected, const void* actual, size_t size, unsigned line);
 
-#define EMA_ASSERT_CLOSE(expected, actual, atol, rtol) \
+#define EMA_ASSERT_CLOSE(expected, actual, atol, rtol)                                                                 \
     ema_assert_close((double)(expected), (double)(actual), (atol), (rtol), (unsigned)__LINE__)
-#define EMA_ASSERT_CLOSE_ARRAY(expected, actual, count, atol, rtol) \
+#define EMA_ASSERT_CLOSE_ARRAY(expected, actual, count, atol, rtol)                                                    \
     ema_assert_close_array((expected), (actual), (count), (atol), (rtol), (unsigned)__LINE__)
 /* Two objects or arrays of the same type, bit for bit; size in bytes. */
-#define EMA_ASSERT_SAME_BITS(expected, actual, size) \
+#define EMA_ASSERT_SAME_BITS(expected, actual, size)                                                                   \
     ema_assert_same_bits((expected), (actual), (size), (unsigned)__LINE__)
 
 #endif

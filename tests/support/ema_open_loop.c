@@ -23,9 +23,11 @@ ema_model_t ema_open_loop_steady(const ema_actuator_t* actuator, double share)
     return model;
 }
 
-double ema_steady_speed_rad_s(double voltage_V, double torque_constant_Nm_per_A, double resistance_ohm, double friction_Nm, double viscous_Nm_s_per_rad)
+double ema_steady_speed_rad_s(double voltage_V, double torque_constant_Nm_per_A, double resistance_ohm,
+                              double friction_Nm, double viscous_Nm_s_per_rad)
 {
-    const double damping = viscous_Nm_s_per_rad + ((torque_constant_Nm_per_A * torque_constant_Nm_per_A) / resistance_ohm);
+    const double damping =
+        viscous_Nm_s_per_rad + ((torque_constant_Nm_per_A * torque_constant_Nm_per_A) / resistance_ohm);
     return (((torque_constant_Nm_per_A * voltage_V) / resistance_ohm) - friction_Nm) / damping;
 }
 

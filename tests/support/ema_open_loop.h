@@ -17,7 +17,8 @@ ema_actuator_t ema_open_loop_locked(void);
 ema_model_t ema_open_loop_steady(const ema_actuator_t* actuator, double share);
 
 /* Steady speed of a machine whose torques are linear in speed. */
-double ema_steady_speed_rad_s(double voltage_V, double torque_constant_Nm_per_A, double resistance_ohm, double friction_Nm, double viscous_Nm_s_per_rad);
+double ema_steady_speed_rad_s(double voltage_V, double torque_constant_Nm_per_A, double resistance_ohm,
+                              double friction_Nm, double viscous_Nm_s_per_rad);
 
 /* Motor torque in Nm at which a shaft at `start_mm` leaves its rest while the voltage rises slowly. */
 double ema_open_loop_break_away_Nm(const ema_actuator_t* actuator, double start_mm);

@@ -60,8 +60,8 @@ ema_command_t ema_rig_chirp(ema_real end_hz, ema_real duration_s, ema_real step_
     return command;
 }
 
-void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, const ema_actuator_t* actuator, const ema_command_t* command,
-                    uint32_t rows)
+void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, const ema_actuator_t* actuator,
+                    const ema_command_t* command, uint32_t rows)
 {
     EMA_ASSERT_STATUS(EMA_OK, ema_record_init(record, config));
     ema_model_t model = ema_rig_model(actuator, EMA_R(0.0));
@@ -69,10 +69,12 @@ void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, con
     for (uint32_t row = 0; row < rows; ++row) {
         const ema_real command_mm = ema_command_at(command, row * every);
         const ema_output_t first = ema_rig_step(&model, command_mm);
-        const ema_sample_t sample = {command_mm, {first.position_mm, first.motor_position_mm, first.current_A, first.voltage_V}};
+        const ema_sample_t sample = {command_mm,
+                                     {first.position_mm, first.motor_position_mm, first.current_A, first.voltage_V}};
         EMA_ASSERT_STATUS(EMA_OK, ema_record_append(record, &sample));
         for (uint32_t k = 1; k < every; ++k) {
-            (void)ema_rig_step(&model, (config->command != NULL) ? ema_command_at(command, (row * every) + k) : command_mm);
+            (void)ema_rig_step(&model,
+                               (config->command != NULL) ? ema_command_at(command, (row * every) + k) : command_mm);
         }
     }
 }

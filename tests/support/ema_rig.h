@@ -36,8 +36,8 @@ ema_output_t ema_rig_hold(ema_model_t* model, ema_real command_mm, uint32_t step
 ema_command_t ema_rig_chirp(ema_real end_hz, ema_real duration_s, ema_real step_s);
 
 /* Records `rows` rows of `actuator` under `command`, in `config`, from rest at zero. */
-void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, const ema_actuator_t* actuator, const ema_command_t* command,
-                    uint32_t rows);
+void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, const ema_actuator_t* actuator,
+                    const ema_command_t* command, uint32_t rows);
 
 /* A record of reals with the command in it; `all` keeps every channel, else the rod position alone. */
 ema_record_config_t ema_rig_real_record(void* buffer, size_t bytes, bool all);

@@ -98,7 +98,8 @@ static void write_values(ema_signature_rig_t* rig, const ema_actuator_t* actuato
         for (uint32_t k = 0; k < EMA_TABLE_CHANNELS; ++k) {
             value[1U + k] = 0;
             for (uint32_t row = 0; row < EMA_TABLE_ROWS; ++row) {
-                value[1U + EMA_TABLE_CHANNELS + (row * EMA_TABLE_CHANNELS) + k] = counts(rig->row[row][(bin * EMA_TABLE_CHANNELS) + k], (double)rig->unit[row]);
+                value[1U + EMA_TABLE_CHANNELS + (row * EMA_TABLE_CHANNELS) + k] =
+                    counts(rig->row[row][(bin * EMA_TABLE_CHANNELS) + k], (double)rig->unit[row]);
             }
         }
     }
@@ -140,8 +141,18 @@ void ema_signature_rig(ema_signature_rig_t* rig, const ema_actuator_t* actuator)
     take_off(rig->row[5], csj);
     const double blk_alone = normalise(rig->row[5]);
 
-    const ema_pattern_t inertia = {(uint8_t)EMA_EFFECT_ID_inertia_change, 2U, 1U, false, {(ema_real)((double)INERTIA_STEP / length[0]), EMA_R(0.0), EMA_R(0.0)}, EMA_R(0.0)};
-    const ema_pattern_t spring = {(uint8_t)EMA_EFFECT_ID_spring_load, 3U, 1U, true, {(ema_real)((double)SPRING_STEP / length[1]), EMA_R(0.0), EMA_R(0.0)}, EMA_R(0.0)};
+    const ema_pattern_t inertia = {(uint8_t)EMA_EFFECT_ID_inertia_change,
+                                   2U,
+                                   1U,
+                                   false,
+                                   {(ema_real)((double)INERTIA_STEP / length[0]), EMA_R(0.0), EMA_R(0.0)},
+                                   EMA_R(0.0)};
+    const ema_pattern_t spring = {(uint8_t)EMA_EFFECT_ID_spring_load,
+                                  3U,
+                                  1U,
+                                  true,
+                                  {(ema_real)((double)SPRING_STEP / length[1]), EMA_R(0.0), EMA_R(0.0)},
+                                  EMA_R(0.0)};
     rig->pattern[0] = inertia;
     rig->pattern[1] = spring;
     ema_signatures_t* const table = &rig->table;
@@ -165,8 +176,12 @@ void ema_signature_rig(ema_signature_rig_t* rig, const ema_actuator_t* actuator)
     table->weight[1] = (ema_real)weight[1];
     table->limit = EMA_R(30.0);
     table->energy = EMA_R(160.0);
-    const ema_signature_fault_t fault_csj = {EMA_VALUE_ID(csj_Nm), 4U, actuator->params.csj_Nm, (ema_real)((double)CSJ_STEP / csj_length), (ema_real)(csj_whole / (double)CSJ_STEP)};
-    const ema_signature_fault_t fault_blk = {EMA_VALUE_ID(blk_mm), 5U, actuator->params.blk_mm, (ema_real)((double)BLK_STEP / blk_alone), (ema_real)(blk_length / (double)BLK_STEP)};
+    const ema_signature_fault_t fault_csj = {EMA_VALUE_ID(csj_Nm), 4U, actuator->params.csj_Nm,
+                                             (ema_real)((double)CSJ_STEP / csj_length),
+                                             (ema_real)(csj_whole / (double)CSJ_STEP)};
+    const ema_signature_fault_t fault_blk = {EMA_VALUE_ID(blk_mm), 5U, actuator->params.blk_mm,
+                                             (ema_real)((double)BLK_STEP / blk_alone),
+                                             (ema_real)(blk_length / (double)BLK_STEP)};
     table->fault[0] = fault_csj;
     table->fault[1] = fault_blk;
     table->pattern = rig->pattern;

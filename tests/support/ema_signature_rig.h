@@ -1,4 +1,5 @@
-/* A small table of signatures, made here from the model's own runs in double: CSJ, BLK and two effects in the rod position and the current under a chirp of two seconds. */
+/* A small table of signatures, made here from the model's own runs in double: CSJ, BLK and two effects in the rod
+ * position and the current under a chirp of two seconds. */
 #ifndef EMA_SIGNATURE_RIG_H
 #define EMA_SIGNATURE_RIG_H
 

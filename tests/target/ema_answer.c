@@ -1,4 +1,5 @@
-/* Identifies one recorded case and prints the answer's bits: built for the host and for the target, which must print the same.
+/* Identifies one recorded case and prints the answer's bits: built for the host and for the target, which must print
+ * the same.
  *
  * ema_answer a|b|c SEED SLICE real|int16
  */
@@ -29,9 +30,12 @@ static void print_result(const ema_result_t* result)
     print_real("objective_after", result->objective_after);
     print_real("residual_rms_mm", result->residual_rms_mm);
     print_real("residual_correlation", result->residual_correlation);
-    (void)printf("evaluations %" PRIu32 "\nmodel_steps %llu\n", result->evaluations, (unsigned long long)result->model_steps);
-    (void)printf("random %016llx %016llx\n", (unsigned long long)result->random.state, (unsigned long long)result->random.increment);
-    (void)printf("outcome %d\nverdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->outcome, (int)result->verdict, (int)result->adequate, result->reasons);
+    (void)printf("evaluations %" PRIu32 "\nmodel_steps %llu\n", result->evaluations,
+                 (unsigned long long)result->model_steps);
+    (void)printf("random %016llx %016llx\n", (unsigned long long)result->random.state,
+                 (unsigned long long)result->random.increment);
+    (void)printf("outcome %d\nverdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->outcome,
+                 (int)result->verdict, (int)result->adequate, result->reasons);
 }
 
 int main(int argc, char* argv[])
@@ -45,7 +49,8 @@ int main(int argc, char* argv[])
     uint64_t slices = 0U;
     ema_result_t result;
     ema_status_t status = ema_recorded_start(&recorded, argv[1][0], (uint32_t)strtoul(argv[2], NULL, 10), format);
-    (void)printf("case %s\nseed %s\nformat %s\nrows %" PRIu32 "\n", argv[1], argv[2], argv[4], recorded.session.record.count);
+    (void)printf("case %s\nseed %s\nformat %s\nrows %" PRIu32 "\n", argv[1], argv[2], argv[4],
+                 recorded.session.record.count);
     while ((status == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {
         status = ema_session_run(&recorded.session, slice);
         ++slices;

@@ -1,6 +1,8 @@
-/* Counts instructions on the emulated target: run it with -icount shift=6, where one instruction is 64 ns and a tick of the counter 40 ns.
+/* Counts instructions on the emulated target: run it with -icount shift=6, where one instruction is 64 ns and a tick of
+ * the counter 40 ns.
  *
- * Prints `name value` lines: instructions of the calls, the stack that they used, and the sizes of the public structures.
+ * Prints `name value` lines: instructions of the calls, the stack that they used, and the sizes of the public
+ * structures.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -47,7 +49,9 @@ static unsigned long long instructions(uint64_t ticks)
 
 static void print_mean(const char* name, const ticks_t* ticks)
 {
-    (void)printf("%s_mean %.1f\n%s_most %llu\n", name, ((double)ticks->sum * (double)INSTRUCTIONS) / ((double)TICKS * (double)ticks->calls), name, instructions(ticks->most));
+    (void)printf("%s_mean %.1f\n%s_most %llu\n", name,
+                 ((double)ticks->sum * (double)INSTRUCTIONS) / ((double)TICKS * (double)ticks->calls), name,
+                 instructions(ticks->most));
 }
 
 static void calibrate(void)
@@ -103,7 +107,8 @@ static void count_effects(void)
     count_model("dead_time", &actuator);
 }
 
-/* A whole identification of case A. The sum is read every few slices, so that reading costs nothing; the most from every slice. */
+/* A whole identification of case A. The sum is read every few slices, so that reading costs nothing; the most from
+ * every slice. */
 static void count_identification(uint32_t slice, ema_record_format_t format, const char* name)
 {
     ema_result_t result;
@@ -193,13 +198,20 @@ static ema_onboard_t onboard;
 static ema_command_t chirp;
 static ema_session_config_t guarded_config;
 
-/* Starts a session behind the table and feeds it case A with its current; the command is recorded too, or a function. The buffer of the cases is used. */
+/* Starts a session behind the table and feeds it case A with its current; the command is recorded too, or a function.
+ * The buffer of the cases is used. */
 static ema_status_t guarded_start(bool function, ticks_t* init, ticks_t* feed)
 {
-    static const ema_command_config_t command = {
-        .kind = EMA_COMMAND_CHIRP, .amplitude_mm = EMA_R(2.0), .start_hz = EMA_R(0.1), .end_hz = EMA_R(4.0), .duration_s = EMA_R(10.0)};
+    static const ema_command_config_t command = {.kind = EMA_COMMAND_CHIRP,
+                                                 .amplitude_mm = EMA_R(2.0),
+                                                 .start_hz = EMA_R(0.1),
+                                                 .end_hz = EMA_R(4.0),
+                                                 .duration_s = EMA_R(10.0)};
     const ema_real full_scale_mm = EMA_ACTUATOR.params.travel_mm;
-    ema_record_config_t record = {.buffer = &recorded.buffer, .buffer_bytes = sizeof recorded.buffer, .format = EMA_RECORD_INT16, .command_full_scale_mm = full_scale_mm};
+    ema_record_config_t record = {.buffer = &recorded.buffer,
+                                  .buffer_bytes = sizeof recorded.buffer,
+                                  .format = EMA_RECORD_INT16,
+                                  .command_full_scale_mm = full_scale_mm};
     record.command = function ? &chirp : NULL;
     record.full_scale[EMA_CHANNEL_POSITION] = full_scale_mm;
     record.keep[EMA_CHANNEL_CURRENT] = true;
@@ -273,7 +285,8 @@ static void count_onboard(void)
     ticks_t once = {0};
     ema_finding_t finding;
     uint32_t from = ema_counter_now();
-    ema_status_t status = ema_onboard_start(&onboard, &EMA_SIGNATURES, &EMA_ACTUATOR, &guarded.session.record, EMA_R(0.0));
+    ema_status_t status =
+        ema_onboard_start(&onboard, &EMA_SIGNATURES, &EMA_ACTUATOR, &guarded.session.record, EMA_R(0.0));
     take(&start, from, ema_counter_now());
     while ((status == EMA_OK) && !ema_onboard_done(&onboard)) {
         from = ema_counter_now();
@@ -382,8 +395,10 @@ static void print_sizes(void)
     PRINT_SIZE(ema_session_t);
     PRINT_SIZE(ema_state_t);
     (void)printf("size_record_10s_int16 %u\n", (unsigned)EMA_RECORD_INT16_BYTES(EMA_RECORDED_ROWS, 2U));
-    (void)printf("size_table %u\n", (unsigned)(sizeof EMA_SIGNATURES + sizeof ema_exported_patterns + sizeof ema_exported_units + sizeof ema_exported_values));
-    (void)printf("table_products %u\ntable_bin_rows %u\n", (unsigned)(EMA_SIGNATURES.rows * EMA_SIGNATURES.channels), (unsigned)EMA_SIGNATURES.bin_rows);
+    (void)printf("size_table %u\n", (unsigned)(sizeof EMA_SIGNATURES + sizeof ema_exported_patterns
+                                               + sizeof ema_exported_units + sizeof ema_exported_values));
+    (void)printf("table_products %u\ntable_bin_rows %u\n", (unsigned)(EMA_SIGNATURES.rows * EMA_SIGNATURES.channels),
+                 (unsigned)EMA_SIGNATURES.bin_rows);
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* The smallest firmware that identifies behind a table of signatures: what it links beyond ema_flash.c is the price of the guard, table apart. */
+/* The smallest firmware that identifies behind a table of signatures: what it links beyond ema_flash.c is the price of
+ * the guard, table apart. */
 #include "ema/ema_guarded.h"
 
 extern const ema_actuator_t ema_flash_actuator;

@@ -20,7 +20,7 @@ static ema_real number(uint32_t bits)
 
 bool ema_recorded_row(char name, uint32_t row, ema_sample_t* sample)
 {
-    const uint32_t(*const table)[3] = (name == 'a') ? case_a : (name == 'b') ? case_b : (name == 'c') ? case_c : NULL;
+    const uint32_t (*const table)[3] = (name == 'a') ? case_a : (name == 'b') ? case_b : (name == 'c') ? case_c : NULL;
     const bool there = (table != NULL) && (row < EMA_RECORDED_ROWS);
     if (there) {
         const ema_sample_t fresh = {0};
@@ -37,7 +37,8 @@ ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t se
     ema_sample_t sample;
     ema_status_t status = ema_actuator_defaults(&recorded->actuator);
     const ema_real full_scale_mm = FULL_SCALE * recorded->actuator.params.travel_mm;
-    ema_record_config_t record = {.buffer = &recorded->buffer, .format = format, .command_full_scale_mm = full_scale_mm};
+    ema_record_config_t record = {
+        .buffer = &recorded->buffer, .format = format, .command_full_scale_mm = full_scale_mm};
     record.full_scale[EMA_CHANNEL_POSITION] = full_scale_mm;
     record.buffer_bytes = (format == EMA_RECORD_INT16) ? sizeof recorded->buffer.int16 : sizeof recorded->buffer.real;
     if (status == EMA_OK) {

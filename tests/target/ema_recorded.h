@@ -19,10 +19,12 @@ typedef struct {
     } buffer;
 } ema_recorded_t;
 
-/* Command, rod position and current of row `row` of case 'a', 'b' or 'c'; false for another case or beyond the last row. */
+/* Command, rod position and current of row `row` of case 'a', 'b' or 'c'; false for another case or beyond the last
+ * row. */
 bool ema_recorded_row(char name, uint32_t row, ema_sample_t* sample);
 
-/* Starts a session with `seed` and feeds it the whole recording. Errors: those of the session; EMA_ERR_SHORT for an unknown case. */
+/* Starts a session with `seed` and feeds it the whole recording. Errors: those of the session; EMA_ERR_SHORT for an
+ * unknown case. */
 ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t seed, ema_record_format_t format);
 
 #endif

@@ -42,12 +42,29 @@ def run(board: str, program: Path, arguments: list[str], *, shift: int | None = 
     wrong = next((word for word in words if not re.fullmatch(r"[\w.+/=-]+", word)), None)
     if wrong is not None:
         raise ValueError(f"argument `{wrong}`: only letters, digits and . + / = - reach the emulated program")
-    command = [qemu, "-machine", board, "-display", "none", "-monitor", "none", "-serial", "none", "-chardev", "stdio,id=console,signal=off",
-               "-semihosting-config", "enable=on,target=native,chardev=console," + ",".join(f"arg={word}" for word in words), "-kernel", str(program)]
+    command = [
+        qemu,
+        "-machine",
+        board,
+        "-display",
+        "none",
+        "-monitor",
+        "none",
+        "-serial",
+        "none",
+        "-chardev",
+        "stdio,id=console,signal=off",
+        "-semihosting-config",
+        "enable=on,target=native,chardev=console," + ",".join(f"arg={word}" for word in words),
+        "-kernel",
+        str(program),
+    ]
     if shift is not None:
         command += ["-icount", f"shift={shift},sleep=off"]
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout_s, check=False)
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout_s, check=False
+        )
     except subprocess.TimeoutExpired as error:
         return Run((error.stdout or b"").decode(errors="replace"), TIMED_OUT)
     return Run(done.stdout.decode(errors="replace").replace("\r\n", "\n"), done.returncode)

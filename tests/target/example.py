@@ -24,8 +24,23 @@ WITHIN = (0.002, 0.02)
 SIZE_WITHIN = 0.05
 # Shifts of CSJ and BLK from which the reference actuator calls a fault, in %.
 FAULT_FROM = (5.0, 10.0)
-ANSWER = ("estimate", "std", "shift_percent", "objective_after", "evaluations", "random", "verdict", "adequate", "reasons", "finding", "effect", "size", "score",
-          "limit", "energy")
+ANSWER = (
+    "estimate",
+    "std",
+    "shift_percent",
+    "objective_after",
+    "evaluations",
+    "random",
+    "verdict",
+    "adequate",
+    "reasons",
+    "finding",
+    "effect",
+    "size",
+    "score",
+    "limit",
+    "energy",
+)
 OK, LATE, OVERRUN = 0, 1, 2
 HEALTHY, FAULT, UNDECIDED = "0", "1", "2"
 VERDICTS = {HEALTHY: "HEALTHY", FAULT: "FAULT", UNDECIDED: "UNDECIDED"}
@@ -45,8 +60,18 @@ class Machine:
 
 
 WORN = Machine("ace", "worn as in case A: +117.4 %, +25.0 %", FAULT, (0.3, 0.04125))
-MACHINES = (WORN, Machine("ace_healthy", "healthy", HEALTHY, (0.138, 0.033)),
-            Machine("ace_hidden", "healthy, with a dead time of the inverter of 0.3 V, which the model lacks", UNDECIDED, None, "inverter_dead_time", 0.3))
+MACHINES = (
+    WORN,
+    Machine("ace_healthy", "healthy", HEALTHY, (0.138, 0.033)),
+    Machine(
+        "ace_hidden",
+        "healthy, with a dead time of the inverter of 0.3 V, which the model lacks",
+        UNDECIDED,
+        None,
+        "inverter_dead_time",
+        0.3,
+    ),
+)
 
 
 def lines_of(output: str) -> list[list[str]]:
@@ -65,10 +90,15 @@ def value_of(lines: list[list[str]], name: str) -> str:
 def problems_of(output: str, exit_code: int, machine: Machine = WORN) -> list[str]:
     """What is wrong with the report of the normal run."""
     lines = lines_of(output)
-    count = {name: int(value_of(lines, name)) for name in ("ticks", "ticks_searching", "late_ticks", "slices", "overruns", "slice_us", "allowed_us", "tick_us")}
+    count = {
+        name: int(value_of(lines, name))
+        for name in ("ticks", "ticks_searching", "late_ticks", "slices", "overruns", "slice_us", "allowed_us", "tick_us")
+    }
     wanted = {
         f"exit code {exit_code}, status {value_of(lines, 'status')}": exit_code == OK and value_of(lines, "status") == "ok",
-        f"{count['ticks']} ticks, {count['ticks_searching']} of them while it searched": count["ticks"] == ROWS + count["ticks_searching"] > ROWS + 1000,
+        f"{count['ticks']} ticks, {count['ticks_searching']} of them while it searched": count["ticks"]
+        == ROWS + count["ticks_searching"]
+        > ROWS + 1000,
         f"{count['late_ticks']} late ticks": count["late_ticks"] == 0,
         f"a tick of {count['tick_us']} us": 0 < count["tick_us"] < 1000,
         f"{count['overruns']} overruns in {count['slices']} slices": count["overruns"] == 0 and count["slices"] > 1000,
@@ -93,7 +123,9 @@ def wanted_of(lines: list[list[str]], machine: Machine) -> dict[str, bool]:
             named: finding == "adequate" and effect == "none",
         }
     return {
-        f"shifts {values['shift_percent']}: no false fault to be taken back": any(found > least for found, least in zip(values["shift_percent"], FAULT_FROM, strict=True)),
+        f"shifts {values['shift_percent']}: no false fault to be taken back": any(
+            found > least for found, least in zip(values["shift_percent"], FAULT_FROM, strict=True)
+        ),
         f"adequate {adequate}, reasons {reasons}": adequate == "0" and bool(reasons & REASON_EFFECT),
         named: finding == "missing" and effect == machine.effect,
         f"size {values['size']}": len(values["size"]) == 1 and abs(values["size"][0] / machine.size - 1.0) <= SIZE_WITHIN,
@@ -113,11 +145,16 @@ def row_of(output: str, machine: Machine) -> str:
 def refusal_problems(board: str, program: Path) -> list[str]:
     """What is wrong with the two runs that must not be well."""
     problems = []
-    for arguments, code, name, count in ((["200", "500"], OVERRUN, "overrun", "overruns"), (["200", "2000", "0"], LATE, "late", "late_ticks")):
+    for arguments, code, name, count in (
+        (["200", "500"], OVERRUN, "overrun", "overruns"),
+        (["200", "2000", "0"], LATE, "late", "late_ticks"),
+    ):
         run = emulate.run(board, program, arguments, shift=SHIFT)
         lines = lines_of(run.output)
         if run.exit_code != code or value_of(lines, "status") != name or int(value_of(lines, count)) < 1:
-            problems.append(f"with {' '.join(arguments)}: exit code {run.exit_code}, status {value_of(lines, 'status')}, {value_of(lines, count)} {count}: not `{name}`")
+            problems.append(
+                f"with {' '.join(arguments)}: exit code {run.exit_code}, status {value_of(lines, 'status')}, {value_of(lines, count)} {count}: not `{name}`"
+            )
     return problems
 
 

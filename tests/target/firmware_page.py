@@ -31,8 +31,10 @@ int main(void)
     return (int)status;
 }
 """
-PROJECT = ("cmake_minimum_required(VERSION 3.25)\nproject(firmware LANGUAGES C)\nadd_executable(firmware main.c test.c)\n"
-           "target_link_options(firmware PRIVATE --specs=nosys.specs -Wl,--gc-sections)\n")
+PROJECT = (
+    "cmake_minimum_required(VERSION 3.25)\nproject(firmware LANGUAGES C)\nadd_executable(firmware main.c test.c)\n"
+    "target_link_options(firmware PRIVATE --specs=nosys.specs -Wl,--gc-sections)\n"
+)
 
 
 class PageError(Exception):
@@ -95,7 +97,9 @@ def check(given: argparse.Namespace, work: Path) -> int:
         (folder / part).symlink_to(given.root / part)
     flags = given.flags + " -Os -ffunction-sections -fdata-sections"
     run(["sh", "-c", f"CC={given.compiler} CFLAGS='{flags}'\n{command}"], folder)
-    own = f"{given.compiler} {flags} -std=c11 -ffp-contract=off -Iinclude --specs=nosys.specs -Wl,--gc-sections main.c test.c *.o -o firmware"
+    own = (
+        f"{given.compiler} {flags} -std=c11 -ffp-contract=off -Iinclude --specs=nosys.specs -Wl,--gc-sections main.c test.c *.o -o firmware"
+    )
     run(["sh", "-c", own], folder)
     check_linked(given, folder / "firmware")
     return len(ways) + 1

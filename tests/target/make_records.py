@@ -32,7 +32,7 @@ def table(path: Path) -> str:
     rows = rows_of(path)
     lines = [f"static const uint32_t {path.stem}[{len(rows)}][{len(COLUMNS)}] = {{"]
     for start in range(0, len(rows), 5):
-        lines.append("    " + " ".join("{" + ", ".join(f"0x{bits:08X}U" for bits in row) + "}," for row in rows[start:start + 5]))
+        lines.append("    " + " ".join("{" + ", ".join(f"0x{bits:08X}U" for bits in row) + "}," for row in rows[start : start + 5]))
     return "\n".join([*lines, "};", ""])
 
 

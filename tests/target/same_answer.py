@@ -17,9 +17,26 @@ from pathlib import Path
 import emulate
 
 # Lines of an answer that every slice must share, and how many of each; only `slices` differs.
-SHARED = {"case": 1, "seed": 1, "format": 1, "rows": 1, "estimate": 2, "std": 2, "shift_percent": 2, "objective_before": 1, "objective_after": 1,
-          "residual_rms_mm": 1, "residual_correlation": 1, "evaluations": 1, "model_steps": 1, "random": 1, "outcome": 1, "verdict": 1, "adequate": 1,
-          "reasons": 1}
+SHARED = {
+    "case": 1,
+    "seed": 1,
+    "format": 1,
+    "rows": 1,
+    "estimate": 2,
+    "std": 2,
+    "shift_percent": 2,
+    "objective_before": 1,
+    "objective_after": 1,
+    "residual_rms_mm": 1,
+    "residual_correlation": 1,
+    "evaluations": 1,
+    "model_steps": 1,
+    "random": 1,
+    "outcome": 1,
+    "verdict": 1,
+    "adequate": 1,
+    "reasons": 1,
+}
 ROWS = 10000
 
 
@@ -54,15 +71,22 @@ def check_host_program(program: Path, recording: Path, seed: int, answer: str) -
     """The host program reads the CSV file itself and must come to the bits of `answer`."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "result.json"
-        done = subprocess.run([str(program), "--reference", "--seed", str(seed), "--json", str(out), str(recording)], capture_output=True, text=True,
-                              check=False)
+        done = subprocess.run(
+            [str(program), "--reference", "--seed", str(seed), "--json", str(out), str(recording)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if done.returncode != 0:
             raise WrongAnswerError(f"{program.name}: {done.stderr.strip()}")
         result = json.loads(out.read_text(encoding="utf-8"))
     words = [line.split() for line in answer.splitlines()]
     bits = {name: [line[1] for line in words if line[0] == name] for name in SHARED}
-    pairs = [(f"{fault}.{key}", result[fault][key], bits[key][place]) for place, fault in enumerate(("csj_Nm", "blk_mm"))
-             for key in ("estimate", "std", "shift_percent")]
+    pairs = [
+        (f"{fault}.{key}", result[fault][key], bits[key][place])
+        for place, fault in enumerate(("csj_Nm", "blk_mm"))
+        for key in ("estimate", "std", "shift_percent")
+    ]
     pairs += [(key, result[f"{key}_mm2s"], bits[key][0]) for key in ("objective_before", "objective_after")]
     pairs += [("residual_rms_mm", result["residual_rms_mm"], bits["residual_rms_mm"][0])]
     for name, value, expected in pairs:

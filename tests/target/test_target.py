@@ -25,8 +25,14 @@ class Emulated(unittest.TestCase):
         self.assertEqual(emulate.unity_verdict(emulate.Run(GOOD_UNITY, 0)), "")
 
     def test_bad_runs(self) -> None:
-        bad = {"nothing printed": ("", 0), "cut short": ("test_x.c:1:test_y:PASS\n", 0), "no tests": (GOOD_UNITY.replace("3 Tests", "0 Tests"), 0),
-               "a failure": (GOOD_UNITY.replace("0 Failures", "1 Failures"), 0), "exit code": (GOOD_UNITY, 97), "time": (GOOD_UNITY, emulate.TIMED_OUT)}
+        bad = {
+            "nothing printed": ("", 0),
+            "cut short": ("test_x.c:1:test_y:PASS\n", 0),
+            "no tests": (GOOD_UNITY.replace("3 Tests", "0 Tests"), 0),
+            "a failure": (GOOD_UNITY.replace("0 Failures", "1 Failures"), 0),
+            "exit code": (GOOD_UNITY, 97),
+            "time": (GOOD_UNITY, emulate.TIMED_OUT),
+        }
         for name, (output, code) in bad.items():
             with self.subTest(name):
                 self.assertNotEqual(emulate.unity_verdict(emulate.Run(output, code)), "")
@@ -51,8 +57,13 @@ class Answers(unittest.TestCase):
         self.assertEqual(slices, 12)
 
     def test_bad_answers(self) -> None:
-        bad = {"empty": "", "half": "\n".join(answer().splitlines()[:8]), "no slices": answer().replace("slices 12", ""), "rows": answer(rows="9999"),
-               "no search": answer(model_steps="20000")}
+        bad = {
+            "empty": "",
+            "half": "\n".join(answer().splitlines()[:8]),
+            "no slices": answer().replace("slices 12", ""),
+            "rows": answer(rows="9999"),
+            "no search": answer(model_steps="20000"),
+        }
         for name, output in bad.items():
             with self.subTest(name), self.assertRaises(same_answer.WrongAnswerError):
                 same_answer.shared_part(output, name)
@@ -105,13 +116,18 @@ class Stacks(unittest.TestCase):
         return graph
 
     def test_the_deepest_chain(self) -> None:
-        graph = self.graph(node("ema_a", 8), node("b.c:b", 100), node("c.c:c", 24), call("ema_a", "b.c:b"), call("ema_a", "c.c:c"), call("c.c:c", "memcpy"))
+        graph = self.graph(
+            node("ema_a", 8), node("b.c:b", 100), node("c.c:c", 24), call("ema_a", "b.c:b"), call("ema_a", "c.c:c"), call("c.c:c", "memcpy")
+        )
         self.assertEqual(graph.worst("ema_a"), (108, ("ema_a", "b")))
         self.assertEqual(graph.worst("c.c:c"), (24 + stack.LIBRARY_BYTES["memcpy"], ("c", "memcpy")))
 
     def test_no_bound(self) -> None:
-        bad = {"recursion": (node("ema_a", 8), node("b", 8), call("ema_a", "b"), call("b", "ema_a")), "pointer": (node("ema_a", 8), call("ema_a", stack.INDIRECT)),
-               "not in the call graph": (node("ema_a", 8), call("ema_a", "malloc"))}
+        bad = {
+            "recursion": (node("ema_a", 8), node("b", 8), call("ema_a", "b"), call("b", "ema_a")),
+            "pointer": (node("ema_a", 8), call("ema_a", stack.INDIRECT)),
+            "not in the call graph": (node("ema_a", 8), call("ema_a", "malloc")),
+        }
         for why, lines in bad.items():
             with self.subTest(why), self.assertRaisesRegex(stack.StackError, why):
                 self.graph(*lines).worst("ema_a")
@@ -125,16 +141,51 @@ class Stacks(unittest.TestCase):
 
 def measured(**changed: float) -> budgets.Measured:
     """A measurement inside every target, apart from what is changed and what MISSED excuses."""
-    counts: dict[str, float] = {"size_ema_session_t": 7000, "size_ema_session_config_t": 200, budgets.RECORD: 40000, "size_ema_actuator_t": 700}
+    counts: dict[str, float] = {
+        "size_ema_session_t": 7000,
+        "size_ema_session_config_t": 200,
+        budgets.RECORD: 40000,
+        "size_ema_actuator_t": 700,
+    }
     counts |= {f"model_step_{name}_{which}": 300 for name in ("case_a", "stribeck", "cogging", "dead_time") for which in ("mean", "most")}
-    counts |= {f"{name}_{which}": 300 for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
-               for which in ("mean", "most")}
-    counts |= {f"identify_int16_{slice_}{what}": value for slice_ in budgets.SLICES for what, value in (("", 700_000_000), ("_steps", 2_000_000))}
-    counts |= {f"size_ema_{name}_t": 300 for name in ("guarded", "command", "onboard")} | {"size_table": 90_000, "table_products": 184, "table_bin_rows": 40}
+    counts |= {
+        f"{name}_{which}": 300
+        for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
+        for which in ("mean", "most")
+    }
+    counts |= {
+        f"identify_int16_{slice_}{what}": value for slice_ in budgets.SLICES for what, value in (("", 700_000_000), ("_steps", 2_000_000))
+    }
+    counts |= {f"size_ema_{name}_t": 300 for name in ("guarded", "command", "onboard")} | {
+        "size_table": 90_000,
+        "table_products": 184,
+        "table_bin_rows": 40,
+    }
     counts["size_ema_guarded_t"] = 7300
-    counts |= {f"{name}_{which}": 300 for name in ("guarded_init", "guarded_feed", "guarded_result", "guarded_slice_1", "guarded_slice_200", "guarded_function_slice_200",
-                                                   "onboard_start", "onboard_slice_200", "onboard_result") for which in ("mean", "most")}
-    counts |= {f"guarded_{what}": value for what, value in (("identify", 500_000_000), ("steps", 1_500_000), ("function_identify", 900_000_000), ("function_steps", 2_000_000))}
+    counts |= {
+        f"{name}_{which}": 300
+        for name in (
+            "guarded_init",
+            "guarded_feed",
+            "guarded_result",
+            "guarded_slice_1",
+            "guarded_slice_200",
+            "guarded_function_slice_200",
+            "onboard_start",
+            "onboard_slice_200",
+            "onboard_result",
+        )
+        for which in ("mean", "most")
+    }
+    counts |= {
+        f"guarded_{what}": value
+        for what, value in (
+            ("identify", 500_000_000),
+            ("steps", 1_500_000),
+            ("function_identify", 900_000_000),
+            ("function_steps", 2_000_000),
+        )
+    }
     counts |= {"onboard_whole": 4_000_000} | changed
     return budgets.Measured("12.2.1", counts, 24_000, 20_000, {"ema_session_run": (500, ("ema_session_run",))}, 27_000)
 
@@ -178,15 +229,35 @@ class Budgets(unittest.TestCase):
                 budgets.counts_of(output)
 
 
-REPORT = {"status": "ok", "ticks": "15000", "ticks_searching": "5000", "late_ticks": "0", "tick_us": "41", "slices": "10000", "overruns": "0", "slice_us": "900",
-          "allowed_us": "2000", "verdict": "1", "adequate": "1", "reasons": "00000000", "finding": "adequate", "effect": "none", "size": "0 0"}
+REPORT = {
+    "status": "ok",
+    "ticks": "15000",
+    "ticks_searching": "5000",
+    "late_ticks": "0",
+    "tick_us": "41",
+    "slices": "10000",
+    "overruns": "0",
+    "slice_us": "900",
+    "allowed_us": "2000",
+    "verdict": "1",
+    "adequate": "1",
+    "reasons": "00000000",
+    "finding": "adequate",
+    "effect": "none",
+    "size": "0 0",
+}
 HIDDEN = {"verdict": "2", "adequate": "0", "reasons": "00000132", "finding": "missing", "effect": "inverter_dead_time", "size": "0 0.297"}
 
 
 def report(**changed: str) -> str:
     """What the example firmware prints when all is well, apart from what is changed."""
     values = REPORT | {"first": "0.3001", "second": "0.0411", "shift": "6.6"} | changed
-    pairs = [f"estimate 0 {values.pop('first')}", f"estimate 0 {values.pop('second')}", f"shift_percent 0 {values.pop('shift')}", "shift_percent 0 7"]
+    pairs = [
+        f"estimate 0 {values.pop('first')}",
+        f"estimate 0 {values.pop('second')}",
+        f"shift_percent 0 {values.pop('shift')}",
+        "shift_percent 0 7",
+    ]
     return "\n".join([*(f"{name} {value}" for name, value in values.items()), *pairs])
 
 
@@ -194,8 +265,10 @@ def exported_table(**changed: str) -> str:
     """A table as `ema export` writes it, in small, apart from what is changed."""
     values = {"effect": "4", "turn": "0x1.2p-11", "count": "-7", "bins": "250U"} | changed
     counts = "\n".join(["    1, 2, 3,"] * 400)
-    return (f"/* one actuator */\n    {{{values['effect']}, 45, true, EMA_R({values['turn']})}}, /* an effect */\n    5, {values['count']}, 6,\n{counts}\n"
-            f"static const ema_signatures_t EMA_SIGNATURES = {{\n    .bins = {values['bins']},\n    .limit = EMA_R(30.0),\n}};\n")
+    return (
+        f"/* one actuator */\n    {{{values['effect']}, 45, true, EMA_R({values['turn']})}}, /* an effect */\n    5, {values['count']}, 6,\n{counts}\n"
+        f"static const ema_signatures_t EMA_SIGNATURES = {{\n    .bins = {values['bins']},\n    .limit = EMA_R(30.0),\n}};\n"
+    )
 
 
 class Exported(unittest.TestCase):
@@ -220,9 +293,23 @@ class Example(unittest.TestCase):
         self.assertEqual(example.problems_of(report(**HIDDEN), example.OK, example.MACHINES[2]), [])
 
     def test_bad_reports(self) -> None:
-        bad = [{"late_ticks": "1"}, {"overruns": "3"}, {"slice_us": "0"}, {"slice_us": "2001"}, {"ticks": "10000", "ticks_searching": "0"}, {"verdict": "0"},
-               {"adequate": "0"}, {"first": "0.31"}, {"second": "0.04"}, {"status": "late"}, {"slices": "1"}, {"tick_us": "0"}, {"reasons": "00000010"},
-               {"finding": "missing"}, {"effect": "jam_spot"}]
+        bad = [
+            {"late_ticks": "1"},
+            {"overruns": "3"},
+            {"slice_us": "0"},
+            {"slice_us": "2001"},
+            {"ticks": "10000", "ticks_searching": "0"},
+            {"verdict": "0"},
+            {"adequate": "0"},
+            {"first": "0.31"},
+            {"second": "0.04"},
+            {"status": "late"},
+            {"slices": "1"},
+            {"tick_us": "0"},
+            {"reasons": "00000010"},
+            {"finding": "missing"},
+            {"effect": "jam_spot"},
+        ]
         for changed in bad:
             with self.subTest(changed):
                 self.assertEqual(len(example.problems_of(report(**changed), example.OK)), 1)
@@ -235,8 +322,17 @@ class Example(unittest.TestCase):
         self.assertTrue(row.endswith("| missing: `inverter_dead_time`, 0.297 | `UNDECIDED` |"), row)
 
     def test_bad_reports_of_a_hidden_effect(self) -> None:
-        bad = [{"verdict": "1"}, {"verdict": "0"}, {"adequate": "1"}, {"reasons": "00000032"}, {"finding": "unknown"}, {"effect": "none"}, {"effect": "jam_spot"},
-               {"size": "0 0.2"}, {"shift": "4.9"}]
+        bad = [
+            {"verdict": "1"},
+            {"verdict": "0"},
+            {"adequate": "1"},
+            {"reasons": "00000032"},
+            {"finding": "unknown"},
+            {"effect": "none"},
+            {"effect": "jam_spot"},
+            {"size": "0 0.2"},
+            {"shift": "4.9"},
+        ]
         for changed in bad:
             with self.subTest(changed):
                 self.assertEqual(len(example.problems_of(report(**HIDDEN | changed), example.OK, example.MACHINES[2])), 1)

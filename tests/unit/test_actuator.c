@@ -95,8 +95,10 @@ static void test_defaults_are_the_nominal_column(void)
     EMA_GUARD_SET(box);
     EMA_ASSERT_STATUS(EMA_OK, ema_actuator_defaults(&box.value));
     EMA_ASSERT_GUARDS(box);
-#define EMA_PARAM(section, field, nominal, lower, upper, text) TEST_ASSERT_TRUE(box.value.params.field == EMA_R(nominal));
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text) TEST_ASSERT_EQUAL_INT32(nominal, box.value.options.field);
+#define EMA_PARAM(section, field, nominal, lower, upper, text)                                                         \
+    TEST_ASSERT_TRUE(box.value.params.field == EMA_R(nominal));
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    TEST_ASSERT_EQUAL_INT32(nominal, box.value.options.field);
 #include "ema/ema_params.def"
 #undef EMA_PARAM
 #undef EMA_OPTION
@@ -108,7 +110,7 @@ static void test_defaults_are_the_nominal_column(void)
 static void test_every_effect_is_absent_by_default(void)
 {
     const ema_actuator_t actuator = ema_rig_actuator();
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     TEST_ASSERT_TRUE(*(const ema_real*)(const void*)&actuator.effects.name == EMA_R(0.0));
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
@@ -200,18 +202,20 @@ static void test_ids_name_their_fields(void)
 {
     ema_actuator_t actuator = ema_rig_actuator();
     ema_real mark = EMA_R(1.0);
-#define EMA_PARAM(section, field, nominal, lower, upper, text)                                     \
-    mark += EMA_R(1.0);                                                                            \
-    EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&actuator, EMA_VALUE_ID(field), mark));             \
-    TEST_ASSERT_TRUE(actuator.params.field == mark);                                               \
+#define EMA_PARAM(section, field, nominal, lower, upper, text)                                                         \
+    mark += EMA_R(1.0);                                                                                                \
+    EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&actuator, EMA_VALUE_ID(field), mark));                                 \
+    TEST_ASSERT_TRUE(actuator.params.field == mark);                                                                   \
     TEST_ASSERT_TRUE(ema_rig_value(&actuator, EMA_VALUE_ID(field)) == mark);
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
 #undef EMA_PARAM
 #undef EMA_OPTION
-    EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&actuator, EMA_EFFECT_VALUE_ID(stribeck_friction, speed_rad_s), EMA_R(3.0)));
+    EMA_ASSERT_STATUS(EMA_OK,
+                      ema_actuator_set(&actuator, EMA_EFFECT_VALUE_ID(stribeck_friction, speed_rad_s), EMA_R(3.0)));
     TEST_ASSERT_TRUE(actuator.effects.stribeck_friction.speed_rad_s == EMA_R(3.0));
-    EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&actuator, EMA_EFFECT_VALUE_ID(spring_load, stiffness_Nm_per_mm), EMA_R(4.0)));
+    EMA_ASSERT_STATUS(EMA_OK,
+                      ema_actuator_set(&actuator, EMA_EFFECT_VALUE_ID(spring_load, stiffness_Nm_per_mm), EMA_R(4.0)));
     TEST_ASSERT_TRUE(actuator.effects.spring_load.stiffness_Nm_per_mm == EMA_R(4.0));
 }
 

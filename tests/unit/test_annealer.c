@@ -1,5 +1,5 @@
-/* The annealer: the distribution of its decisions, its cooling and steps, why it ends, and that its path is a function of configuration and
- * costs alone.
+/* The annealer: the distribution of its decisions, its cooling and steps, why it ends, and that its path is a function
+ * of configuration and costs alone.
  */
 #include <math.h>
 
@@ -58,7 +58,8 @@ static ema_real bowl(const ema_real* x, uint32_t dimension)
 /* Neither smooth nor with one minimum. */
 static ema_real bumpy(const ema_real* x, uint32_t dimension)
 {
-    return bowl(x, dimension) + (EMA_R(0.05) * ema_sin(EMA_R(40.0) * x[0])) + ((x[0] > EMA_R(0.7)) ? EMA_R(0.3) : EMA_R(0.0));
+    return bowl(x, dimension) + (EMA_R(0.05) * ema_sin(EMA_R(40.0) * x[0]))
+           + ((x[0] > EMA_R(0.7)) ? EMA_R(0.3) : EMA_R(0.0));
 }
 
 static void test_first_candidate_is_the_start(void)
@@ -511,7 +512,8 @@ static void test_same_seed_same_path_other_seed_other_path(void)
 }
 
 /* Runs of a search with many seeds: how many end within `tolerance` of the lowest cost in `budget` evaluations. */
-static uint32_t successes(ema_real (*cost)(const ema_real*, uint32_t), double lowest, double tolerance, uint32_t budget, uint32_t seeds)
+static uint32_t successes(ema_real (*cost)(const ema_real*, uint32_t), double lowest, double tolerance, uint32_t budget,
+                          uint32_t seeds)
 {
     uint32_t found = 0U;
     config.evaluation_budget = budget;

@@ -18,11 +18,15 @@ void tearDown(void)
 
 /* A legal configuration of each kind. */
 static const ema_real recorded_mm[5] = {EMA_R(0.5), EMA_R(-0.25), EMA_R(3.0), EMA_R(2.0), EMA_R(-1.0)};
-static const ema_command_config_t chirp = {
-    .kind = EMA_COMMAND_CHIRP, .amplitude_mm = EMA_R(2.0), .start_hz = EMA_R(0.1), .end_hz = EMA_R(4.0), .duration_s = EMA_R(10.0)};
+static const ema_command_config_t chirp = {.kind = EMA_COMMAND_CHIRP,
+                                           .amplitude_mm = EMA_R(2.0),
+                                           .start_hz = EMA_R(0.1),
+                                           .end_hz = EMA_R(4.0),
+                                           .duration_s = EMA_R(10.0)};
 static const ema_command_config_t multisine = {
     .kind = EMA_COMMAND_MULTISINE, .amplitude_mm = EMA_R(2.0), .start_hz = EMA_R(0.5), .count = 7U};
-static const ema_command_config_t triangle = {.kind = EMA_COMMAND_TRIANGLE, .amplitude_mm = EMA_R(3.0), .start_hz = EMA_R(1.25)};
+static const ema_command_config_t triangle = {
+    .kind = EMA_COMMAND_TRIANGLE, .amplitude_mm = EMA_R(3.0), .start_hz = EMA_R(1.25)};
 static const ema_command_config_t trapezoid = {
     .kind = EMA_COMMAND_TRAPEZOID, .amplitude_mm = EMA_R(3.0), .start_hz = EMA_R(1.25), .share = EMA_R(0.4)};
 static const ema_command_config_t step = {.kind = EMA_COMMAND_STEP, .amplitude_mm = EMA_R(-2.5), .time_s = EMA_R(0.25)};
@@ -66,7 +70,8 @@ static void assert_chirp(double start_hz, double end_hz, double duration_s, unsi
     const double turns = (0.5 * (start_hz + end_hz) * duration_s) + 1.0;
     const double allowed = 2.0 * ((TURN * turns * EMA_BY_PRECISION(2.0e-7, 1.0e-12)) + (4.0 * EMA_EPS));
     for (uint32_t k = 0; k <= (steps + 50U); ++k) {
-        ema_assert_close(chirp_at(2.0, start_hz, end_hz, duration_s, (double)k * 1.0e-3), (double)ema_command_at(&command, k), allowed, 0.0, line);
+        ema_assert_close(chirp_at(2.0, start_hz, end_hz, duration_s, (double)k * 1.0e-3),
+                         (double)ema_command_at(&command, k), allowed, 0.0, line);
     }
 }
 
@@ -111,7 +116,8 @@ static void test_multisine_is_its_closed_form(void)
             const double phase = -(TURN / 2.0) * m * (m - 1) / 7.0;
             expected += sin((TURN * m * 0.5 * k * 1.0e-3) + phase) - sin(phase);
         }
-        EMA_ASSERT_CLOSE((2.0 / sqrt(7.0)) * expected, ema_command_at(&command, k), EMA_BY_PRECISION(3.0e-5, 1.0e-12), 0.0);
+        EMA_ASSERT_CLOSE((2.0 / sqrt(7.0)) * expected, ema_command_at(&command, k), EMA_BY_PRECISION(3.0e-5, 1.0e-12),
+                         0.0);
     }
 }
 
@@ -122,7 +128,8 @@ static void test_multisine_repeats_after_its_base_period(void)
     const ema_command_t command = made(&config);
     for (uint32_t k = 0; k < 2000U; ++k) {
         /* a period of 2000 steps; the phase of the 32nd line moves by 32 roundings of the base */
-        EMA_ASSERT_CLOSE(ema_command_at(&command, k), ema_command_at(&command, k + 2000U), EMA_BY_PRECISION(1.0e-4, 1.0e-11), 0.0);
+        EMA_ASSERT_CLOSE(ema_command_at(&command, k), ema_command_at(&command, k + 2000U),
+                         EMA_BY_PRECISION(1.0e-4, 1.0e-11), 0.0);
     }
 }
 

@@ -1,6 +1,8 @@
-/* Models with values at the ends of their ranges and states at the ends of what fits: after a step the state is made of finite numbers, or the step says that it is not.
+/* Models with values at the ends of their ranges and states at the ends of what fits: after a step the state is made of
+ * finite numbers, or the step says that it is not.
  *
- * Whatever ema_actuator_check and ema_model_init let through is tried; which that is decide they alone. docs/PROOF.md says what is shown for all states and what by such samples. */
+ * Whatever ema_actuator_check and ema_model_init let through is tried; which that is decide they alone. docs/PROOF.md
+ * says what is shown for all states and what by such samples. */
 #include "ema_effect_rows.h"
 #include "ema_math.h"
 #include "ema_rig.h"
@@ -17,14 +19,17 @@ void setUp(void)
     ema_rig_seed(20U);
 }
 
-void tearDown(void) {}
+void tearDown(void)
+{
+}
 
 static bool chance(ema_real share)
 {
     return ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < share;
 }
 
-/* A value of a range: mostly its nominal, else an end, the smallest number above zero, or anything between the ends, evenly or by its size. */
+/* A value of a range: mostly its nominal, else an end, the smallest number above zero, or anything between the ends,
+ * evenly or by its size. */
 static ema_real drawn(const ema_range_t* range, ema_real share)
 {
     ema_real value = range->nominal;
@@ -52,7 +57,8 @@ static ema_actuator_t any_actuator(ema_real share)
 {
     ema_actuator_t actuator = ema_rig_actuator();
     for (size_t id = 0; id < EMA_PARAM_COUNT; ++id) {
-        TEST_ASSERT_EQUAL(EMA_OK, ema_actuator_set(&actuator, (ema_value_id_t)id, drawn(ema_actuator_range(id), share)));
+        TEST_ASSERT_EQUAL(EMA_OK,
+                          ema_actuator_set(&actuator, (ema_value_id_t)id, drawn(ema_actuator_range(id), share)));
     }
     int32_t* const option = (int32_t*)(void*)&actuator.options;
     for (size_t k = 0; k < EMA_OPTION_COUNT; ++k) {
@@ -65,7 +71,8 @@ static ema_actuator_t any_actuator(ema_real share)
         const bool acts = chance(EMA_R(0.1));
         const size_t last = id + ema_effect_rows[k].values;
         for (; id < last; ++id) {
-            TEST_ASSERT_EQUAL(EMA_OK, ema_actuator_set(&actuator, (ema_value_id_t)id, drawn(ema_actuator_range(id), acts ? EMA_R(0.6) : EMA_R(0.0))));
+            TEST_ASSERT_EQUAL(EMA_OK, ema_actuator_set(&actuator, (ema_value_id_t)id,
+                                                       drawn(ema_actuator_range(id), acts ? EMA_R(0.6) : EMA_R(0.0))));
         }
     }
     return actuator;
@@ -92,7 +99,8 @@ static void any_state(const ema_model_t* model, ema_state_t* state)
     state->previous_error_m = sized(travel_mm * EMA_R(1.0e-3));
     state->previous_feedback_mm = sized(travel_mm);
     state->previous_measure_mm = sized(travel_mm);
-    state->motion = (state->motion == (int32_t)EMA_MOTION_ELASTIC) ? state->motion : (int32_t)ema_rig_uniform(EMA_R(-1.9), EMA_R(1.9));
+    state->motion = (state->motion == (int32_t)EMA_MOTION_ELASTIC) ? state->motion
+                                                                   : (int32_t)ema_rig_uniform(EMA_R(-1.9), EMA_R(1.9));
     if (state->motion == (int32_t)EMA_MOTION_STUCK) {
         state->speed_rad_s = EMA_R(0.0);
     } else if (state->motion != (int32_t)EMA_MOTION_ELASTIC) {
@@ -106,10 +114,13 @@ static void any_state(const ema_model_t* model, ema_state_t* state)
 /* Whether every number of the state is finite. */
 static bool finite_state(const ema_state_t* state)
 {
-    bool finite = ema_is_finite(state->current_A) && ema_is_finite(state->speed_rad_s) && ema_is_finite(state->angle_rad) && ema_is_finite(state->angle_low_rad)
-                  && ema_is_finite(state->motor_mm) && ema_is_finite(state->play_mm) && ema_is_finite(state->rod_mm) && ema_is_finite(state->rod_speed_mm_s)
-                  && ema_is_finite(state->integral) && ema_is_finite(state->previous_error_m) && ema_is_finite(state->previous_feedback_mm)
-                  && ema_is_finite(state->previous_measure_mm) && ema_is_finite(state->output) && ema_is_finite(state->outside_ratio);
+    bool finite = ema_is_finite(state->current_A) && ema_is_finite(state->speed_rad_s)
+                  && ema_is_finite(state->angle_rad) && ema_is_finite(state->angle_low_rad)
+                  && ema_is_finite(state->motor_mm) && ema_is_finite(state->play_mm) && ema_is_finite(state->rod_mm)
+                  && ema_is_finite(state->rod_speed_mm_s) && ema_is_finite(state->integral)
+                  && ema_is_finite(state->previous_error_m) && ema_is_finite(state->previous_feedback_mm)
+                  && ema_is_finite(state->previous_measure_mm) && ema_is_finite(state->output)
+                  && ema_is_finite(state->outside_ratio);
     for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
         finite = finite && ema_is_finite(state->delay_mm[k]) && ema_is_finite(state->delay_output[k]);
     }
@@ -139,21 +150,29 @@ static void test_a_step_gives_a_finite_state_or_says_that_it_does_not(void)
                 ema_output_t output;
                 status = ema_model_step(&model, sized(actuator.params.travel_mm), &output);
                 ++steps;
-                const bool finite = finite_state(&model.state) && ema_is_finite(output.position_mm) && ema_is_finite(output.voltage_V);
+                const bool finite =
+                    finite_state(&model.state) && ema_is_finite(output.position_mm) && ema_is_finite(output.voltage_V);
                 TEST_ASSERT_TRUE((status == EMA_OK) || (status == EMA_ERR_DIVERGED));
                 if (finite != (status == EMA_OK)) {
                     const ema_state_t* const state = &model.state;
-                    (void)printf("model %lu, start %lu, step %lu: status %d, current %g, speed %g, angle %g, play %g, rod %g, integral %g, output %g, memory %g %g %g, voltage %g\n",
-                                 (unsigned long)k, (unsigned long)start, (unsigned long)step, (int)status, (double)state->current_A, (double)state->speed_rad_s,
-                                 (double)state->angle_rad, (double)state->play_mm, (double)state->rod_mm, (double)state->integral, (double)state->output,
-                                 (double)state->effect_memory[0], (double)state->effect_memory[1], (double)state->effect_memory[2], (double)output.voltage_V);
+                    (void)printf("model %lu, start %lu, step %lu: status %d, current %g, speed %g, angle %g, play %g, "
+                                 "rod %g, integral %g, output %g, memory %g %g %g, voltage %g\n",
+                                 (unsigned long)k, (unsigned long)start, (unsigned long)step, (int)status,
+                                 (double)state->current_A, (double)state->speed_rad_s, (double)state->angle_rad,
+                                 (double)state->play_mm, (double)state->rod_mm, (double)state->integral,
+                                 (double)state->output, (double)state->effect_memory[0],
+                                 (double)state->effect_memory[1], (double)state->effect_memory[2],
+                                 (double)output.voltage_V);
                 }
                 diverged += (status == EMA_OK) ? 0U : 1U;
-                TEST_ASSERT_EQUAL_MESSAGE(finite, status == EMA_OK, "a state that is not finite goes by the name of one that is, or the other way round");
+                TEST_ASSERT_EQUAL_MESSAGE(
+                    finite, status == EMA_OK,
+                    "a state that is not finite goes by the name of one that is, or the other way round");
             }
         }
     }
-    (void)printf("models %lu steps %lu diverged %lu\n", (unsigned long)models, (unsigned long)steps, (unsigned long)diverged);
+    (void)printf("models %lu steps %lu diverged %lu\n", (unsigned long)models, (unsigned long)steps,
+                 (unsigned long)diverged);
     TEST_ASSERT_GREATER_THAN_UINT32(MODELS / 4U, models);
     TEST_ASSERT_GREATER_THAN_UINT32(models, steps);
 }

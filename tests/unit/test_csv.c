@@ -70,7 +70,8 @@ static void add_row(int row)
     add(line);
 }
 
-/* Header and rows, row `replaced` (from 0) written as given; NULL leaves it out. The header is line 1, so row k is line k + 2. */
+/* Header and rows, row `replaced` (from 0) written as given; NULL leaves it out. The header is line 1, so row k is line
+ * k + 2. */
 static void build(const char* header, int count, int replaced, const char* as)
 {
     text_length = 0U;
@@ -169,7 +170,8 @@ static void test_crlf_quotes_order_and_further_columns(void)
     add("\"note, free\",position_mm, \"command_mm\" ,voltage_V,time_s,\r\n");
     for (int row = 0; row < ROWS; ++row) {
         char line[160];
-        (void)snprintf(line, sizeof line, "\"say \"\"go\"\", x\",%.17g, \"%.17g\" ,%d,%.3f,\r\n", position_at(row), command_at(row), -row, 0.001 * row);
+        (void)snprintf(line, sizeof line, "\"say \"\"go\"\", x\",%.17g, \"%.17g\" ,%d,%.3f,\r\n", position_at(row),
+                       command_at(row), -row, 0.001 * row);
         add(line);
     }
     assert_good();
@@ -183,7 +185,8 @@ static void test_all_columns(void)
     add("speed_mm_s,voltage_V,current_A,motor_position_mm,position_mm,command_mm,time_s\n");
     for (int row = 0; row < ROWS; ++row) {
         char line[160];
-        (void)snprintf(line, sizeof line, "%d,2,3,4,%.17g,%.17g,%.3f\n", row, position_at(row), command_at(row), 0.001 * row);
+        (void)snprintf(line, sizeof line, "%d,2,3,4,%.17g,%.17g,%.3f\n", row, position_at(row), command_at(row),
+                       0.001 * row);
         add(line);
     }
     assert_good();
@@ -201,26 +204,44 @@ typedef struct {
 } bad_row_t;
 
 static const bad_row_t bad_rows[] = {
-    {"0.040,abc,1\n", EMA_CSV_NUMBER, "rec.csv: row 42, command_mm: \"abc\" is not a number; write digits with a decimal point"},
-    {"0.040,1,nan\n", EMA_CSV_NUMBER, "rec.csv: row 42, position_mm: \"nan\" is not a finite number; fill in the measured value or record again"},
-    {"0.040,-Inf,1\n", EMA_CSV_NUMBER, "rec.csv: row 42, command_mm: \"-Inf\" is not a finite number; fill in the measured value or record again"},
-    {"0.040,1e999,1\n", EMA_CSV_NUMBER, "rec.csv: row 42, command_mm: \"1e999\" is larger than any number can be; correct it"},
-    {"0.040,,1\n", EMA_CSV_NUMBER, "rec.csv: row 42, command_mm: the field is empty; fill in the measured value or record again"},
-    {"0.040,1,\n", EMA_CSV_NUMBER, "rec.csv: row 42, position_mm: the field is empty; fill in the measured value or record again"},
-    {"0.040,1 \x01 2,1\n", EMA_CSV_NUMBER, "rec.csv: row 42, command_mm: \"1 ? 2\" is not a number; write digits with a decimal point"},
-    {"0.040,\xC3\xA9\xFF,1\n", EMA_CSV_NUMBER, "rec.csv: row 42, command_mm: \"\xC3\xA9?\" is not a number; write digits with a decimal point"},
+    {"0.040,abc,1\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, command_mm: \"abc\" is not a number; write digits with a decimal point"},
+    {"0.040,1,nan\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, position_mm: \"nan\" is not a finite number; fill in the measured value or record again"},
+    {"0.040,-Inf,1\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, command_mm: \"-Inf\" is not a finite number; fill in the measured value or record again"},
+    {"0.040,1e999,1\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, command_mm: \"1e999\" is larger than any number can be; correct it"},
+    {"0.040,,1\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, command_mm: the field is empty; fill in the measured value or record again"},
+    {"0.040,1,\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, position_mm: the field is empty; fill in the measured value or record again"},
+    {"0.040,1 \x01 2,1\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, command_mm: \"1 ? 2\" is not a number; write digits with a decimal point"},
+    {"0.040,\xC3\xA9\xFF,1\n", EMA_CSV_NUMBER,
+     "rec.csv: row 42, command_mm: \"\xC3\xA9?\" is not a number; write digits with a decimal point"},
     {"0.040,abcdefghijklmnopqrstuvwxyz,1\n", EMA_CSV_NUMBER,
      "rec.csv: row 42, command_mm: \"abcdefghijklmnopqrstuvwx...\" is not a number; write digits with a decimal point"},
-    {"0.040,1\n", EMA_CSV_FIELDS, "rec.csv: row 42, position_mm: 2 fields where the header has 3; write every field of the row"},
-    {"0.040\n", EMA_CSV_FIELDS, "rec.csv: row 42, command_mm: 1 field where the header has 3; write every field of the row"},
-    {"0.040,1,5,1,5\n", EMA_CSV_FIELDS, "rec.csv: row 42: 5 fields where the header has 3; remove what is too much (numbers have a decimal point, not a comma)"},
-    {"0.040,\"1,1\n", EMA_CSV_FIELDS, "rec.csv: row 42: a double quote is opened and not closed on this line; close or remove it"},
-    {"0.040,\"1\"5,1\n", EMA_CSV_FIELDS, "rec.csv: row 42: text stands between a closing double quote and the next comma; remove it"},
+    {"0.040,1\n", EMA_CSV_FIELDS,
+     "rec.csv: row 42, position_mm: 2 fields where the header has 3; write every field of the row"},
+    {"0.040\n", EMA_CSV_FIELDS,
+     "rec.csv: row 42, command_mm: 1 field where the header has 3; write every field of the row"},
+    {"0.040,1,5,1,5\n", EMA_CSV_FIELDS,
+     "rec.csv: row 42: 5 fields where the header has 3; remove what is too much (numbers have a decimal point, not a "
+     "comma)"},
+    {"0.040,\"1,1\n", EMA_CSV_FIELDS,
+     "rec.csv: row 42: a double quote is opened and not closed on this line; close or remove it"},
+    {"0.040,\"1\"5,1\n", EMA_CSV_FIELDS,
+     "rec.csv: row 42: text stands between a closing double quote and the next comma; remove it"},
     {"0.039,1,1\n", EMA_CSV_TIME,
-     "rec.csv: row 42, time_s: 0.039 s does not come after 0.039 s; sort the rows by time and remove doubles, or write time_s with more digits if it was rounded"},
+     "rec.csv: row 42, time_s: 0.039 s does not come after 0.039 s; sort the rows by time and remove doubles, or write "
+     "time_s with more digits if it was rounded"},
     {"0.0405,1,1\n", EMA_CSV_TIME,
-     "rec.csv: row 42, time_s: a step of 0.0015 s where the first rows have 0.001 s; record at a constant rate, or write time_s with more digits if it was rounded"},
-    {NULL, EMA_CSV_TIME, "rec.csv: row 42, time_s: a step of 0.002 s where the first rows have 0.001 s, rows missing before it: 1; record again without gaps"},
+     "rec.csv: row 42, time_s: a step of 0.0015 s where the first rows have 0.001 s; record at a constant rate, or "
+     "write time_s with more digits if it was rounded"},
+    {NULL, EMA_CSV_TIME,
+     "rec.csv: row 42, time_s: a step of 0.002 s where the first rows have 0.001 s, rows missing before it: 1; record "
+     "again without gaps"},
 };
 
 static void test_bad_rows(void)
@@ -235,10 +256,11 @@ static void test_bad_rows(void)
 static void test_uneven_step_late(void)
 {
     build(HEADER, ROWS, 110, NULL);
-    assert_answer(EMA_CSV_TIME, "rec.csv: row 112, time_s: a step of 0.002 s where the first rows have 0.001 s, rows missing before it: 1; record again without gaps");
+    assert_answer(EMA_CSV_TIME, "rec.csv: row 112, time_s: a step of 0.002 s where the first rows have 0.001 s, rows "
+                                "missing before it: 1; record again without gaps");
     build(HEADER, ROWS, 110, "0.11002,1,1\n");
-    assert_answer(EMA_CSV_TIME,
-                  "rec.csv: row 112, time_s: a step of 0.00102 s where the first rows have 0.001 s; record at a constant rate, or write time_s with more digits if it was rounded");
+    assert_answer(EMA_CSV_TIME, "rec.csv: row 112, time_s: a step of 0.00102 s where the first rows have 0.001 s; "
+                                "record at a constant rate, or write time_s with more digits if it was rounded");
     build(HEADER, ROWS, 110, "0.110005,1,1\n");
     TEST_ASSERT_EQUAL_INT(EMA_CSV_END, read_text());
 }
@@ -250,18 +272,27 @@ typedef struct {
 } bad_header_t;
 
 static const bad_header_t bad_headers[] = {
-    {"", EMA_CSV_HEADER, "rec.csv: row 1: numbers where the header must be; add a row such as time_s,command_mm,position_mm above them"},
+    {"", EMA_CSV_HEADER,
+     "rec.csv: row 1: numbers where the header must be; add a row such as time_s,command_mm,position_mm above them"},
     {"time_s,command_mm,position_m\n", EMA_CSV_HEADER,
-     "rec.csv: row 1, position_mm: the header has no such column: \"time_s,command_mm,position_m\"; give the rod position in millimetres this name"},
+     "rec.csv: row 1, position_mm: the header has no such column: \"time_s,command_mm,position_m\"; give the rod "
+     "position in millimetres this name"},
     {"# first\ntime_ms,command_mm,position_mm\n", EMA_CSV_HEADER,
-     "rec.csv: row 2, time_s: the header has no such column: \"time_ms,command_mm,position_mm\"; give the time in seconds this name"},
+     "rec.csv: row 2, time_s: the header has no such column: \"time_ms,command_mm,position_mm\"; give the time in "
+     "seconds this name"},
     {"time_s,position_mm\n", EMA_CSV_HEADER,
-     "rec.csv: row 1, command_mm: the header has no such column: \"time_s,position_mm\"; give the position command in millimetres this name"},
-    {"time_s,command_mm,position_mm,command_mm\n", EMA_CSV_HEADER, "rec.csv: row 1, command_mm: the column stands there twice; rename or remove one of them"},
-    {"time_s;command_mm;position_mm\n", EMA_CSV_HEADER, "rec.csv: row 1: no commas between the columns; write commas between fields and a point in numbers"},
-    {"time_s\tcommand_mm\tposition_mm\n", EMA_CSV_HEADER, "rec.csv: row 1: no commas between the columns; write commas between fields and a point in numbers"},
-    {"time_s,command_mm,\"position_mm\n", EMA_CSV_FIELDS, "rec.csv: row 1: a double quote is opened and not closed on this line; close or remove it"},
-    {"time_s,command_mm,position_mm\r0,0,0\r\n", EMA_CSV_ENCODING, "rec.csv: row 1: a carriage return inside the line; save the file with LF or CRLF line ends"},
+     "rec.csv: row 1, command_mm: the header has no such column: \"time_s,position_mm\"; give the position command in "
+     "millimetres this name"},
+    {"time_s,command_mm,position_mm,command_mm\n", EMA_CSV_HEADER,
+     "rec.csv: row 1, command_mm: the column stands there twice; rename or remove one of them"},
+    {"time_s;command_mm;position_mm\n", EMA_CSV_HEADER,
+     "rec.csv: row 1: no commas between the columns; write commas between fields and a point in numbers"},
+    {"time_s\tcommand_mm\tposition_mm\n", EMA_CSV_HEADER,
+     "rec.csv: row 1: no commas between the columns; write commas between fields and a point in numbers"},
+    {"time_s,command_mm,\"position_mm\n", EMA_CSV_FIELDS,
+     "rec.csv: row 1: a double quote is opened and not closed on this line; close or remove it"},
+    {"time_s,command_mm,position_mm\r0,0,0\r\n", EMA_CSV_ENCODING,
+     "rec.csv: row 1: a carriage return inside the line; save the file with LF or CRLF line ends"},
     {"# old\rtime_s,command_mm,position_mm\r0,0,0\r\n", EMA_CSV_ENCODING,
      "rec.csv: row 1: a carriage return inside the line; save the file with LF or CRLF line ends"},
     {"\xFF\xFEt", EMA_CSV_ENCODING, "rec.csv: the text is UTF-16; save the recording as CSV in UTF-8"},
@@ -280,7 +311,8 @@ static void test_zero_bytes(void)
 {
     build(HEADER, ROWS, -1, NULL);
     text[1] = '\0';
-    assert_answer(EMA_CSV_ENCODING, "rec.csv: row 1: this is no UTF-8 text (it holds zero bytes); save the recording as CSV in UTF-8");
+    assert_answer(EMA_CSV_ENCODING,
+                  "rec.csv: row 1: this is no UTF-8 text (it holds zero bytes); save the recording as CSV in UTF-8");
 }
 
 static void test_empty_and_short_files(void)
@@ -298,7 +330,8 @@ static void test_empty_and_short_files(void)
     add(HEADER);
     assert_answer(EMA_CSV_EMPTY, "rec.csv: there are no rows of samples; record or export it again");
     build(HEADER, 99, -1, NULL);
-    assert_answer(EMA_CSV_SHORT, "rec.csv: row 100: the recording ends after 99 samples and needs at least 100; record for longer");
+    assert_answer(EMA_CSV_SHORT,
+                  "rec.csv: row 100: the recording ends after 99 samples and needs at least 100; record for longer");
     build(HEADER, 100, -1, NULL);
     assert_answer(EMA_CSV_END, "");
 }
@@ -329,13 +362,16 @@ static void test_cut_messages(void)
     build(HEADER, ROWS - 1, -1, NULL);
     const size_t before = text_length;
     add("0.119,1.1");
-    assert_answer(EMA_CSV_CUT, "rec.csv: row 121, position_mm: 2 fields where the header has 3 and no line end: the file is cut off here; copy or record it again");
+    assert_answer(EMA_CSV_CUT, "rec.csv: row 121, position_mm: 2 fields where the header has 3 and no line end: the "
+                               "file is cut off here; copy or record it again");
     text_length = before;
     add("0.119,1,-");
-    assert_answer(EMA_CSV_CUT, "rec.csv: row 121, position_mm: the file is cut off inside this number; copy or record it again");
+    assert_answer(EMA_CSV_CUT,
+                  "rec.csv: row 121, position_mm: the file is cut off inside this number; copy or record it again");
     text_length = before;
     add("0.119,1,17");
-    assert_answer(EMA_CSV_CUT, "rec.csv: row 121, position_mm: the last number has no line end behind it and does not fit those before it: it is cut off;"
+    assert_answer(EMA_CSV_CUT, "rec.csv: row 121, position_mm: the last number has no line end behind it and does not "
+                               "fit those before it: it is cut off;"
                                " copy or record the file again");
 }
 
@@ -346,7 +382,9 @@ static void test_long_lines(void)
         add("0123456789012345678901234567890123456789012345678901234567890123456789");
     }
     add("\n");
-    assert_answer(EMA_CSV_ENCODING, "rec.csv: row 2: the line is longer than 65535 bytes; save the file as CSV text with LF or CRLF line ends");
+    assert_answer(
+        EMA_CSV_ENCODING,
+        "rec.csv: row 2: the line is longer than 65535 bytes; save the file as CSV text with LF or CRLF line ends");
     text_length = 0U;
     for (int i = 0; i < 257; ++i) {
         add("a,");
@@ -363,7 +401,8 @@ static void test_reading_that_fails(void)
     TEST_ASSERT_EQUAL_STRING("rec.csv: cannot be read; name a CSV file, not a folder or a device", reader.message);
     memory = (memory_t){.bytes = text, .length = text_length, .piece = 100U, .fails_at = 1000U};
     TEST_ASSERT_EQUAL_INT(EMA_CSV_READ, read_memory(&memory));
-    TEST_ASSERT_EQUAL_STRING("rec.csv: reading stopped on the way; check the disk and copy the file again", reader.message);
+    TEST_ASSERT_EQUAL_STRING("rec.csv: reading stopped on the way; check the disk and copy the file again",
+                             reader.message);
 }
 
 static void test_wrong_calls(void)

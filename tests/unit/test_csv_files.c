@@ -50,7 +50,8 @@ void tearDown(void)
 
 static ema_csv_status_t load(int64_t capacity, int64_t* rows, int32_t* mask, double* period_s)
 {
-    return (ema_csv_status_t)ema_csv_load(path, &table[0][0], capacity, rows, mask, period_s, message, (int32_t)sizeof message);
+    return (ema_csv_status_t)ema_csv_load(path, &table[0][0], capacity, rows, mask, period_s, message,
+                                          (int32_t)sizeof message);
 }
 
 static void test_count_and_load(void)
@@ -80,7 +81,9 @@ static void test_a_table_that_is_too_small(void)
     int32_t mask = 0;
     double period_s = 0.0;
     TEST_ASSERT_EQUAL_INT(EMA_CSV_CAPACITY, load(ROWS - 1, &rows, &mask, &period_s));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, ": row 301: more samples than the 149 there is room for; give the reader a larger table or shorten the recording"), message);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, ": row 301: more samples than the 149 there is room for; give the "
+                                                 "reader a larger table or shorten the recording"),
+                                 message);
     TEST_ASSERT_EQUAL_INT64(ROWS - 1, rows);
 }
 
@@ -92,7 +95,9 @@ static void test_an_error_in_the_middle(void)
     (void)remove(path);
     write_file("0.100,100,oops,0\n");
     TEST_ASSERT_EQUAL_INT(EMA_CSV_NUMBER, load(ROWS, &rows, &mask, &period_s));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, ": row 203, position_mm: \"oops\" is not a number; write digits with a decimal point"), message);
+    TEST_ASSERT_NOT_NULL_MESSAGE(
+        strstr(message, ": row 203, position_mm: \"oops\" is not a number; write digits with a decimal point"),
+        message);
     TEST_ASSERT_EQUAL_INT(0, strncmp(message, path, strlen(path)));
     TEST_ASSERT_EQUAL_INT64(100, rows);
 }
@@ -117,7 +122,8 @@ static void test_wrong_calls(void)
     TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_count(path, NULL, NULL, 0));
     TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, load(-1, &rows, &mask, &period_s));
     TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, load(ROWS, NULL, &mask, &period_s));
-    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_load(path, NULL, ROWS, &rows, &mask, &period_s, message, (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE,
+                          ema_csv_load(path, NULL, ROWS, &rows, &mask, &period_s, message, (int32_t)sizeof message));
 }
 
 /* Rows made while they are read, so that ten million of them need no disk. */

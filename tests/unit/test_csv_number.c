@@ -41,10 +41,30 @@ static uint64_t next_bits(uint64_t* state)
 
 static void test_forms(void)
 {
-    static const char* const good[] = {"0",     "-0",     "+1",    "1.",      ".5",         "-.5e1",  "1e3",       "1E-3",   "0012.50",
-                                       "1e22",  "1e23",   "1e-22", "1e-23",   "5e-324",     "1e-400", "1.7976931348623157e308", "9007199254740993",
-                                       "9007199254740993e0", "9999999999999999999", "0.00000000000000000000000000000123", "1e0000000003",
-                                       "0e999999999999", "123456789012345678901234567890", "0.1000000000000000055511151231257827021181583404541015625"};
+    static const char* const good[] = {"0",
+                                       "-0",
+                                       "+1",
+                                       "1.",
+                                       ".5",
+                                       "-.5e1",
+                                       "1e3",
+                                       "1E-3",
+                                       "0012.50",
+                                       "1e22",
+                                       "1e23",
+                                       "1e-22",
+                                       "1e-23",
+                                       "5e-324",
+                                       "1e-400",
+                                       "1.7976931348623157e308",
+                                       "9007199254740993",
+                                       "9007199254740993e0",
+                                       "9999999999999999999",
+                                       "0.00000000000000000000000000000123",
+                                       "1e0000000003",
+                                       "0e999999999999",
+                                       "123456789012345678901234567890",
+                                       "0.1000000000000000055511151231257827021181583404541015625"};
     for (size_t i = 0; i < (sizeof good / sizeof good[0]); ++i) {
         assert_exact(good[i]);
     }
@@ -57,8 +77,9 @@ static void test_forms(void)
 
 static void test_what_is_no_number(void)
 {
-    static const char* const text[] = {"abc", "-",   "+",    ".",   "e5",   "1e",     "1e+",   "1.2.3", "1,5", "0x10", "1 2",
-                                       "--1", "1-",  "1e5.", "12a", "nano", "infinite", "1_000", "\"1\"", "1f",  "1e1e1", "#N/A"};
+    static const char* const text[] = {"abc",      "-",     "+",     ".",   "e5",    "1e",   "1e+", "1.2.3",
+                                       "1,5",      "0x10",  "1 2",   "--1", "1-",    "1e5.", "12a", "nano",
+                                       "infinite", "1_000", "\"1\"", "1f",  "1e1e1", "#N/A"};
     double value = 7.0;
     for (size_t i = 0; i < (sizeof text / sizeof text[0]); ++i) {
         TEST_ASSERT_EQUAL_INT_MESSAGE(EMA_NUMBER_TEXT, read_text(text[i], &value), text[i]);
@@ -136,7 +157,8 @@ static void test_middles_are_rounded_to_even(void)
 
 static void test_a_locale_with_decimal_comma_changes_nothing(void)
 {
-    static const char* const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "it_IT.UTF-8", "de_DE.utf8", "fr_FR.utf8", "it_IT.utf8"};
+    static const char* const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "it_IT.UTF-8",
+                                        "de_DE.utf8",  "fr_FR.utf8",  "it_IT.utf8"};
     bool set = false;
     for (size_t i = 0; !set && (i < (sizeof names / sizeof names[0])); ++i) {
         set = (setlocale(LC_ALL, names[i]) != NULL) && (strcmp(localeconv()->decimal_point, ",") == 0);

@@ -1,4 +1,5 @@
-/* Wrong units and wrong periods show in the travel and in the time of a recording; a rod that stands still is no wrong unit. */
+/* Wrong units and wrong periods show in the travel and in the time of a recording; a rod that stands still is no wrong
+ * unit. */
 #include <math.h>
 #include <string.h>
 
@@ -40,7 +41,8 @@ static void scale(ema_column_t column, double factor)
 
 static ema_csv_status_t fit(double travel_mm)
 {
-    return (ema_csv_status_t)ema_csv_table_fit("rec", &table[0][0], ROWS, travel_mm, PERIOD_S, message, (int32_t)sizeof message);
+    return (ema_csv_status_t)ema_csv_table_fit("rec", &table[0][0], ROWS, travel_mm, PERIOD_S, message,
+                                               (int32_t)sizeof message);
 }
 
 static void assert_fit(ema_csv_status_t status, const char* text)
@@ -101,7 +103,8 @@ static void test_micrometres(void)
 static void test_beyond_every_unit(void)
 {
     scale(EMA_COLUMN_COMMAND, 1.0e9);
-    assert_fit(EMA_CSV_UNIT, "mm and the actuator's stroke is 50 mm; correct the unit of the column, or the actuator's travel_mm");
+    assert_fit(EMA_CSV_UNIT,
+               "mm and the actuator's stroke is 50 mm; correct the unit of the column, or the actuator's travel_mm");
 }
 
 /* A jammed rod shows noise, or nothing at all: a fault, not a bad input. */
@@ -127,20 +130,25 @@ static void test_a_position_with_an_offset(void)
         table[row][EMA_COLUMN_POSITION] -= 30.0;
     }
     assert_fit(EMA_CSV_UNIT, "rec: position_mm: reaches 31.");
-    assert_fit(EMA_CSV_UNIT, "mm from the middle and the actuator's travel ends at 25 mm; take the sensor's offset off command and position, or correct travel_mm");
+    assert_fit(EMA_CSV_UNIT, "mm from the middle and the actuator's travel ends at 25 mm; take the sensor's offset off "
+                             "command and position, or correct travel_mm");
 }
 
 static void test_periods(void)
 {
     double period_s = 0.0;
-    TEST_ASSERT_EQUAL_INT(EMA_CSV_OK, ema_csv_table_check("rec", &table[0][0], ROWS, MASK, &period_s, message, (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_INT(
+        EMA_CSV_OK, ema_csv_table_check("rec", &table[0][0], ROWS, MASK, &period_s, message, (int32_t)sizeof message));
     EMA_ASSERT_CLOSE(PERIOD_S, period_s, 1e-12, 0.0);
-    TEST_ASSERT_EQUAL_INT(EMA_CSV_PERIOD, ema_csv_table_fit("rec", &table[0][0], ROWS, TRAVEL_MM, 5.0e-4, message, (int32_t)sizeof message));
-    TEST_ASSERT_EQUAL_STRING("rec: time_s: a row every 0.001 s, and the actuator records one every 0.0005 s; set the actuator's step_s and"
-                             " record_every_steps to this recording, or resample it",
-                             message);
+    TEST_ASSERT_EQUAL_INT(EMA_CSV_PERIOD, ema_csv_table_fit("rec", &table[0][0], ROWS, TRAVEL_MM, 5.0e-4, message,
+                                                            (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_STRING(
+        "rec: time_s: a row every 0.001 s, and the actuator records one every 0.0005 s; set the actuator's step_s and"
+        " record_every_steps to this recording, or resample it",
+        message);
     scale(EMA_COLUMN_TIME, 1000.0);
-    assert_fit(EMA_CSV_PERIOD, "rec: time_s: a row every 1 s, and the actuator records one every 0.001 s: looks like milliseconds; divide the column by 1000");
+    assert_fit(EMA_CSV_PERIOD, "rec: time_s: a row every 1 s, and the actuator records one every 0.001 s: looks like "
+                               "milliseconds; divide the column by 1000");
     scale(EMA_COLUMN_TIME, 1.0005e-3);
     TEST_ASSERT_EQUAL_INT(EMA_CSV_OK, fit(TRAVEL_MM));
     scale(EMA_COLUMN_TIME, 1.002);
@@ -151,7 +159,8 @@ static void assert_table(ema_csv_status_t status, int64_t rows, int32_t mask, co
 {
     double period_s = 0.0;
     message[0] = '\0';
-    TEST_ASSERT_EQUAL_INT(status, ema_csv_table_check("rec", &table[0][0], rows, mask, &period_s, message, (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_INT(
+        status, ema_csv_table_check("rec", &table[0][0], rows, mask, &period_s, message, (int32_t)sizeof message));
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, text), message);
 }
 
@@ -163,18 +172,23 @@ static void test_tables_from_elsewhere(void)
     assert_table(EMA_CSV_EMPTY, 0, MASK, "rec: there are no rows of samples");
     assert_table(EMA_CSV_SHORT, 99, MASK, "rec: row 99: the recording ends after 99 samples and needs at least 100");
     table[200][EMA_COLUMN_POSITION] = (double)INFINITY;
-    assert_table(EMA_CSV_NUMBER, ROWS, MASK, "rec: row 201, position_mm: not a finite number; fill in the measured value or record again");
+    assert_table(EMA_CSV_NUMBER, ROWS, MASK,
+                 "rec: row 201, position_mm: not a finite number; fill in the measured value or record again");
     setUp();
     table[300][EMA_COLUMN_TIME] += 0.5e-3;
-    assert_table(EMA_CSV_TIME, ROWS, MASK, "rec: row 301, time_s: a step of 0.0015 s where the first rows have 0.001 s");
+    assert_table(EMA_CSV_TIME, ROWS, MASK,
+                 "rec: row 301, time_s: a step of 0.0015 s where the first rows have 0.001 s");
 }
 
 static void test_wrong_calls_and_small_messages(void)
 {
     double period_s = 0.0;
-    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_table_check(NULL, &table[0][0], ROWS, MASK, &period_s, message, (int32_t)sizeof message));
-    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_table_check("rec", NULL, ROWS, MASK, &period_s, message, (int32_t)sizeof message));
-    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_table_check("rec", &table[0][0], -1, MASK, &period_s, message, (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_table_check(NULL, &table[0][0], ROWS, MASK, &period_s, message,
+                                                             (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE,
+                          ema_csv_table_check("rec", NULL, ROWS, MASK, &period_s, message, (int32_t)sizeof message));
+    TEST_ASSERT_EQUAL_INT(
+        EMA_CSV_USAGE, ema_csv_table_check("rec", &table[0][0], -1, MASK, &period_s, message, (int32_t)sizeof message));
     TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_table_check("rec", &table[0][0], ROWS, MASK, NULL, NULL, 0));
     TEST_ASSERT_EQUAL_INT(EMA_CSV_USAGE, ema_csv_table_fit("rec", NULL, ROWS, 1.0, 1.0, NULL, 0));
     (void)memset(message, '!', sizeof message);

@@ -23,7 +23,8 @@ static const char* foreign(const char* text, size_t limit)
 
 static void test_good_utf8_passes(void)
 {
-    static const char* const good[] = {"plain ~", "\xC3\xA9", "\xC2\xA0", "\xE2\x82\xAC", "\xEF\xBF\xBD", "\xF0\x9F\x98\x80", "\xF4\x8F\xBF\xBF"};
+    static const char* const good[] = {"plain ~",      "\xC3\xA9",         "\xC2\xA0",        "\xE2\x82\xAC",
+                                       "\xEF\xBF\xBD", "\xF0\x9F\x98\x80", "\xF4\x8F\xBF\xBF"};
     for (size_t i = 0; i < (sizeof good / sizeof good[0]); ++i) {
         TEST_ASSERT_EQUAL_STRING(good[i], foreign(good[i], 50U));
     }
@@ -31,14 +32,16 @@ static void test_good_utf8_passes(void)
 
 static void test_broken_utf8_and_controls_become_question_marks(void)
 {
-    TEST_ASSERT_EQUAL_STRING("a?b?c?", foreign("a\nb\x7F" "c\x1B", 50U));
-    TEST_ASSERT_EQUAL_STRING("?", foreign("\xC2\x85", 50U));          /* a control of two bytes */
-    TEST_ASSERT_EQUAL_STRING("?x", foreign("\x80x", 50U));            /* a tail alone */
-    TEST_ASSERT_EQUAL_STRING("?x", foreign("\xC3x", 50U));            /* a head alone */
+    TEST_ASSERT_EQUAL_STRING("a?b?c?", foreign("a\nb\x7F"
+                                               "c\x1B",
+                                               50U));
+    TEST_ASSERT_EQUAL_STRING("?", foreign("\xC2\x85", 50U)); /* a control of two bytes */
+    TEST_ASSERT_EQUAL_STRING("?x", foreign("\x80x", 50U));   /* a tail alone */
+    TEST_ASSERT_EQUAL_STRING("?x", foreign("\xC3x", 50U));   /* a head alone */
     TEST_ASSERT_EQUAL_STRING("?", foreign("\xC3", 50U));
-    TEST_ASSERT_EQUAL_STRING("??", foreign("\xC0\xAF", 50U));         /* longer than needed */
+    TEST_ASSERT_EQUAL_STRING("??", foreign("\xC0\xAF", 50U)); /* longer than needed */
     TEST_ASSERT_EQUAL_STRING("???", foreign("\xE0\x80\x80", 50U));
-    TEST_ASSERT_EQUAL_STRING("???", foreign("\xED\xA0\x80", 50U));    /* half of a pair */
+    TEST_ASSERT_EQUAL_STRING("???", foreign("\xED\xA0\x80", 50U));      /* half of a pair */
     TEST_ASSERT_EQUAL_STRING("????", foreign("\xF4\x90\x80\x80", 50U)); /* beyond the last character */
     TEST_ASSERT_EQUAL_STRING("?", foreign("\xFF", 50U));
 }
@@ -47,15 +50,31 @@ static void test_cuts_fall_between_characters(void)
 {
     TEST_ASSERT_EQUAL_STRING("abcd", foreign("abcd", 4U));
     TEST_ASSERT_EQUAL_STRING("abc...", foreign("abcde", 3U));
-    TEST_ASSERT_EQUAL_STRING("ab...", foreign("ab\xE2\x82\xAC" "cde", 4U));
+    TEST_ASSERT_EQUAL_STRING("ab...", foreign("ab\xE2\x82\xAC"
+                                              "cde",
+                                              4U));
     for (size_t size = 0U; size < 9U; ++size) {
         (void)memset(buffer, '!', sizeof buffer);
         ema_text_t line = ema_text_start(buffer, size);
-        ema_text_add_foreign(&line, "a\xE2\x82\xAC" "b\xC3\xA9", 7U, 50U);
+        ema_text_add_foreign(&line,
+                             "a\xE2\x82\xAC"
+                             "b\xC3\xA9",
+                             7U, 50U);
         ema_text_add(&line, "");
         TEST_ASSERT_EQUAL_CHAR('!', buffer[size]);
         if (size > 0U) {
-            static const char* const fits[] = {"", "", "a", "a", "a", "a\xE2\x82\xAC", "a\xE2\x82\xAC" "b", "a\xE2\x82\xAC" "b", "a\xE2\x82\xAC" "b\xC3\xA9"};
+            static const char* const fits[] = {"",
+                                               "",
+                                               "a",
+                                               "a",
+                                               "a",
+                                               "a\xE2\x82\xAC",
+                                               "a\xE2\x82\xAC"
+                                               "b",
+                                               "a\xE2\x82\xAC"
+                                               "b",
+                                               "a\xE2\x82\xAC"
+                                               "b\xC3\xA9"};
             TEST_ASSERT_EQUAL_STRING(fits[size], buffer);
         }
     }

@@ -39,7 +39,7 @@ static void assert_applied(ema_drive_output_t actual, double input, double volta
     UNITY_TEST_ASSERT(actual.current_loop == current_loop, line, "wrong circuit");
 }
 
-#define ASSERT_APPLIED(actual, input, voltage_V, current_loop) \
+#define ASSERT_APPLIED(actual, input, voltage_V, current_loop)                                                         \
     assert_applied((actual), (input), (voltage_V), (current_loop), (unsigned)__LINE__)
 
 static void test_voltage_mode_applies_a_share_of_the_bus(void)

@@ -21,7 +21,8 @@ static void test_locked_current_rises_after_the_delay(void)
         for (uint32_t k = 0; k < 12U; ++k) {
             const ema_output_t row = ema_rig_step(&model, EMA_R(0.5) * EMA_FULL_OUTPUT_MM);
             const double since_s = fmax((1.0e-3 * k) - delays_s[d], 0.0);
-            EMA_ASSERT_CLOSE((12.0 / 0.99) * -expm1(-since_s * 0.99 / 8.0e-4), row.current_A, EMA_BY_PRECISION(3.0e-5, 1.0e-11), 0.0);
+            EMA_ASSERT_CLOSE((12.0 / 0.99) * -expm1(-since_s * 0.99 / 8.0e-4), row.current_A,
+                             EMA_BY_PRECISION(3.0e-5, 1.0e-11), 0.0);
             EMA_ASSERT_CLOSE(12.0, row.voltage_V, 0.0, EMA_CLOSED_FORM);
         }
     }

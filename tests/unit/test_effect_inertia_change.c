@@ -33,7 +33,8 @@ static void test_soft_transmission_takes_its_mass_off_the_changed_total(void)
     ema_params_t params = actuator.params;
     ema_effects_adjust(&actuator.effects, &params);
     const double lead_m_per_rad = 5.0e-3 / (2.0 * 3.14159265358979323846 * 4.0);
-    EMA_ASSERT_CLOSE((6.0e-5 * 1.5) - (200.0 * lead_m_per_rad * lead_m_per_rad), params.inertia_kgm2, 0.0, 64.0 * EMA_EPS);
+    EMA_ASSERT_CLOSE((6.0e-5 * 1.5) - (200.0 * lead_m_per_rad * lead_m_per_rad), params.inertia_kgm2, 0.0,
+                     64.0 * EMA_EPS);
 }
 
 int main(void)

@@ -27,7 +27,8 @@ static void test_sums_to_nothing_over_a_lead(void)
     const ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
     double sum_Nm = 0.0;
     for (uint32_t k = 0; k < 16U; ++k) {
-        const ema_site_t site = {.plant = &model.plant, .position_mm = EMA_R(3.0) + ((EMA_R(5.0) / EMA_R(16.0)) * (ema_real)k)};
+        const ema_site_t site = {.plant = &model.plant,
+                                 .position_mm = EMA_R(3.0) + ((EMA_R(5.0) / EMA_R(16.0)) * (ema_real)k)};
         sum_Nm += (double)ema_effect_pitch_ripple(&effect, &site, EMA_R(0.138));
     }
     EMA_ASSERT_CLOSE(0.0, sum_Nm, 16.0 * EMA_EPS, 0.0);

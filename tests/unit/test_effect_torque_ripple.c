@@ -55,7 +55,8 @@ static void test_current_loop_keeps_its_current_under_the_ripple(void)
         (void)ema_rig_hold(&model, EMA_FULL_OUTPUT_MM, 2U);
         EMA_ASSERT_CLOSE(5.0, model.state.current_A, 0.0, EMA_CLOSED_FORM);
         /* two steps of 1 ms at angle zero, nearly: kt (1 + ratio) i - csj over the inertia */
-        EMA_ASSERT_CLOSE(2.0e-3 * ((0.0612 * (1.0 + ratio[k]) * 5.0) - 0.138) / 6.0e-5, model.state.speed_rad_s, 0.0, 5.0e-3);
+        EMA_ASSERT_CLOSE(2.0e-3 * ((0.0612 * (1.0 + ratio[k]) * 5.0) - 0.138) / 6.0e-5, model.state.speed_rad_s, 0.0,
+                         5.0e-3);
     }
 }
 

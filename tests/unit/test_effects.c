@@ -30,8 +30,9 @@ typedef struct {
 } row_t;
 
 static const row_t rows[] = {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) \
-    {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)), sizeof(ema_effect_##name##_t) / sizeof(ema_real)},
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)),                                      \
+     sizeof(ema_effect_##name##_t) / sizeof(ema_real)},
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 };
@@ -43,7 +44,8 @@ static void reshape(ema_actuator_t* changed, const row_t* row)
 {
     for (size_t id = row->first + 1U; id < (row->first + row->count); ++id) {
         const ema_range_t* const range = ema_actuator_range(id);
-        const ema_real share = (range->nominal == (range->lower + (EMA_R(0.3) * (range->upper - range->lower)))) ? EMA_R(0.4) : EMA_R(0.3);
+        const ema_real share =
+            (range->nominal == (range->lower + (EMA_R(0.3) * (range->upper - range->lower)))) ? EMA_R(0.4) : EMA_R(0.3);
         const ema_real value = range->lower + (share * (range->upper - range->lower));
         EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(changed, (ema_value_id_t)id, value));
     }
@@ -79,11 +81,13 @@ static void test_every_effect_at_zero_is_absent_bit_for_bit(void)
     }
 }
 
-/* A table without values changes nothing: its nodes, behind gain, axis, first and last, at a hundredth of their range. */
+/* A table without values changes nothing: its nodes, behind gain, axis, first and last, at a hundredth of their range.
+ */
 static void fill_table(ema_actuator_t* with, const row_t* row)
 {
     for (size_t id = row->first + 4U; id < (row->first + row->count); ++id) {
-        EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(with, (ema_value_id_t)id, EMA_R(0.01) * ema_actuator_range(id)->upper));
+        EMA_ASSERT_STATUS(EMA_OK,
+                          ema_actuator_set(with, (ema_value_id_t)id, EMA_R(0.01) * ema_actuator_range(id)->upper));
     }
 }
 
@@ -92,7 +96,8 @@ static double felt(const row_t* row, ema_real share)
 {
     const ema_command_t command = ema_rig_chirp(EMA_R(6.0), EMA_R(2.0), EMA_R(1.0e-3));
     ema_actuator_t with = actuator;
-    EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&with, (ema_value_id_t)row->first, share * ema_actuator_range(row->first)->upper));
+    EMA_ASSERT_STATUS(
+        EMA_OK, ema_actuator_set(&with, (ema_value_id_t)row->first, share * ema_actuator_range(row->first)->upper));
     if (ema_actuator_is_learned((ema_value_id_t)row->first)) {
         fill_table(&with, row);
     }
@@ -102,7 +107,8 @@ static double felt(const row_t* row, ema_real share)
     for (uint32_t step = 0; step < 2000U; ++step) {
         const ema_output_t a = ema_rig_step(&plain, ema_command_at(&command, step));
         const ema_output_t b = ema_rig_step(&on, ema_command_at(&command, step));
-        largest = fmax(largest, fmax(fabs((double)a.current_A - (double)b.current_A), fabs((double)a.position_mm - (double)b.position_mm)));
+        largest = fmax(largest, fmax(fabs((double)a.current_A - (double)b.current_A),
+                                     fabs((double)a.position_mm - (double)b.position_mm)));
     }
     return largest;
 }
@@ -111,7 +117,8 @@ static void test_every_effect_is_felt_when_it_is_not_zero(void)
 {
     for (size_t k = 0; k < ROW_COUNT; ++k) {
         /* a limit is felt when it is low, everything else when it is high */
-        TEST_ASSERT_TRUE_MESSAGE((felt(&rows[k], EMA_R(0.01)) > 1.0e-3) || (felt(&rows[k], EMA_R(0.001)) > 1.0e-3), rows[k].name);
+        TEST_ASSERT_TRUE_MESSAGE((felt(&rows[k], EMA_R(0.01)) > 1.0e-3) || (felt(&rows[k], EMA_R(0.001)) > 1.0e-3),
+                                 rows[k].name);
     }
 }
 
@@ -131,8 +138,8 @@ static void test_effects_add_up_over_sites(void)
     actuator.effects.inverter_dead_time.drop_V = EMA_R(0.1);
     actuator.effects.spring_load.stiffness_Nm_per_mm = EMA_R(0.1);
     const ema_active_t active = active_now();
-    TEST_ASSERT_TRUE((active.at[EMA_SITE_FRICTION] != 0U) && (active.at[EMA_SITE_TORQUE] != 0U) && (active.at[EMA_SITE_VOLTAGE] != 0U)
-                     && (active.at[EMA_SITE_LOAD] != 0U) && active.any);
+    TEST_ASSERT_TRUE((active.at[EMA_SITE_FRICTION] != 0U) && (active.at[EMA_SITE_TORQUE] != 0U)
+                     && (active.at[EMA_SITE_VOLTAGE] != 0U) && (active.at[EMA_SITE_LOAD] != 0U) && active.any);
     TEST_ASSERT_EQUAL_UINT32(0U, active.at[EMA_SITE_TRANSMISSION]);
     TEST_ASSERT_EQUAL_UINT8(8U, active.substeps);
     actuator = ema_rig_actuator();
@@ -175,12 +182,14 @@ static void test_stribeck_level_falls_with_speed(void)
     for (uint32_t k = 0; k < 2000U; ++k) {
         const double rise = (double)ema_rig_uniform(EMA_R(0.01), EMA_R(3.0));
         const double scale = (double)ema_rig_uniform(EMA_R(0.5), EMA_R(200.0));
-        const double shape = ((k % 3U) == 0U) ? 1.0 : (((k % 3U) == 1U) ? 2.0 : (double)ema_rig_uniform(EMA_R(0.5), EMA_R(4.0)));
+        const double shape =
+            ((k % 3U) == 0U) ? 1.0 : (((k % 3U) == 1U) ? 2.0 : (double)ema_rig_uniform(EMA_R(0.5), EMA_R(4.0)));
         const double speed = (double)ema_rig_uniform(EMA_R(-300.0), EMA_R(300.0));
         const ema_effect_stribeck_friction_t effect = {(ema_real)rise, (ema_real)scale, (ema_real)shape};
         const ema_site_t site = {.speed_rad_s = (ema_real)speed};
         const double expected = 0.138 * rise * exp(-pow(fabs(speed) / scale, shape));
-        EMA_ASSERT_CLOSE(expected, ema_effect_stribeck_friction(&effect, &site, EMA_R(0.138)), EMA_BY_PRECISION(1.0e-6, 1.0e-14), 0.0);
+        EMA_ASSERT_CLOSE(expected, ema_effect_stribeck_friction(&effect, &site, EMA_R(0.138)),
+                         EMA_BY_PRECISION(1.0e-6, 1.0e-14), 0.0);
     }
 }
 
@@ -216,7 +225,8 @@ static void test_stribeck_balances_the_steady_speed(void)
     const ema_model_t model = steady_model(-0.25);
     const double speed = fabs((double)model.state.speed_rad_s);
     const double friction_Nm = 0.138 * (1.0 + (0.8 * exp(-speed / 60.0)));
-    EMA_ASSERT_CLOSE(KT * fabs((double)model.state.current_A), friction_Nm + (1.0e-4 * speed), 0.0, EMA_BY_PRECISION(1.0e-5, 1.0e-11));
+    EMA_ASSERT_CLOSE(KT * fabs((double)model.state.current_A), friction_Nm + (1.0e-4 * speed), 0.0,
+                     EMA_BY_PRECISION(1.0e-5, 1.0e-11));
     /* the exponential still matters at that speed */
     TEST_ASSERT_TRUE(friction_Nm > (1.05 * 0.138));
 }
@@ -230,7 +240,8 @@ static void test_cogging_torque_is_periodic_in_the_angle(void)
         const double angle = (double)ema_rig_uniform(EMA_R(-120.0), EMA_R(120.0));
         const ema_effect_cogging_torque_t effect = {(ema_real)amplitude, (ema_real)periods, (ema_real)phase};
         const ema_site_t site = {.angle_rad = (ema_real)angle};
-        EMA_ASSERT_CLOSE(amplitude * sin((periods * angle) + phase), ema_effect_cogging_torque(&effect, &site), 1.0e4 * EMA_EPS, 0.0);
+        EMA_ASSERT_CLOSE(amplitude * sin((periods * angle) + phase), ema_effect_cogging_torque(&effect, &site),
+                         1.0e4 * EMA_EPS, 0.0);
     }
 }
 
@@ -284,7 +295,8 @@ static void test_constant_load_acts_against_extension(void)
     const ema_model_t out = steady_model(0.5);
     const ema_model_t in = steady_model(-0.5);
     const double slope = 1.0e-4 + (KT * KT / 0.99);
-    EMA_ASSERT_CLOSE(-2.0 * 0.1 / slope, (double)out.state.speed_rad_s + (double)in.state.speed_rad_s, 0.0, EMA_BY_PRECISION(1.0e-4, 1.0e-11));
+    EMA_ASSERT_CLOSE(-2.0 * 0.1 / slope, (double)out.state.speed_rad_s + (double)in.state.speed_rad_s, 0.0,
+                     EMA_BY_PRECISION(1.0e-4, 1.0e-11));
 }
 
 static void test_winding_heating_is_a_resistance(void)
@@ -450,7 +462,12 @@ static void test_a_site_without_active_effects_adds_nothing(void)
 {
     const ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
     const ema_plant_t* const plant = &model.plant;
-    const ema_site_t site = {.plant = plant, .speed_rad_s = EMA_R(20.0), .angle_rad = EMA_R(0.7), .position_mm = EMA_R(0.1), .current_A = EMA_R(3.0), .voltage_V = EMA_R(12.0)};
+    const ema_site_t site = {.plant = plant,
+                             .speed_rad_s = EMA_R(20.0),
+                             .angle_rad = EMA_R(0.7),
+                             .position_mm = EMA_R(0.1),
+                             .current_A = EMA_R(3.0),
+                             .voltage_V = EMA_R(12.0)};
     TEST_ASSERT_TRUE(ema_site_friction(plant, &site, EMA_R(0.138)) == EMA_R(0.0));
     TEST_ASSERT_TRUE(ema_site_torque(plant, &site) == EMA_R(0.0));
     TEST_ASSERT_TRUE(ema_site_load(plant, &site) == EMA_R(0.0));
@@ -473,7 +490,8 @@ static void test_a_site_without_active_effects_adds_nothing(void)
     }
 }
 
-/* With effects, steps are not exact: their error against much finer steps must stay small and fall with the substeps. */
+/* With effects, steps are not exact: their error against much finer steps must stay small and fall with the substeps.
+ */
 static void test_effects_converge_with_substeps(void)
 {
     const ema_command_t command = ema_rig_chirp(EMA_R(6.0), EMA_R(2.0), EMA_R(1.0e-3));
@@ -533,7 +551,8 @@ static void test_own_steps_without_inductance(void)
     TEST_ASSERT_TRUE(worst_of_own_steps_mm() < 2.0e-4);
 }
 
-/* An output that comes late splits the step, and what acts on the motion acts in both parts: forward, the asymmetry is more viscous damping. */
+/* An output that comes late splits the step, and what acts on the motion acts in both parts: forward, the asymmetry is
+ * more viscous damping. */
 static void test_effect_acts_in_both_parts_of_a_late_step(void)
 {
     actuator.params.output_delay_s = EMA_R(4.0e-4);

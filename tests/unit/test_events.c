@@ -1,4 +1,5 @@
-/* What happens in a span, on the bounds themselves: where rounding has put the current or the speed on the bound or just beyond it. */
+/* What happens in a span, on the bounds themselves: where rounding has put the current or the speed on the bound or
+ * just beyond it. */
 #include "ema_events.h"
 #include "ema_rig.h"
 
@@ -49,7 +50,8 @@ static bool held_after(ema_event_kind_t kind, ema_real value, ema_real input)
     return work.regime.held;
 }
 
-/* A current that follows the voltage at once and has just risen to the limit is held, though rounding finds it below. */
+/* A current that follows the voltage at once and has just risen to the limit is held, though rounding finds it below.
+ */
 static void test_current_that_reached_its_limit_is_held(void)
 {
     actuator.params.inductance_H = EMA_R(0.0);
@@ -64,7 +66,8 @@ static void test_current_that_reached_its_limit_is_held(void)
     TEST_ASSERT_FALSE(held_after(EMA_EVENT_CURRENT, EMA_R(4.0), below_V));
 }
 
-/* A current that has just come back inside, but that rounding left outside: it does not cross the bound outward a second time. */
+/* A current that has just come back inside, but that rounding left outside: it does not cross the bound outward a
+ * second time. */
 static void test_current_beyond_its_bound_does_not_cross_it_outward(void)
 {
     actuator.params.torque_limit_Nm = (ema_real)(KT * 5.0);
@@ -84,7 +87,8 @@ static void test_current_beyond_its_bound_does_not_cross_it_outward(void)
     }
 }
 
-/* A held current is let go where the circuit stops pushing it outward; one that was never pushed has no such instant. */
+/* A held current is let go where the circuit stops pushing it outward; one that was never pushed has no such instant.
+ */
 static void test_only_a_current_that_is_pushed_outward_is_let_go(void)
 {
     actuator.params.current_limit_A = EMA_R(5.0);
@@ -101,7 +105,8 @@ static void test_only_a_current_that_is_pushed_outward_is_let_go(void)
     TEST_ASSERT_TRUE(work.event.current_A == EMA_R(5.0));
 }
 
-/* A shaft that starts at zero speed and is driven back rests at once; a current that reaches its bound before that comes first. */
+/* A shaft that starts at zero speed and is driven back rests at once; a current that reaches its bound before that
+ * comes first. */
 static void test_reversal_from_zero_speed_against_a_crossing_of_the_current(void)
 {
     actuator.params.torque_limit_Nm = (ema_real)(KT * 5.0);

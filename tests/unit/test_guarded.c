@@ -1,4 +1,5 @@
-/* A session behind a table of signatures: without one it is the session, with one it starts nearer, ends at the same place, and objects to what the model lacks. */
+/* A session behind a table of signatures: without one it is the session, with one it starts nearer, ends at the same
+ * place, and objects to what the model lacks. */
 #include "ema/ema_guarded.h"
 
 #include <math.h>
@@ -34,7 +35,8 @@ static void feed(ema_session_t* plain, const ema_actuator_t* truth, ema_real end
     ema_random_init(&noise, UINT64_C(5), UINT64_C(3));
     for (uint32_t row = 0; row < rows; ++row) {
         const ema_sample_t sample = ema_signature_sample(&model, &command, row, &noise);
-        EMA_ASSERT_STATUS(EMA_OK, (plain != NULL) ? ema_session_feed(plain, &sample) : ema_guarded_feed(&guarded, &sample));
+        EMA_ASSERT_STATUS(EMA_OK,
+                          (plain != NULL) ? ema_session_feed(plain, &sample) : ema_guarded_feed(&guarded, &sample));
     }
 }
 
@@ -58,7 +60,8 @@ static void run(ema_guarded_t* any, uint32_t steps)
     }
 }
 
-static ema_result_t guarded_result(const ema_actuator_t* truth, ema_real end_hz, const ema_signatures_t* table, uint32_t steps, ema_finding_t* finding)
+static ema_result_t guarded_result(const ema_actuator_t* truth, ema_real end_hz, const ema_signatures_t* table,
+                                   uint32_t steps, ema_finding_t* finding)
 {
     ema_result_t result;
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, table));
@@ -89,7 +92,10 @@ static void without_a_table_it_is_the_session(void)
 
 static void same_answer_in_fewer_runs(void)
 {
-    const ema_real faults[][2] = {{EMA_R(0.145), EMA_R(0.045)}, {EMA_R(0.2), EMA_R(0.04)}, {EMA_R(0.139), EMA_R(0.0335)}, {EMA_R(0.3), EMA_R(0.033)}};
+    const ema_real faults[][2] = {{EMA_R(0.145), EMA_R(0.045)},
+                                  {EMA_R(0.2), EMA_R(0.04)},
+                                  {EMA_R(0.139), EMA_R(0.0335)},
+                                  {EMA_R(0.3), EMA_R(0.033)}};
     for (size_t k = 0; k < (sizeof faults / sizeof faults[0]); ++k) {
         const ema_actuator_t truth = faulty(faults[k][0], faults[k][1]);
         const ema_result_t plain = plain_result(&truth, EMA_R(4.0));
@@ -97,7 +103,8 @@ static void same_answer_in_fewer_runs(void)
         const ema_result_t behind = guarded_result(&truth, EMA_R(4.0), &rig.table, 1000U, &finding);
         TEST_ASSERT_TRUE((behind.evaluations * 20U) < (plain.evaluations * 19U));
         for (uint32_t i = 0; i < 2U; ++i) {
-            EMA_ASSERT_CLOSE((double)plain.identified[i].estimate, (double)behind.identified[i].estimate, 0.1 * (double)plain.identified[i].std, 0.0);
+            EMA_ASSERT_CLOSE((double)plain.identified[i].estimate, (double)behind.identified[i].estimate,
+                             0.1 * (double)plain.identified[i].std, 0.0);
         }
         TEST_ASSERT_EQUAL_INT(plain.verdict, behind.verdict);
         TEST_ASSERT_EQUAL_HEX32(plain.reasons, behind.reasons);

@@ -43,7 +43,8 @@ static void test_exp_is_within_3_units_in_the_last_place(void)
 {
     double worst = 0.0;
     for (uint32_t k = 0; k < SWEEP; ++k) {
-        const ema_real x = EMA_BY_PRECISION(ema_rig_uniform(EMA_R(-86.9), EMA_R(88.0)), ema_rig_uniform(EMA_R(-707.9), EMA_R(709.0)));
+        const ema_real x =
+            EMA_BY_PRECISION(ema_rig_uniform(EMA_R(-86.9), EMA_R(88.0)), ema_rig_uniform(EMA_R(-707.9), EMA_R(709.0)));
         const long double exact = expl(LONG(x));
         worst = larger(worst, (double)(fabsl(LONG(ema_exp(x)) - exact) / exact) / EMA_EPS);
     }
@@ -147,7 +148,8 @@ static void test_sine_of_a_phase_is_within_2_epsilon(void)
 {
     double worst = 0.0;
     for (uint32_t k = 0; k < SWEEP; ++k) {
-        const uint64_t phase = ((uint64_t)(uint32_t)ema_rig_uniform(EMA_R(0.0), EMA_R(4294967040.0)) << 32U) + ((uint64_t)k * UINT64_C(21474));
+        const uint64_t phase = ((uint64_t)(uint32_t)ema_rig_uniform(EMA_R(0.0), EMA_R(4294967040.0)) << 32U)
+                               + ((uint64_t)k * UINT64_C(21474));
         const long double angle = ldexpl((long double)phase, -64) * 6.283185307179586476925L;
         worst = larger(worst, (double)fabsl(LONG(ema_sin_turn64(phase)) - sinl(angle)) / EMA_EPS);
     }
@@ -229,7 +231,8 @@ static void test_part_of_a_turn_just_below_one_does_not_wrap(void)
 static void test_floor_equals_the_library(void)
 {
     for (uint32_t k = 0; k < SWEEP; ++k) {
-        const ema_real x = ema_rig_uniform(EMA_R(-100.0), EMA_R(100.0)) * ema_exp(ema_rig_uniform(EMA_R(0.0), EMA_R(25.0)));
+        const ema_real x =
+            ema_rig_uniform(EMA_R(-100.0), EMA_R(100.0)) * ema_exp(ema_rig_uniform(EMA_R(0.0), EMA_R(25.0)));
         if (ema_abs(x) < EMA_R(2147483000.0)) {
             TEST_ASSERT_TRUE((double)ema_floor(x) == floor((double)x));
         } else {

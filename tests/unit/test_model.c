@@ -133,7 +133,8 @@ static void test_init_refuses_more_mass_on_the_spring_than_the_inertia(void)
 /* What a user's own effects may leave behind the check of the ranges, and what the project's cannot. */
 static void test_plant_refuses_what_effects_must_not_leave(void)
 {
-    static const ema_value_id_t ids[3] = {EMA_VALUE_ID(supply_V), EMA_VALUE_ID(viscous_Nm_s_per_rad), EMA_VALUE_ID(resistance_ohm)};
+    static const ema_value_id_t ids[3] = {EMA_VALUE_ID(supply_V), EMA_VALUE_ID(viscous_Nm_s_per_rad),
+                                          EMA_VALUE_ID(resistance_ohm)};
     static const ema_real bad[3] = {EMA_R(0.0), EMA_R(-1.0e-6), EMA_R(0.0)};
     static ema_plant_t plant;
     static ema_plant_t before;
@@ -170,7 +171,8 @@ static void test_substeps_follow_the_fastest_motion_or_the_option(void)
     /* R/L = 9900 /s and more: six substeps at least, whatever the option says */
     TEST_ASSERT_TRUE(ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps >= 6U);
     TEST_ASSERT_TRUE(ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps <= 8U);
-    /* R/L 1238 /s, the coupling's 279 /s and the drag's 2 /s: together 1.07 times what one step of 1.2 ms reaches, 0.98 times that of 1.1 ms */
+    /* R/L 1238 /s, the coupling's 279 /s and the drag's 2 /s: together 1.07 times what one step of 1.2 ms reaches, 0.98
+     * times that of 1.1 ms */
     actuator = ema_rig_actuator();
     actuator.params.step_s = EMA_R(1.2e-3);
     TEST_ASSERT_EQUAL_UINT32(2U, ema_rig_model(&actuator, EMA_R(0.0)).plant.substeps);
@@ -291,7 +293,8 @@ static void test_state_that_is_not_finite_is_reported(void)
     EMA_ASSERT_STATUS(EMA_ERR_DIVERGED, ema_model_step(&model, EMA_R(0.0), NULL));
 }
 
-/* Each alone, where nothing else follows from it: a shaft at rest does not look at its speed, and a loop over the motor not at the rod. */
+/* Each alone, where nothing else follows from it: a shaft at rest does not look at its speed, and a loop over the motor
+ * not at the rod. */
 static void test_speed_or_rod_alone_that_is_not_finite_is_reported(void)
 {
     actuator.options.side = 0;

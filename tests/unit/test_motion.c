@@ -67,7 +67,8 @@ static void test_steady_speed_balances_torque_with_losses(void)
         (void)ema_rig_hold(&model, EMA_R(-9.0e3), 3000U);
         const double expected = ((KT * share[k] * 24.0 / R_OHM) - 0.138) / (D_NMS + (KT * KT / R_OHM));
         EMA_ASSERT_CLOSE(-expected, model.state.speed_rad_s, 0.0, EMA_BY_PRECISION(1.0e-5, 1.0e-12));
-        EMA_ASSERT_CLOSE(-(0.138 + (D_NMS * expected)) / KT, model.state.current_A, 0.0, EMA_BY_PRECISION(2.0e-5, 1.0e-12));
+        EMA_ASSERT_CLOSE(-(0.138 + (D_NMS * expected)) / KT, model.state.current_A, 0.0,
+                         EMA_BY_PRECISION(2.0e-5, 1.0e-12));
     }
 }
 
@@ -77,7 +78,8 @@ static void test_coast_down_takes_its_closed_form_time_and_angle(void)
     actuator.params.viscous_Nm_s_per_rad = EMA_R(2.0e-3);
     const double damping = 2.0e-3;
     for (uint32_t trial = 0; trial < 200U; ++trial) {
-        const double start_rad_s = (double)ema_rig_uniform(EMA_R(5.0), EMA_R(300.0)) * (((trial % 2U) == 0U) ? 1.0 : -1.0);
+        const double start_rad_s =
+            (double)ema_rig_uniform(EMA_R(5.0), EMA_R(300.0)) * (((trial % 2U) == 0U) ? 1.0 : -1.0);
         const double size = fabs(start_rad_s);
         const double friction = 0.138 / damping; /* as a speed */
         const double stop_s = (J_KGM2 / damping) * log1p(size / friction);
@@ -93,8 +95,10 @@ static void test_coast_down_takes_its_closed_form_time_and_angle(void)
         /* it comes to rest in the very step that holds the closed form's instant */
         TEST_ASSERT_TRUE(fabs((1.0e-3 * k) - 0.5e-3 - stop_s) <= (0.5e-3 + EMA_BY_PRECISION(1.0e-6, 1.0e-12)));
         TEST_ASSERT_TRUE(model.state.speed_rad_s == EMA_R(0.0));
-        const double angle = ((J_KGM2 / damping) * (size + friction) * -expm1(-(damping / J_KGM2) * stop_s)) - (friction * stop_s);
-        EMA_ASSERT_CLOSE(copysign(angle, start_rad_s), model.state.angle_rad, EMA_BY_PRECISION(1.0e-5, 1.0e-11), EMA_BY_PRECISION(2.0e-6, 1.0e-11));
+        const double angle =
+            ((J_KGM2 / damping) * (size + friction) * -expm1(-(damping / J_KGM2) * stop_s)) - (friction * stop_s);
+        EMA_ASSERT_CLOSE(copysign(angle, start_rad_s), model.state.angle_rad, EMA_BY_PRECISION(1.0e-5, 1.0e-11),
+                         EMA_BY_PRECISION(2.0e-6, 1.0e-11));
         const ema_real rest_rad = model.state.angle_rad;
         (void)ema_rig_hold(&model, EMA_R(0.0), 20U);
         TEST_ASSERT_TRUE(model.state.angle_rad == rest_rad);
@@ -108,7 +112,8 @@ static void test_dynamic_level_is_what_slides(void)
     actuator.params.dynamic_ratio = EMA_R(0.5);
     ema_model_t model = sliding_model(100.0);
     (void)ema_rig_hold(&model, EMA_R(0.0), 20U);
-    EMA_ASSERT_CLOSE(100.0 - ((0.069 / J_KGM2) * 0.02), model.state.speed_rad_s, 0.0, EMA_BY_PRECISION(1.0e-5, 1.0e-12));
+    EMA_ASSERT_CLOSE(100.0 - ((0.069 / J_KGM2) * 0.02), model.state.speed_rad_s, 0.0,
+                     EMA_BY_PRECISION(1.0e-5, 1.0e-12));
 }
 
 static void test_shaft_without_losses_coasts_forever(void)
@@ -131,7 +136,8 @@ static void test_small_increments_of_a_large_angle_are_not_lost(void)
     model.state.angle_rad = EMA_R(100.0);
     (void)ema_rig_hold(&model, EMA_R(0.0), 10000U);
     /* 1e-6 rad a step is an eighth of what a float32 near 100 resolves */
-    EMA_ASSERT_CLOSE(0.01, ((double)model.state.angle_rad - 100.0) + (double)model.state.angle_low_rad, 0.0, EMA_BY_PRECISION(1.0e-3, 1.0e-9));
+    EMA_ASSERT_CLOSE(0.01, ((double)model.state.angle_rad - 100.0) + (double)model.state.angle_low_rad, 0.0,
+                     EMA_BY_PRECISION(1.0e-3, 1.0e-9));
 }
 
 static void test_torque_saturates_under_a_large_current(void)
@@ -152,7 +158,8 @@ static void test_torque_below_its_limit_is_not_saturated(void)
     actuator.params.viscous_Nm_s_per_rad = EMA_R(0.0);
     ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
     (void)ema_rig_hold(&model, EMA_R(-9.0e3), 20U);
-    EMA_ASSERT_CLOSE(-(((KT * 4.0) - 0.138) / J_KGM2) * 0.02, model.state.speed_rad_s, 0.0, EMA_BY_PRECISION(1.0e-5, 1.0e-12));
+    EMA_ASSERT_CLOSE(-(((KT * 4.0) - 0.138) / J_KGM2) * 0.02, model.state.speed_rad_s, 0.0,
+                     EMA_BY_PRECISION(1.0e-5, 1.0e-12));
 }
 
 static void test_torque_saturation_is_located_while_the_current_rises(void)
@@ -172,7 +179,8 @@ static void test_torque_saturation_is_located_while_the_current_rises(void)
     const double speed_t1 = (stall_Nm / J_KGM2) * (t1 + (expm1(-rate * t1) / rate));
     for (uint32_t k = 1; k <= 5U; ++k) {
         (void)ema_rig_step(&model, EMA_R(9.0e3));
-        EMA_ASSERT_CLOSE(speed_t1 + ((0.5 / J_KGM2) * ((1.0e-3 * k) - t1)), model.state.speed_rad_s, 0.0, EMA_BY_PRECISION(1.0e-5, 1.0e-7));
+        EMA_ASSERT_CLOSE(speed_t1 + ((0.5 / J_KGM2) * ((1.0e-3 * k) - t1)), model.state.speed_rad_s, 0.0,
+                         EMA_BY_PRECISION(1.0e-5, 1.0e-7));
     }
 }
 
@@ -277,7 +285,8 @@ static void test_break_away_is_located_inside_the_step(void)
                 const double faded = (exp(-rate * t1) - exp(-rate * t)) / rate;
                 speed = ((stall_Nm * ((t - t1) - faded)) - (0.6 * levels[trial] * (t - t1))) / J_KGM2;
             }
-            EMA_ASSERT_CLOSE(-speed, model.state.speed_rad_s, EMA_BY_PRECISION(2.0e-4, 1.0e-9), EMA_BY_PRECISION(2.0e-5, 1.0e-11));
+            EMA_ASSERT_CLOSE(-speed, model.state.speed_rad_s, EMA_BY_PRECISION(2.0e-4, 1.0e-9),
+                             EMA_BY_PRECISION(2.0e-5, 1.0e-11));
         }
     }
 }
@@ -296,7 +305,8 @@ static void test_reversal_at_zero_speed_goes_on_when_nothing_holds(void)
         (void)ema_rig_step(&model, EMA_R(0.0));
         const double t = 1.0e-3 * k;
         EMA_ASSERT_CLOSE(33.3 - (acceleration * t), model.state.speed_rad_s, EMA_BY_PRECISION(2.0e-4, 1.0e-10), 0.0);
-        EMA_ASSERT_CLOSE((33.3 * t) - (0.5 * acceleration * t * t), model.state.angle_rad, EMA_BY_PRECISION(1.0e-5, 1.0e-11), 0.0);
+        EMA_ASSERT_CLOSE((33.3 * t) - (0.5 * acceleration * t * t), model.state.angle_rad,
+                         EMA_BY_PRECISION(1.0e-5, 1.0e-11), 0.0);
     }
 }
 
@@ -398,10 +408,14 @@ static void test_momentum_balances_in_every_step(void)
         const ema_output_t row = ema_rig_step(&model, ema_command_at(&command, k));
         const ema_state_t after = model.state;
         if ((before.motion != 0) && (before.motion == after.motion)) {
-            const double turn = ((double)after.angle_rad - (double)before.angle_rad) + ((double)after.angle_low_rad - (double)before.angle_low_rad);
-            const double charge = (((double)row.voltage_V * 1.0e-3) - (L_H * ((double)after.current_A - (double)before.current_A)) - (KT * turn)) / R_OHM;
+            const double turn = ((double)after.angle_rad - (double)before.angle_rad)
+                                + ((double)after.angle_low_rad - (double)before.angle_low_rad);
+            const double charge = (((double)row.voltage_V * 1.0e-3)
+                                   - (L_H * ((double)after.current_A - (double)before.current_A)) - (KT * turn))
+                                  / R_OHM;
             const double momentum = (KT * charge) - (D_NMS * turn) - (0.138e-3 * before.motion);
-            EMA_ASSERT_CLOSE(J_KGM2 * ((double)after.speed_rad_s - (double)before.speed_rad_s), momentum, EMA_BY_PRECISION(4.0e-9, 1.0e-16), 0.0);
+            EMA_ASSERT_CLOSE(J_KGM2 * ((double)after.speed_rad_s - (double)before.speed_rad_s), momentum,
+                             EMA_BY_PRECISION(4.0e-9, 1.0e-16), 0.0);
             ++checked;
         }
     }
@@ -426,7 +440,8 @@ static void test_energy_balances_over_a_chirp(void)
         const double i1 = (double)model.state.current_A;
         const double w0 = (double)before.speed_rad_s;
         const double w1 = (double)model.state.speed_rad_s;
-        const double turn = ((double)model.state.angle_rad - (double)before.angle_rad) + ((double)model.state.angle_low_rad - (double)before.angle_low_rad);
+        const double turn = ((double)model.state.angle_rad - (double)before.angle_rad)
+                            + ((double)model.state.angle_low_rad - (double)before.angle_low_rad);
         put_in += (double)row.voltage_V * 0.5 * h * (i0 + i1);
         copper += R_OHM * h * ((i0 * i0) + (i0 * i1) + (i1 * i1)) / 3.0;
         viscous += D_NMS * h * ((w0 * w0) + (w0 * w1) + (w1 * w1)) / 3.0;
@@ -545,15 +560,22 @@ static void random_actuator(void)
     actuator.params.travel_mm = ema_rig_uniform(EMA_R(0.5), EMA_R(3.0));
     actuator.params.inertia_kgm2 = ema_rig_uniform(EMA_R(2.0e-5), EMA_R(3.0e-4));
     actuator.params.viscous_Nm_s_per_rad = ema_rig_uniform(EMA_R(0.0), EMA_R(2.0e-3));
-    actuator.params.current_limit_A = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.5)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(2.0), EMA_R(20.0));
-    actuator.params.torque_limit_Nm = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.5)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(0.1), EMA_R(1.0));
-    actuator.params.inductance_H = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.3)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(5.0e-4), EMA_R(5.0e-3));
+    actuator.params.current_limit_A =
+        (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.5)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(2.0), EMA_R(20.0));
+    actuator.params.torque_limit_Nm =
+        (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.5)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(0.1), EMA_R(1.0));
+    actuator.params.inductance_H = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.3))
+                                       ? EMA_R(0.0)
+                                       : ema_rig_uniform(EMA_R(5.0e-4), EMA_R(5.0e-3));
     actuator.params.kp_per_m = ema_rig_uniform(EMA_R(50.0), EMA_R(3000.0));
-    actuator.params.kd_s_per_m = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.5)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(0.0), EMA_R(20.0));
+    actuator.params.kd_s_per_m =
+        (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.5)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(0.0), EMA_R(20.0));
     actuator.options.side = (int32_t)ema_rig_uniform(EMA_R(0.0), EMA_R(2.0));
     actuator.options.mode = (int32_t)ema_rig_uniform(EMA_R(0.0), EMA_R(2.0));
     actuator.params.current_scale_A = ema_rig_uniform(EMA_R(1.0), EMA_R(20.0));
-    actuator.params.current_loop_s = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.3)) ? EMA_R(0.0) : ema_rig_uniform(EMA_R(5.0e-4), EMA_R(3.0e-3));
+    actuator.params.current_loop_s = (ema_rig_uniform(EMA_R(0.0), EMA_R(1.0)) < EMA_R(0.3))
+                                         ? EMA_R(0.0)
+                                         : ema_rig_uniform(EMA_R(5.0e-4), EMA_R(3.0e-3));
 }
 
 static void test_random_actuators_keep_their_limits(void)
@@ -572,13 +594,15 @@ static void test_random_actuators_keep_their_limits(void)
         ++made;
         const double slack = 8.0 * EMA_EPS;
         const double half_mm = 0.5 * (double)actuator.params.blk_mm;
-        const double limit_A = (actuator.params.current_limit_A > EMA_R(0.0)) ? (double)actuator.params.current_limit_A : 1.0e30;
+        const double limit_A =
+            (actuator.params.current_limit_A > EMA_R(0.0)) ? (double)actuator.params.current_limit_A : 1.0e30;
         const double travel_mm = (double)actuator.params.travel_mm;
         const ema_command_t command = ema_rig_chirp(EMA_R(15.0), EMA_R(1.5), EMA_R(1.0e-3));
         for (uint32_t k = 0; k < 1500U; ++k) {
             const ema_output_t row = ema_rig_step(&model, ema_command_at(&command, k));
             EMA_ASSERT_CLOSE(0.0, fmax(fabs((double)model.state.motor_mm) - travel_mm, 0.0), travel_mm * slack, 0.0);
-            EMA_ASSERT_CLOSE(0.0, fmax(fabs((double)model.state.motor_mm - (double)model.state.play_mm) - half_mm, 0.0), travel_mm * slack, 0.0);
+            EMA_ASSERT_CLOSE(0.0, fmax(fabs((double)model.state.motor_mm - (double)model.state.play_mm) - half_mm, 0.0),
+                             travel_mm * slack, 0.0);
             EMA_ASSERT_CLOSE(0.0, fmax(fabs((double)model.state.current_A) - limit_A, 0.0), 0.0, 0.0);
             TEST_ASSERT_TRUE((actuator.options.mode == 1) || (fabs((double)row.voltage_V) <= 24.0));
             stopped += (fabs((double)model.state.angle_rad) == (double)model.plant.screw.stop_upper_rad) ? 1U : 0U;

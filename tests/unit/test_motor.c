@@ -51,7 +51,8 @@ static void test_current_of_a_locked_rotor_rises_exponentially(void)
     const double rate_per_s = 0.99 / 8.0e-4;
     for (uint32_t k = 0; k < 20U; ++k) {
         const ema_output_t row = ema_rig_step(&model, EMA_R(20.0));
-        EMA_ASSERT_CLOSE(final_A * -expm1(-rate_per_s * 1.0e-3 * k), row.current_A, EMA_BY_PRECISION(1.0e-5, 1.0e-12), 0.0);
+        EMA_ASSERT_CLOSE(final_A * -expm1(-rate_per_s * 1.0e-3 * k), row.current_A, EMA_BY_PRECISION(1.0e-5, 1.0e-12),
+                         0.0);
         EMA_ASSERT_CLOSE(24.0, row.voltage_V, 0.0, 0.0);
         TEST_ASSERT_TRUE(row.motor_position_mm == EMA_R(0.0));
     }

@@ -52,7 +52,8 @@ static double direct(const ema_real* weight)
         ema_sample_t sample;
         EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, row, 1U, &sample));
         const ema_output_t out = ema_rig_step(&model, sample.command_mm);
-        const ema_real simulated[EMA_CHANNEL_COUNT] = {out.position_mm, out.motor_position_mm, out.current_A, out.voltage_V};
+        const ema_real simulated[EMA_CHANNEL_COUNT] = {out.position_mm, out.motor_position_mm, out.current_A,
+                                                       out.voltage_V};
         for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
             const double error = (double)sample.channel[channel] - (double)simulated[channel];
             sum += (double)weight[channel] * error * error * 1.0e-3;
@@ -232,9 +233,12 @@ static void test_command_that_is_a_function_moves_between_rows(void)
 static void test_start_needs_its_pointers(void)
 {
     ema_objective_t objective;
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_objective_start(NULL, &other, &record, position_only, EMA_R(0.0), EMA_COST_MAX));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_objective_start(&objective, NULL, &record, position_only, EMA_R(0.0), EMA_COST_MAX));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_objective_start(&objective, &other, NULL, position_only, EMA_R(0.0), EMA_COST_MAX));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_objective_start(NULL, &other, &record, position_only, EMA_R(0.0), EMA_COST_MAX));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_objective_start(&objective, NULL, &record, position_only, EMA_R(0.0), EMA_COST_MAX));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_objective_start(&objective, &other, NULL, position_only, EMA_R(0.0), EMA_COST_MAX));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_objective_start(&objective, &other, &record, NULL, EMA_R(0.0), EMA_COST_MAX));
 }
 

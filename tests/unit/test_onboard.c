@@ -1,4 +1,5 @@
-/* Signatures: sums of products against the same in double, names and sizes, every refusal, and that slices and copies do not matter. */
+/* Signatures: sums of products against the same in double, names and sizes, every refusal, and that slices and copies
+ * do not matter. */
 #include "ema/ema_onboard.h"
 
 #include <math.h>
@@ -126,7 +127,8 @@ static void faults_are_shifts(void)
     TEST_ASSERT_EQUAL_INT(EMA_FINDING_ADEQUATE, second.kind);
     EMA_ASSERT_CLOSE(0.0, (double)second.moved[0], 0.0005, 0.0);
     const double moved[2] = {0.004 * (double)rig.table.fault[0].length, 0.006 * (double)rig.table.fault[1].length};
-    EMA_ASSERT_CLOSE(30.0 + (4.0e-4 * ((moved[0] * moved[0]) + (moved[1] * moved[1]))), (double)second.limit, 0.0, 1.0e-3);
+    EMA_ASSERT_CLOSE(30.0 + (4.0e-4 * ((moved[0] * moved[0]) + (moved[1] * moved[1]))), (double)second.limit, 0.0,
+                     1.0e-3);
 }
 
 static void outside_the_table_is_unknown(void)
@@ -218,7 +220,8 @@ static void ranking(void)
     rig.table.pattern = patterns;
     rig.table.patterns = 5U;
     rig.table.nuisances = 0U;
-    const ema_real products[EMA_TABLE_ROWS] = {EMA_R(6.0), EMA_R(4.0), -EMA_R(20.0), EMA_R(6.9), -EMA_R(5.0), EMA_R(0.0)};
+    const ema_real products[EMA_TABLE_ROWS] = {EMA_R(6.0), EMA_R(4.0),  -EMA_R(20.0),
+                                               EMA_R(6.9), -EMA_R(5.0), EMA_R(0.0)};
     (void)memcpy(onboard.scores.product, products, sizeof products);
     ema_finding_t finding;
     EMA_ASSERT_STATUS(EMA_OK, ema_onboard_result(&onboard, &finding));
@@ -227,7 +230,9 @@ static void ranking(void)
     EMA_ASSERT_CLOSE(1.0, (double)finding.size, 1.0e-6, 0.0);
     TEST_ASSERT_EQUAL_INT(EMA_EFFECT_ID_jam_spot, finding.runner_up);
     EMA_ASSERT_CLOSE(47.61, (double)finding.runner_up_score, 1.0e-4, 0.0);
-    TEST_ASSERT_TRUE(finding.alike == (((ema_effect_set_t)1U << (uint32_t)EMA_EFFECT_ID_pitch_ripple) | ((ema_effect_set_t)1U << (uint32_t)EMA_EFFECT_ID_jam_spot)));
+    TEST_ASSERT_TRUE(finding.alike
+                     == (((ema_effect_set_t)1U << (uint32_t)EMA_EFFECT_ID_pitch_ripple)
+                         | ((ema_effect_set_t)1U << (uint32_t)EMA_EFFECT_ID_jam_spot)));
     TEST_ASSERT_EQUAL_INT(EMA_FINDING_MISSING, finding.kind);
     /* nothing fits: every sign is wrong */
     const ema_real none[EMA_TABLE_ROWS] = {EMA_R(0.0)};

@@ -144,7 +144,8 @@ static void test_back_calculation_holds_the_integral(void)
         (void)run(&pid, 10.0, 0.0);
     }
     /* at rest ki e = kaw (raw - u): raw = u + ki e / kaw, I = raw - kp e */
-    EMA_ASSERT_CLOSE((1.0 + (4000.0 * 10.0e-3 / 50.0)) - (400.0 * 10.0e-3), state.integral, EMA_BY_PRECISION(1.0e-5, 1.0e-9), 0.0);
+    EMA_ASSERT_CLOSE((1.0 + (4000.0 * 10.0e-3 / 50.0)) - (400.0 * 10.0e-3), state.integral,
+                     EMA_BY_PRECISION(1.0e-5, 1.0e-9), 0.0);
 }
 
 static void test_back_calculation_fades_with_its_gain(void)
@@ -176,7 +177,8 @@ static void test_cascade_is_its_closed_form(void)
         const double feedback_mm = 0.0625 * k;
         const double speed_m_s = (k > 0U) ? 0.0625 : 0.0;
         const double speed_error_m_s = (20.0 * (2.0 - feedback_mm) * 1.0e-3) - speed_m_s;
-        EMA_ASSERT_CLOSE((6.0 * speed_error_m_s) + integral, run(&pid, 2.0, feedback_mm), EMA_BY_PRECISION(2.0e-6, 1.0e-13), 0.0);
+        EMA_ASSERT_CLOSE((6.0 * speed_error_m_s) + integral, run(&pid, 2.0, feedback_mm),
+                         EMA_BY_PRECISION(2.0e-6, 1.0e-13), 0.0);
         integral += 1.0e-3 * 150.0 * speed_error_m_s;
     }
 }

@@ -1,4 +1,5 @@
-/* The quadratic through a search's best points: exact on quadratics, refused where none has a minimum, drawn from as Boltzmann says. */
+/* The quadratic through a search's best points: exact on quadratics, refused where none has a minimum, drawn from as
+ * Boltzmann says. */
 #include "ema_linear.h"
 #include "ema_quadratic.h"
 
@@ -163,7 +164,8 @@ static void test_scale_of_the_cost_and_its_base_do_not_move_the_minimum(void)
     }
 }
 
-/* A valley that is steeper on one side: the best points weigh most, so the minimum is found nearer than by plain least squares. */
+/* A valley that is steeper on one side: the best points weigh most, so the minimum is found nearer than by plain least
+ * squares. */
 static void test_best_points_weigh_most(void)
 {
     annealer.config.dimension = 1U;
@@ -186,8 +188,10 @@ static void test_best_points_weigh_most(void)
             power *= z;
         }
     }
-    const double slope = (s[0] * ((r[1] * s[4]) - (r[2] * s[3]))) - (r[0] * ((s[1] * s[4]) - (s[3] * s[2]))) + (s[2] * ((s[1] * r[2]) - (r[1] * s[2])));
-    const double bend = (s[0] * ((s[2] * r[2]) - (s[3] * r[1]))) - (s[1] * ((s[1] * r[2]) - (r[1] * s[2]))) + (r[0] * ((s[1] * s[3]) - (s[2] * s[2])));
+    const double slope = (s[0] * ((r[1] * s[4]) - (r[2] * s[3]))) - (r[0] * ((s[1] * s[4]) - (s[3] * s[2])))
+                         + (s[2] * ((s[1] * r[2]) - (r[1] * s[2])));
+    const double bend = (s[0] * ((s[2] * r[2]) - (s[3] * r[1]))) - (s[1] * ((s[1] * r[2]) - (r[1] * s[2])))
+                        + (r[0] * ((s[1] * s[3]) - (s[2] * s[2])));
     const double plain = fabs(((double)annealer.best.x[0] - (0.5 * (slope / bend))) - 0.447);
     TEST_ASSERT_TRUE(weighted < (0.5 * plain));
 }
@@ -229,13 +233,15 @@ static void test_minimum_out_of_reach_is_approached_along_its_direction(void)
     shape.curvature[1][1] = 2.0;
     annealer.config.dimension = 2U;
     for (uint32_t p = 0; p < 14U; ++p) {
-        const ema_real x[2] = {EMA_R(0.1) + ema_rig_uniform(EMA_R(-0.01), EMA_R(0.01)), EMA_R(0.3) + ema_rig_uniform(EMA_R(-0.01), EMA_R(0.01))};
+        const ema_real x[2] = {EMA_R(0.1) + ema_rig_uniform(EMA_R(-0.01), EMA_R(0.01)),
+                               EMA_R(0.3) + ema_rig_uniform(EMA_R(-0.01), EMA_R(0.01))};
         add_point(x, (ema_real)cost_of(&shape, x));
     }
     TEST_ASSERT_TRUE(ema_quadratic_fit(&quadratic, &annealer));
     const double reached = fmax(fabs((double)quadratic.lowest[0]), fabs((double)quadratic.lowest[1]));
     EMA_ASSERT_CLOSE(REACH, reached, 1.0e-5, 0.0);
-    const double slope = ((double)quadratic.lowest[1] * (double)quadratic.scale[1]) / ((double)quadratic.lowest[0] * (double)quadratic.scale[0]);
+    const double slope = ((double)quadratic.lowest[1] * (double)quadratic.scale[1])
+                         / ((double)quadratic.lowest[0] * (double)quadratic.scale[0]);
     const double wanted = (0.5 - (double)annealer.best.x[1]) / (0.5 - (double)annealer.best.x[0]);
     EMA_ASSERT_CLOSE(wanted, slope, 0.0, EMA_BY_PRECISION(0.05, 1.0e-8));
 }
@@ -327,7 +333,8 @@ static void test_draws_are_boltzmanns(void)
             const double wanted = temperature * inverse[i];
             /* five standard errors, and what the fit in float32 is off */
             EMA_ASSERT_CLOSE(0.0, sum[i] / draws, (5.0 * sqrt(wanted / draws)) + EMA_BY_PRECISION(5.0e-4, 0.0), 0.0);
-            EMA_ASSERT_CLOSE(wanted, square[i] / draws, EMA_BY_PRECISION(3.0e-7, 0.0), 5.0 * sqrt(2.0 / draws) + EMA_BY_PRECISION(0.01, 0.0));
+            EMA_ASSERT_CLOSE(wanted, square[i] / draws, EMA_BY_PRECISION(3.0e-7, 0.0),
+                             5.0 * sqrt(2.0 / draws) + EMA_BY_PRECISION(0.01, 0.0));
         }
         EMA_ASSERT_CLOSE(temperature * inverse[2], square[2] / draws, temperature * 0.015, 0.0);
     }

@@ -41,7 +41,8 @@ static ema_sample_t random_sample(void)
 {
     const ema_sample_t sample = {ema_rig_uniform(EMA_R(-2.5), EMA_R(2.5)),
                                  {ema_rig_uniform(EMA_R(-3.0), EMA_R(3.0)), ema_rig_uniform(EMA_R(-4.0), EMA_R(4.0)),
-                                  ema_rig_uniform(EMA_R(-25.0), EMA_R(25.0)), ema_rig_uniform(EMA_R(-30.0), EMA_R(30.0))}};
+                                  ema_rig_uniform(EMA_R(-25.0), EMA_R(25.0)),
+                                  ema_rig_uniform(EMA_R(-30.0), EMA_R(30.0))}};
     return sample;
 }
 
@@ -86,7 +87,8 @@ static void test_int16_comes_back_within_half_a_count(void)
         EMA_ASSERT_CLOSE(sent[row].command_mm, read.command_mm, half_count(scale[0]), 0.0);
         for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
             EMA_ASSERT_CLOSE(sent[row].channel[channel], read.channel[channel], half_count(scale[1U + channel]), 0.0);
-            used = fmax(used, fabs((double)sent[row].channel[channel] - (double)read.channel[channel]) / scale[1U + channel]);
+            used = fmax(used,
+                        fabs((double)sent[row].channel[channel] - (double)read.channel[channel]) / scale[1U + channel]);
         }
     }
     /* it is int16 indeed: some value is off by more than a quarter of a count */
@@ -156,7 +158,8 @@ static void test_channels_that_are_not_kept_read_zero_and_take_no_room(void)
     EMA_ASSERT_STATUS(EMA_OK, ema_record_append(&record, &sent));
     EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, 0U, 1U, &read));
     TEST_ASSERT_TRUE((read.command_mm == EMA_R(1.0)) && (read.channel[EMA_CHANNEL_POSITION] == EMA_R(2.0)));
-    TEST_ASSERT_TRUE((read.channel[EMA_CHANNEL_MOTOR_POSITION] == EMA_R(0.0)) && (read.channel[EMA_CHANNEL_CURRENT] == EMA_R(4.0)));
+    TEST_ASSERT_TRUE((read.channel[EMA_CHANNEL_MOTOR_POSITION] == EMA_R(0.0))
+                     && (read.channel[EMA_CHANNEL_CURRENT] == EMA_R(4.0)));
     TEST_ASSERT_TRUE(read.channel[EMA_CHANNEL_VOLTAGE] == EMA_R(0.0));
 }
 
@@ -224,8 +227,10 @@ static void test_init_refuses_a_buffer_without_room_for_a_row(void)
 
 static void test_init_refuses_a_full_scale_that_is_none(void)
 {
-    /* of 1e-42's counts no number is left: a sample of zero would be nothing over nothing; the largest float's counts together round to infinity */
-    const ema_real bad[6] = {EMA_R(0.0), EMA_R(-1.0), (ema_real)NAN, (ema_real)INFINITY, EMA_R(1.0e-42), (ema_real)FLT_MAX};
+    /* of 1e-42's counts no number is left: a sample of zero would be nothing over nothing; the largest float's counts
+     * together round to infinity */
+    const ema_real bad[6] = {EMA_R(0.0),         EMA_R(-1.0),    (ema_real)NAN,
+                             (ema_real)INFINITY, EMA_R(1.0e-42), (ema_real)FLT_MAX};
     for (uint32_t k = 0; k < 6U; ++k) {
         use_int16();
         config.command_full_scale_mm = bad[k];

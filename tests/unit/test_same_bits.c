@@ -1,7 +1,7 @@
 /* The same bits on every machine and from every compiler: fingerprints of a run with effects and of an identification.
  *
- * The fingerprints change with any change of the arithmetic, and then only on purpose: the failing test prints the new ones. They must be equal in every build of
- * the same precision, whatever the compiler and its optimisation.
+ * The fingerprints change with any change of the arithmetic, and then only on purpose: the failing test prints the new
+ * ones. They must be equal in every build of the same precision, whatever the compiler and its optimisation.
  */
 #include "ema/ema_session.h"
 #include "unity.h"
@@ -19,8 +19,12 @@
 static ema_real buffer[2U * ROWS];
 static ema_session_t session;
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 /* FNV-1a over bytes. */
 static uint64_t fingerprint(uint64_t hash, const void* bytes, size_t count)
@@ -40,8 +44,11 @@ static uint64_t fingerprint_of(uint64_t hash, ema_real value)
 static ema_command_t chirp(void)
 {
     ema_command_t command;
-    const ema_command_config_t config = {
-        .kind = EMA_COMMAND_CHIRP, .amplitude_mm = EMA_R(2.0), .start_hz = EMA_R(0.1), .end_hz = EMA_R(4.0), .duration_s = EMA_R(4.0)};
+    const ema_command_config_t config = {.kind = EMA_COMMAND_CHIRP,
+                                         .amplitude_mm = EMA_R(2.0),
+                                         .start_hz = EMA_R(0.1),
+                                         .end_hz = EMA_R(4.0),
+                                         .duration_s = EMA_R(4.0)};
     TEST_ASSERT_EQUAL(EMA_OK, ema_command_init(&command, &config, EMA_R(0.001)));
     return command;
 }

@@ -104,18 +104,24 @@ static void test_shaft_at_rest_stays_up_to_its_level(void)
 static void test_each_direction_has_its_own_level(void)
 {
     const ema_screw_t screw = prepared();
-    TEST_ASSERT_EQUAL_INT(EMA_MOTION_STUCK, ema_screw_break_away(&screw, EMA_R(0.0), EMA_R(0.3), EMA_R(0.4), EMA_R(0.2)));
-    TEST_ASSERT_EQUAL_INT(EMA_MOTION_BACKWARD, ema_screw_break_away(&screw, EMA_R(0.0), EMA_R(-0.3), EMA_R(0.4), EMA_R(0.2)));
+    TEST_ASSERT_EQUAL_INT(EMA_MOTION_STUCK,
+                          ema_screw_break_away(&screw, EMA_R(0.0), EMA_R(0.3), EMA_R(0.4), EMA_R(0.2)));
+    TEST_ASSERT_EQUAL_INT(EMA_MOTION_BACKWARD,
+                          ema_screw_break_away(&screw, EMA_R(0.0), EMA_R(-0.3), EMA_R(0.4), EMA_R(0.2)));
 }
 
 static void test_shaft_at_a_stop_leaves_inward_only(void)
 {
     const ema_screw_t screw = prepared();
     const ema_real level_Nm = EMA_R(0.1);
-    TEST_ASSERT_EQUAL_INT(EMA_MOTION_STUCK, ema_screw_break_away(&screw, screw.stop_upper_rad, EMA_R(1.0), level_Nm, level_Nm));
-    TEST_ASSERT_EQUAL_INT(EMA_MOTION_BACKWARD, ema_screw_break_away(&screw, screw.stop_upper_rad, EMA_R(-1.0), level_Nm, level_Nm));
-    TEST_ASSERT_EQUAL_INT(EMA_MOTION_STUCK, ema_screw_break_away(&screw, screw.stop_lower_rad, EMA_R(-1.0), level_Nm, level_Nm));
-    TEST_ASSERT_EQUAL_INT(EMA_MOTION_FORWARD, ema_screw_break_away(&screw, screw.stop_lower_rad, EMA_R(1.0), level_Nm, level_Nm));
+    TEST_ASSERT_EQUAL_INT(EMA_MOTION_STUCK,
+                          ema_screw_break_away(&screw, screw.stop_upper_rad, EMA_R(1.0), level_Nm, level_Nm));
+    TEST_ASSERT_EQUAL_INT(EMA_MOTION_BACKWARD,
+                          ema_screw_break_away(&screw, screw.stop_upper_rad, EMA_R(-1.0), level_Nm, level_Nm));
+    TEST_ASSERT_EQUAL_INT(EMA_MOTION_STUCK,
+                          ema_screw_break_away(&screw, screw.stop_lower_rad, EMA_R(-1.0), level_Nm, level_Nm));
+    TEST_ASSERT_EQUAL_INT(EMA_MOTION_FORWARD,
+                          ema_screw_break_away(&screw, screw.stop_lower_rad, EMA_R(1.0), level_Nm, level_Nm));
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* Standard errors and residual against finite differences and normal equations worked out here, in double, from the model's own runs. */
+/* Standard errors and residual against finite differences and normal equations worked out here, in double, from the
+ * model's own runs. */
 #include "ema/ema_sensitivity.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@ static ema_actuator_t actuator;
 static ema_command_t chirp;
 static ema_sensitivity_t sensitivity;
 
-static const ema_value_id_t ids[4] = {EMA_VALUE_ID(csj_Nm), EMA_VALUE_ID(blk_mm), EMA_VALUE_ID(resistance_ohm), EMA_VALUE_ID(inertia_kgm2)};
+static const ema_value_id_t ids[4] = {EMA_VALUE_ID(csj_Nm), EMA_VALUE_ID(blk_mm), EMA_VALUE_ID(resistance_ohm),
+                                      EMA_VALUE_ID(inertia_kgm2)};
 static const ema_real deltas[4] = {EMA_R(1.38e-3), EMA_R(3.3e-4), EMA_R(9.9e-3), EMA_R(6.0e-7)};
 static const ema_real position_only[EMA_CHANNEL_COUNT] = {EMA_R(1.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
 
@@ -30,7 +32,8 @@ void tearDown(void)
 {
 }
 
-/* A record of `rows` rows, every channel kept, from a plant of slightly more friction, with white noise that is shared by `share` between neighbours. */
+/* A record of `rows` rows, every channel kept, from a plant of slightly more friction, with white noise that is shared
+ * by `share` between neighbours. */
 static void make_record(uint32_t rows, ema_real noise_mm, ema_real share)
 {
     const ema_record_config_t config = ema_rig_real_record(buffer, sizeof buffer, true);
@@ -58,7 +61,8 @@ typedef struct {
 
 static double channel_of(const ema_output_t* output, uint32_t channel)
 {
-    const ema_real values[EMA_CHANNEL_COUNT] = {output->position_mm, output->motor_position_mm, output->current_A, output->voltage_V};
+    const ema_real values[EMA_CHANNEL_COUNT] = {output->position_mm, output->motor_position_mm, output->current_A,
+                                                output->voltage_V};
     return (double)values[channel];
 }
 
@@ -70,7 +74,8 @@ static void simulate(const ema_actuator_t* plant, ema_output_t* rows)
         for (uint32_t k = 0; k < every; ++k) {
             ema_sample_t sample;
             EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, row, every, &sample));
-            const ema_real command_mm = (record.command != NULL) ? ema_command_at(record.command, (row * every) + k) : sample.command_mm;
+            const ema_real command_mm =
+                (record.command != NULL) ? ema_command_at(record.command, (row * every) + k) : sample.command_mm;
             const ema_output_t output = ema_rig_step(&model, command_mm);
             rows[row] = (k == 0U) ? output : rows[row];
         }
@@ -78,7 +83,8 @@ static void simulate(const ema_actuator_t* plant, ema_output_t* rows)
 }
 
 /* Inverse of a small matrix by Gauss and Jordan with pivots of any size. */
-static void invert(double matrix[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX], double inverse[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX], uint32_t size)
+static void invert(double matrix[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX],
+                   double inverse[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX], uint32_t size)
 {
     for (uint32_t i = 0; i < size; ++i) {
         for (uint32_t j = 0; j < size; ++j) {
@@ -124,7 +130,8 @@ static expected_t expect(const ema_real weight[EMA_CHANNEL_COUNT], const ema_rea
     for (uint32_t row = 0; row < record.count; ++row) {
         ema_sample_t sample;
         EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, row, 1U, &sample));
-        const double residual_mm = (double)sample.channel[EMA_CHANNEL_POSITION] - channel_of(&runs[0][row], EMA_CHANNEL_POSITION);
+        const double residual_mm =
+            (double)sample.channel[EMA_CHANNEL_POSITION] - channel_of(&runs[0][row], EMA_CHANNEL_POSITION);
         square += residual_mm * residual_mm;
         neighbours += residual_mm * last;
         last = residual_mm;
@@ -154,7 +161,8 @@ static expected_t expect(const ema_real weight[EMA_CHANNEL_COUNT], const ema_rea
 
 static void start(const ema_real weight[EMA_CHANNEL_COUNT], const ema_real* delta, uint32_t count)
 {
-    EMA_ASSERT_STATUS(EMA_OK, ema_sensitivity_start(&sensitivity, &actuator, &record, weight, ids, delta, count, EMA_R(0.0)));
+    EMA_ASSERT_STATUS(EMA_OK,
+                      ema_sensitivity_start(&sensitivity, &actuator, &record, weight, ids, delta, count, EMA_R(0.0)));
 }
 
 static ema_sensitivity_result_t run_to_the_end(uint32_t slice)
@@ -216,7 +224,8 @@ static void test_rows_apart_and_a_command_between_them(void)
     make_record(ROWS / 4U, EMA_R(0.005), EMA_R(0.0));
     assert_agrees(position_only, deltas, 2U);
     /* without a recorded command a row is one place shorter */
-    const ema_record_config_t config = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL, .command = &chirp};
+    const ema_record_config_t config = {
+        .buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL, .command = &chirp};
     ema_actuator_t truth = actuator;
     truth.params.csj_Nm += EMA_R(2.0e-3);
     ema_rig_record(&record, &config, &truth, &chirp, ROWS / 4U);
@@ -249,7 +258,8 @@ static void test_slices_change_no_bit_and_make_what_they_say(void)
     }
 }
 
-/* White noise leaves no bias; a slow wave under it, smaller than the noise, leaves one that grows with it and that the errors do not tell. */
+/* White noise leaves no bias; a slow wave under it, smaller than the noise, leaves one that grows with it and that the
+ * errors do not tell. */
 static void test_what_lasts_in_the_residual_is_told_as_bias(void)
 {
     double bias[3];
@@ -263,7 +273,8 @@ static void test_what_lasts_in_the_residual_is_told_as_bias(void)
         const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
         bias[k] = (double)result.bias[1];
         TEST_ASSERT_TRUE(result.crossed);
-        /* a wave of amplitude a is all along one parameter worth a/noise times sqrt(rows) standard errors of white noise; a third of it is told */
+        /* a wave of amplitude a is all along one parameter worth a/noise times sqrt(rows) standard errors of white
+         * noise; a third of it is told */
         const double widest = 0.36 * ((double)wave_mm[k] / 0.005) * sqrt((double)ROWS) * (double)result.std[1];
         TEST_ASSERT_TRUE(bias[k] <= widest);
     }
@@ -299,7 +310,8 @@ static void test_play_that_was_only_pushed_back_is_not_crossed(void)
     TEST_ASSERT_FALSE(result.crossed);
 }
 
-/* The same noise twice, once shared between neighbours: the errors widen as for a first-order autoregressive residual. */
+/* The same noise twice, once shared between neighbours: the errors widen as for a first-order autoregressive residual.
+ */
 static void test_shared_residual_widens_the_errors(void)
 {
     make_record(ROWS, EMA_R(0.005), EMA_R(0.6));
@@ -350,7 +362,8 @@ static void test_perfect_record_has_no_residual_and_no_errors(void)
 
 static void assert_undetermined(const ema_value_id_t* which, const ema_real* delta, uint32_t count)
 {
-    EMA_ASSERT_STATUS(EMA_OK, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, which, delta, count, EMA_R(0.0)));
+    EMA_ASSERT_STATUS(EMA_OK, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, which, delta,
+                                                    count, EMA_R(0.0)));
     const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
     TEST_ASSERT_FALSE(result.determined);
     for (uint32_t i = 0; i < count; ++i) {
@@ -423,7 +436,8 @@ static void test_start_is_where_the_rod_rested(void)
     const ema_record_config_t config = ema_rig_real_record(buffer, sizeof buffer, true);
     EMA_ASSERT_STATUS(EMA_OK, ema_record_init(&record, &config));
     EMA_ASSERT_STATUS(EMA_OK, ema_record_append(&record, &still));
-    EMA_ASSERT_STATUS(EMA_OK, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, deltas, 2U, EMA_R(3.0)));
+    EMA_ASSERT_STATUS(
+        EMA_OK, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, deltas, 2U, EMA_R(3.0)));
     const ema_sensitivity_result_t result = run_to_the_end(UINT32_MAX);
     TEST_ASSERT_TRUE(result.residual_rms_mm == EMA_R(0.0));
 }
@@ -432,23 +446,33 @@ static void test_start_needs_its_pointers(void)
 {
     make_record(10U, EMA_R(0.005), EMA_R(0.0));
     const ema_real zero = EMA_R(0.0);
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_sensitivity_start(NULL, &actuator, &record, position_only, ids, deltas, 2U, zero));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_sensitivity_start(&sensitivity, NULL, &record, position_only, ids, deltas, 2U, zero));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_sensitivity_start(&sensitivity, &actuator, NULL, position_only, ids, deltas, 2U, zero));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_sensitivity_start(&sensitivity, &actuator, &record, NULL, ids, deltas, 2U, zero));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, NULL, deltas, 2U, zero));
-    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, NULL, 2U, zero));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_sensitivity_start(NULL, &actuator, &record, position_only, ids, deltas, 2U, zero));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_sensitivity_start(&sensitivity, NULL, &record, position_only, ids, deltas, 2U, zero));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_sensitivity_start(&sensitivity, &actuator, NULL, position_only, ids, deltas, 2U, zero));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_sensitivity_start(&sensitivity, &actuator, &record, NULL, ids, deltas, 2U, zero));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, NULL, deltas, 2U, zero));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL,
+                      ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, NULL, 2U, zero));
 }
 
-static void assert_refused(ema_status_t expected, const ema_real* weight, const ema_value_id_t* which, uint32_t count, unsigned line)
+static void assert_refused(ema_status_t expected, const ema_real* weight, const ema_value_id_t* which, uint32_t count,
+                           unsigned line)
 {
     static ema_sensitivity_t before;
     before = sensitivity;
-    ema_assert_status(expected, ema_sensitivity_start(&sensitivity, &actuator, &record, weight, which, deltas, count, EMA_R(0.0)), line);
+    ema_assert_status(expected,
+                      ema_sensitivity_start(&sensitivity, &actuator, &record, weight, which, deltas, count, EMA_R(0.0)),
+                      line);
     ema_assert_same_bits(&before, &sensitivity, sizeof before, line);
 }
 
-#define ASSERT_REFUSED(expected, weight, which, count) assert_refused((expected), (weight), (which), (count), (unsigned)__LINE__)
+#define ASSERT_REFUSED(expected, weight, which, count)                                                                 \
+    assert_refused((expected), (weight), (which), (count), (unsigned)__LINE__)
 
 static void test_start_refuses_an_empty_record(void)
 {
@@ -482,11 +506,15 @@ static void test_start_refuses_what_makes_no_model(void)
 {
     make_record(10U, EMA_R(0.005), EMA_R(0.0));
     const ema_real too_far[2] = {EMA_R(1.38e-3), EMA_R(-1.0)};
-    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, too_far, 2U, EMA_R(0.0)));
-    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, deltas, 2U, EMA_R(26.0)));
-    EMA_ASSERT_STATUS(EMA_ERR_NOT_FINITE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, deltas, 2U, (ema_real)NAN));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids,
+                                                           too_far, 2U, EMA_R(0.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, deltas,
+                                                           2U, EMA_R(26.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_NOT_FINITE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids,
+                                                                deltas, 2U, (ema_real)NAN));
     actuator.params.lead_mm = (ema_real)NAN;
-    EMA_ASSERT_STATUS(EMA_ERR_NOT_FINITE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids, deltas, 2U, EMA_R(0.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_NOT_FINITE, ema_sensitivity_start(&sensitivity, &actuator, &record, position_only, ids,
+                                                                deltas, 2U, EMA_R(0.0)));
 }
 
 int main(void)

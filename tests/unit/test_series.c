@@ -15,7 +15,11 @@ void tearDown(void)
 {
 }
 
-static const ema_span_t at_rest = {.current_A = EMA_R(2.0), .input = EMA_R(12.0), .span_s = EMA_R(1.0e-3), .torque_gain_Nm_per_A = EMA_R(0.0612), .at_rest = true};
+static const ema_span_t at_rest = {.current_A = EMA_R(2.0),
+                                   .input = EMA_R(12.0),
+                                   .span_s = EMA_R(1.0e-3),
+                                   .torque_gain_Nm_per_A = EMA_R(0.0612),
+                                   .at_rest = true};
 static const ema_span_t sliding = {.current_A = EMA_R(2.0),
                                    .speed_rad_s = EMA_R(50.0),
                                    .input = EMA_R(12.0),
@@ -56,11 +60,12 @@ static void test_sliding_without_back_emf_is_a_sum_of_exponentials(void)
     for (double at = 0.0; at <= 1.0; at += 0.125) {
         const double t = 1.0e-3 * at;
         const double own = 50.0 - steady - shared;
-        EMA_ASSERT_CLOSE(final_A + ((2.0 - final_A) * exp(-a * t)), ema_series_at(series.current_A, (ema_real)at), 0.0, 16.0 * EMA_EPS);
-        EMA_ASSERT_CLOSE(steady + (shared * exp(-a * t)) + (own * exp(-d * t)), ema_series_at(series.speed_rad_s, (ema_real)at), 0.0,
+        EMA_ASSERT_CLOSE(final_A + ((2.0 - final_A) * exp(-a * t)), ema_series_at(series.current_A, (ema_real)at), 0.0,
                          16.0 * EMA_EPS);
-        EMA_ASSERT_CLOSE((steady * t) - (shared * expm1(-a * t) / a) - (own * expm1(-d * t) / d), ema_series_at(angle_rad, (ema_real)at),
-                         4.0 * EMA_EPS, 16.0 * EMA_EPS);
+        EMA_ASSERT_CLOSE(steady + (shared * exp(-a * t)) + (own * exp(-d * t)),
+                         ema_series_at(series.speed_rad_s, (ema_real)at), 0.0, 16.0 * EMA_EPS);
+        EMA_ASSERT_CLOSE((steady * t) - (shared * expm1(-a * t) / a) - (own * expm1(-d * t) / d),
+                         ema_series_at(angle_rad, (ema_real)at), 4.0 * EMA_EPS, 16.0 * EMA_EPS);
     }
 }
 
@@ -162,7 +167,8 @@ static void test_circuit_without_inductance_follows_speed_and_input(void)
         const double lag = slope / (rate * 1.0e-3);
         const double speed = steady + (slope * at) - lag + ((50.0 - steady + lag) * exp(-rate * t));
         EMA_ASSERT_CLOSE(speed, ema_series_at(series.speed_rad_s, (ema_real)at), 0.0, 64.0 * EMA_EPS);
-        EMA_ASSERT_CLOSE((12.0 + (6.0 * at) - (0.0612 * speed)) / 0.99, ema_series_at(series.current_A, (ema_real)at), 0.0, 64.0 * EMA_EPS);
+        EMA_ASSERT_CLOSE((12.0 + (6.0 * at) - (0.0612 * speed)) / 0.99, ema_series_at(series.current_A, (ema_real)at),
+                         0.0, 64.0 * EMA_EPS);
     }
 }
 
@@ -180,9 +186,9 @@ static void test_prepared_responses_are_the_series_at_its_end(void)
     const ema_response_t* const rows[3] = {&circuit->current, &circuit->speed, &circuit->angle};
     const ema_real* const terms[3] = {series.current_A, series.speed_rad_s, angle_rad};
     for (uint32_t k = 0; k < 3U; ++k) {
-        const double sum = (2.0 * (double)rows[k]->from_current) + (50.0 * (double)rows[k]->from_speed) + (12.0 * (double)rows[k]->from_voltage)
-                           - (0.138 * (double)rows[k]->from_torque) + (6.0 * (double)rows[k]->from_voltage_rise)
-                           + (0.4 * (double)rows[k]->from_torque_rise);
+        const double sum = (2.0 * (double)rows[k]->from_current) + (50.0 * (double)rows[k]->from_speed)
+                           + (12.0 * (double)rows[k]->from_voltage) - (0.138 * (double)rows[k]->from_torque)
+                           + (6.0 * (double)rows[k]->from_voltage_rise) + (0.4 * (double)rows[k]->from_torque_rise);
         EMA_ASSERT_CLOSE(ema_series_at(terms[k], EMA_R(1.0)), sum, 4.0 * EMA_EPS, 32.0 * EMA_EPS);
     }
 }

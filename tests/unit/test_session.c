@@ -154,7 +154,8 @@ static void find_from_everywhere(ema_real csj_Nm, ema_real blk_mm)
             TEST_ASSERT_EQUAL_INT(EMA_OUTCOME_TOLERANCE, result.outcome);
             TEST_ASSERT_TRUE(result.adequate);
             TEST_ASSERT_TRUE(result.objective_after < (result.objective_before * EMA_R(1.0e-4)));
-            TEST_ASSERT_EQUAL_UINT32(result.search.evaluations + (config.start_at_healthy ? 3U : 4U), result.evaluations);
+            TEST_ASSERT_EQUAL_UINT32(result.search.evaluations + (config.start_at_healthy ? 3U : 4U),
+                                     result.evaluations);
         }
     }
 }
@@ -326,7 +327,8 @@ static void test_result_is_the_same_bits_for_any_slices(void)
         EMA_ASSERT_SAME_BITS(&whole, &sliced, sizeof whole);
         /* a slice makes the steps it may, less 64 for each model run that ends in it */
         const uint64_t least = (whole.model_steps + slices[k] - 1U) / slices[k];
-        const uint64_t most = ((whole.model_steps + (UINT64_C(64) * whole.evaluations)) / slices[k]) + whole.evaluations + 1U;
+        const uint64_t most =
+            ((whole.model_steps + (UINT64_C(64) * whole.evaluations)) / slices[k]) + whole.evaluations + 1U;
         TEST_ASSERT_TRUE(calls >= least);
         TEST_ASSERT_TRUE(calls <= most);
     }
@@ -567,7 +569,8 @@ static void test_undecided_when_the_rod_was_pushed_one_way(void)
     TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
 }
 
-/* An estimate beside which no model can be made, since its time constant is too far below the step, is told unweighed. */
+/* An estimate beside which no model can be made, since its time constant is too far below the step, is told unweighed.
+ */
 static void test_undecided_beside_what_makes_no_model(void)
 {
     healthy.params.inductance_H = EMA_R(9.44e-6);

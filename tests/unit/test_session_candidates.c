@@ -19,7 +19,8 @@ void tearDown(void)
 {
 }
 
-/* A session that looks for the viscous damping alone, up to 10 Nm s/rad: two thirds of it are too stiff for the step. */
+/* A session that looks for the viscous damping alone, up to 10 Nm s/rad: two thirds of it are too stiff for the step.
+ */
 static void start(void)
 {
     ema_record_config_t record = ema_rig_real_record(memory, sizeof memory, false);

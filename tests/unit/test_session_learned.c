@@ -1,4 +1,5 @@
-/* Learned tables in the session: read from the configuration, the same in any slices, and a verdict that says when one was used outside its range. */
+/* Learned tables in the session: read from the configuration, the same in any slices, and a verdict that says when one
+ * was used outside its range. */
 #include <math.h>
 
 #include "ema/ema_session.h"
@@ -134,7 +135,8 @@ static void test_values_of_tables_are_not_identified(void)
     static ema_sensitivity_t weighing;
     const ema_value_id_t id = EMA_EFFECT_VALUE_ID(learned_friction, node_03);
     const ema_real delta = EMA_R(1.0e-3);
-    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&weighing, &healthy, &session.record, config.weight, &id, &delta, 1U, EMA_R(0.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&weighing, &healthy, &session.record, config.weight, &id,
+                                                           &delta, 1U, EMA_R(0.0)));
 }
 
 static void test_a_table_that_cannot_be_read_starts_no_session(void)
@@ -147,7 +149,8 @@ static void test_a_table_that_cannot_be_read_starts_no_session(void)
 static void test_the_session_keeps_its_memory(void)
 {
     /* with ten seconds of command and rod position as int16 at 1 kHz: 48 KiB */
-    TEST_ASSERT_TRUE((sizeof(ema_session_t) + sizeof(ema_session_config_t) + EMA_RECORD_INT16_BYTES(10000U, 2U)) <= 49152U);
+    TEST_ASSERT_TRUE((sizeof(ema_session_t) + sizeof(ema_session_config_t) + EMA_RECORD_INT16_BYTES(10000U, 2U))
+                     <= 49152U);
     TEST_ASSERT_TRUE(sizeof(ema_session_t) <= 9216U);
 }
 #endif

@@ -1,4 +1,5 @@
-/* Learned tables: straight lines between nodes on every axis, edges held, the round closed, what is refused, and how far outside the range one was used. */
+/* Learned tables: straight lines between nodes on every axis, edges held, the round closed, what is refused, and how
+ * far outside the range one was used. */
 #include <math.h>
 
 #include "ema_effect_sites.h"
@@ -25,7 +26,8 @@ void tearDown(void)
 /* A table whose nodes are the numbers `nodes[0..15]`. */
 static ema_effect_learned_torque_t table_of(int axis, double first, double last, const double* nodes)
 {
-    ema_effect_learned_torque_t table = {.gain = EMA_R(1.0), .axis = (ema_real)axis, .first = (ema_real)first, .last = (ema_real)last};
+    ema_effect_learned_torque_t table = {
+        .gain = EMA_R(1.0), .axis = (ema_real)axis, .first = (ema_real)first, .last = (ema_real)last};
     ema_real* const node = &table.node_00;
     for (uint32_t k = 0; k <= SPANS; ++k) {
         node[k] = (ema_real)nodes[k];
@@ -46,7 +48,8 @@ static ema_effect_learned_torque_t ramp(int axis, double first, double last, dou
 /* A place at which every axis shows another number. */
 static ema_site_t site_at(double speed_rad_s, double position_mm, double angle_rad, double current_A)
 {
-    const ema_site_t site = {&plant, (ema_real)speed_rad_s, (ema_real)angle_rad, (ema_real)position_mm, (ema_real)current_A, EMA_R(0.0)};
+    const ema_site_t site = {
+        &plant, (ema_real)speed_rad_s, (ema_real)angle_rad, (ema_real)position_mm, (ema_real)current_A, EMA_R(0.0)};
     return site;
 }
 
@@ -83,7 +86,8 @@ static void test_nodes_are_met_and_the_line_between_them_is_straight(void)
         EMA_ASSERT_CLOSE(nodes[k], ema_effect_learned_torque(&table, &at), EMA_EPS, 0.0);
         if (k < SPANS) {
             const ema_site_t between = site_at(0.0, (double)k - 7.25, 0.0, 0.0);
-            EMA_ASSERT_CLOSE((0.75 * nodes[k]) + (0.25 * nodes[k + 1U]), ema_effect_learned_torque(&table, &between), 4.0 * EMA_EPS, 0.0);
+            EMA_ASSERT_CLOSE((0.75 * nodes[k]) + (0.25 * nodes[k + 1U]), ema_effect_learned_torque(&table, &between),
+                             4.0 * EMA_EPS, 0.0);
         }
     }
 }
@@ -161,20 +165,20 @@ static void test_outside_is_counted_in_shares_of_the_range(void)
 }
 
 /* The check's answer when `field` of an acting table is `value`. */
-#define REFUSED(status, name, field, value)                                              \
-    do {                                                                                 \
-        ema_actuator_t bad = actuator;                                                   \
-        size_t offender = SIZE_MAX;                                                      \
-        ema_model_t model;                                                               \
-        bad.effects.name.gain = EMA_R(1.0);                                              \
-        bad.effects.name.field = (value);                                                \
-        EMA_ASSERT_STATUS((status), ema_actuator_check(&bad, &offender));                \
-        TEST_ASSERT_EQUAL_size_t(EMA_EFFECT_VALUE_ID(name, field), offender);            \
-        EMA_ASSERT_STATUS((status), ema_model_init(&model, &bad, EMA_R(0.0)));           \
-        bad.effects.name.gain = EMA_R(0.0);                                              \
-        if (isfinite((double)(value))) {                                                   \
-            EMA_ASSERT_STATUS(EMA_OK, ema_actuator_check(&bad, &offender));              \
-        }                                                                                \
+#define REFUSED(status, name, field, value)                                                                            \
+    do {                                                                                                               \
+        ema_actuator_t bad = actuator;                                                                                 \
+        size_t offender = SIZE_MAX;                                                                                    \
+        ema_model_t model;                                                                                             \
+        bad.effects.name.gain = EMA_R(1.0);                                                                            \
+        bad.effects.name.field = (value);                                                                              \
+        EMA_ASSERT_STATUS((status), ema_actuator_check(&bad, &offender));                                              \
+        TEST_ASSERT_EQUAL_size_t(EMA_EFFECT_VALUE_ID(name, field), offender);                                          \
+        EMA_ASSERT_STATUS((status), ema_model_init(&model, &bad, EMA_R(0.0)));                                         \
+        bad.effects.name.gain = EMA_R(0.0);                                                                            \
+        if (isfinite((double)(value))) {                                                                               \
+            EMA_ASSERT_STATUS(EMA_OK, ema_actuator_check(&bad, &offender));                                            \
+        }                                                                                                              \
     } while (0)
 
 static void test_a_table_that_cannot_be_read_is_refused_and_named(void)
@@ -213,14 +217,14 @@ static void test_learned_values_are_known_by_their_ids(void)
 }
 
 /* All nodes at one value. */
-#define FLAT(name, value)                                                      \
-    do {                                                                       \
-        actuator.effects.name.gain = EMA_R(1.0);                               \
-        actuator.effects.name.first = EMA_R(-1.0e4);                           \
-        actuator.effects.name.last = EMA_R(1.0e4);                             \
-        for (uint32_t k = 0; k <= SPANS; ++k) {                                \
-            (&actuator.effects.name.node_00)[k] = EMA_R(value);                \
-        }                                                                      \
+#define FLAT(name, value)                                                                                              \
+    do {                                                                                                               \
+        actuator.effects.name.gain = EMA_R(1.0);                                                                       \
+        actuator.effects.name.first = EMA_R(-1.0e4);                                                                   \
+        actuator.effects.name.last = EMA_R(1.0e4);                                                                     \
+        for (uint32_t k = 0; k <= SPANS; ++k) {                                                                        \
+            (&actuator.effects.name.node_00)[k] = EMA_R(value);                                                        \
+        }                                                                                                              \
     } while (0)
 
 static void test_flat_tables_are_what_they_are_called(void)

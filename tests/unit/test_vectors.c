@@ -1,5 +1,5 @@
-/* The whole model against the stored records of the reference. What each record shows, and why its tolerances are what they
- * are: tests/vectors/manifest.json.
+/* The whole model against the stored records of the reference. What each record shows, and why its tolerances are what
+ * they are: tests/vectors/manifest.json.
  */
 #include <math.h>
 #include <stdio.h>
@@ -37,17 +37,21 @@ typedef struct {
     ema_real rms[EMA_VEC_CHANNELS];
 } record_t;
 
-static const char* const channel_names[EMA_VEC_CHANNELS] = {"position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s"};
+static const char* const channel_names[EMA_VEC_CHANNELS] = {"position_mm", "motor_position_mm", "current_A",
+                                                            "voltage_V", "speed_mm_s"};
 
 /* Fails with the channel's worst row when an error is beyond its tolerance. */
-static void assert_channel(const record_t* record, uint32_t channel, double largest, double square, uint32_t worst_row, double expected)
+static void assert_channel(const record_t* record, uint32_t channel, double largest, double square, uint32_t worst_row,
+                           double expected)
 {
     const double rms = sqrt(square / record->rows);
     if (!(largest <= (double)record->largest[channel]) || !(rms <= (double)record->rms[channel])) {
         char text[240];
-        (void)snprintf(text, sizeof text, "%s.%s: largest error %.3g (allowed %.3g) at row %u where %.9g is expected, rms %.3g (allowed %.3g)", record->name,
-                       channel_names[channel], largest, (double)record->largest[channel], (unsigned)worst_row, expected, rms,
-                       (double)record->rms[channel]);
+        (void)snprintf(
+            text, sizeof text,
+            "%s.%s: largest error %.3g (allowed %.3g) at row %u where %.9g is expected, rms %.3g (allowed %.3g)",
+            record->name, channel_names[channel], largest, (double)record->largest[channel], (unsigned)worst_row,
+            expected, rms, (double)record->rms[channel]);
         TEST_FAIL_MESSAGE(text);
     }
 }
@@ -67,7 +71,8 @@ static void assert_record(const record_t* record)
     for (uint32_t step = 0; step < record->steps; ++step) {
         const ema_output_t row = ema_rig_step(&model, ema_command_at(&command, step));
         if (((step % stride) == 0U) && (compared < record->rows)) {
-            const ema_real values[EMA_VEC_CHANNELS] = {row.position_mm, row.motor_position_mm, row.current_A, row.voltage_V, row.speed_mm_s};
+            const ema_real values[EMA_VEC_CHANNELS] = {row.position_mm, row.motor_position_mm, row.current_A,
+                                                       row.voltage_V, row.speed_mm_s};
             for (uint32_t channel = 0; channel < EMA_VEC_CHANNELS; ++channel) {
                 const double expected = (double)number(record->bits[compared][channel]);
                 const double error = fabs((double)values[channel] - expected);
@@ -96,23 +101,21 @@ static void assert_record(const record_t* record)
 #define SET_OPTION(section, field, value) record.actuator.options.field = (value);
 #define SET_EFFECT(name, field, value) record.actuator.effects.name.field = EMA_R(value);
 
-#define RECORD_TEST(case_name, CASE)                                                  \
-    static void test_record_##case_name(void)                                         \
-    {                                                                                 \
-        record_t record = {.name = #case_name,                                        \
-                           .command = EMA_VEC_##CASE##_COMMAND,                       \
-                           .start_mm = EMA_VEC_##CASE##_START_MM,                     \
-                           .steps = EMA_VEC_##CASE##_STEPS,                           \
-                           .every_rows = EMA_VEC_##CASE##_EVERY_ROWS,                 \
-                           .rows = EMA_VEC_##CASE##_ROWS,                             \
-                           .bits = ema_vec_##case_name##_bits,                        \
-                           .largest = EMA_VEC_##CASE##_LARGEST,                       \
-                           .rms = EMA_VEC_##CASE##_RMS};                              \
-        record.actuator = ema_rig_actuator();                                         \
-        EMA_VEC_##CASE##_OVERRIDES(SET_VALUE)                                         \
-        EMA_VEC_##CASE##_OPTIONS(SET_OPTION)                                          \
-        EMA_VEC_##CASE##_EFFECTS(SET_EFFECT)                                          \
-        assert_record(&record);                                                       \
+#define RECORD_TEST(case_name, CASE)                                                                                   \
+    static void test_record_##case_name(void)                                                                          \
+    {                                                                                                                  \
+        record_t record = {.name = #case_name,                                                                         \
+                           .command = EMA_VEC_##CASE##_COMMAND,                                                        \
+                           .start_mm = EMA_VEC_##CASE##_START_MM,                                                      \
+                           .steps = EMA_VEC_##CASE##_STEPS,                                                            \
+                           .every_rows = EMA_VEC_##CASE##_EVERY_ROWS,                                                  \
+                           .rows = EMA_VEC_##CASE##_ROWS,                                                              \
+                           .bits = ema_vec_##case_name##_bits,                                                         \
+                           .largest = EMA_VEC_##CASE##_LARGEST,                                                        \
+                           .rms = EMA_VEC_##CASE##_RMS};                                                               \
+        record.actuator = ema_rig_actuator();                                                                          \
+        EMA_VEC_##CASE##_OVERRIDES(SET_VALUE) EMA_VEC_##CASE##_OPTIONS(SET_OPTION)                                     \
+            EMA_VEC_##CASE##_EFFECTS(SET_EFFECT) assert_record(&record);                                               \
     }
 EMA_VEC_CASES(RECORD_TEST)
 

@@ -49,7 +49,8 @@ static ema_estimate_t estimate_of(ema_real nominal, double shift_percent, double
 
 static ema_result_t result_of(const line_t* line)
 {
-    ema_result_t result = {.identified_count = 2U, .outcome = EMA_OUTCOME_TOLERANCE, .reasons = 0xFFFFU, .verdict = EMA_VERDICT_UNDECIDED};
+    ema_result_t result = {
+        .identified_count = 2U, .outcome = EMA_OUTCOME_TOLERANCE, .reasons = 0xFFFFU, .verdict = EMA_VERDICT_UNDECIDED};
     result.identified[0] = estimate_of(healthy.params.csj_Nm, line->csj_percent, line->csj_std_percent);
     result.identified[1] = estimate_of(healthy.params.blk_mm, line->blk_percent, line->blk_std_percent);
     result.residual_rms_mm = (ema_real)(line->rms_um * 1.0e-3);
@@ -147,10 +148,8 @@ static void test_parameter_that_the_record_does_not_show(void)
 static void test_residual_larger_than_the_noise_explains(void)
 {
     const line_t lines[] = {
-        {0.0, 0.04, 0.0, 0.8, 9.9, 0.0, HEALTHY},
-        {0.0, 0.04, 0.0, 0.8, 10.1, 0.0, UNDECIDED(EMA_REASON_INADEQUATE)},
-        {30.0, 0.04, 0.0, 0.8, 9.9, 0.0, FAULT},
-        {30.0, 0.04, 0.0, 0.8, 10.1, 0.0, UNDECIDED(EMA_REASON_INADEQUATE)},
+        {0.0, 0.04, 0.0, 0.8, 9.9, 0.0, HEALTHY}, {0.0, 0.04, 0.0, 0.8, 10.1, 0.0, UNDECIDED(EMA_REASON_INADEQUATE)},
+        {30.0, 0.04, 0.0, 0.8, 9.9, 0.0, FAULT},  {30.0, 0.04, 0.0, 0.8, 10.1, 0.0, UNDECIDED(EMA_REASON_INADEQUATE)},
         {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, HEALTHY},
     };
     JUDGE(lines);
@@ -262,8 +261,8 @@ static void test_reasons_add_up(void)
     result.identified[0].at_bound = true;
     ema_verdict_judge(&config, false, &result);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
-    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_INADEQUATE | EMA_REASON_AT_BOUND | EMA_REASON_NOT_CONVERGED | EMA_REASON_NEAR_THRESHOLD | EMA_REASON_NOT_SENSITIVE
-                                | EMA_REASON_BELOW_HEALTHY,
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_INADEQUATE | EMA_REASON_AT_BOUND | EMA_REASON_NOT_CONVERGED
+                                | EMA_REASON_NEAR_THRESHOLD | EMA_REASON_NOT_SENSITIVE | EMA_REASON_BELOW_HEALTHY,
                             result.reasons);
 }
 
@@ -276,7 +275,8 @@ static void test_only_the_identified_parameters_count(void)
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_HEALTHY, result.verdict);
 }
 
-/* Bias stands beside the standard errors where a shift is held against its threshold, and does not make a parameter undetermined. */
+/* Bias stands beside the standard errors where a shift is held against its threshold, and does not make a parameter
+ * undetermined. */
 static void test_bias_widens_the_doubt(void)
 {
     line_t line = {0.0, 0.04, 8.5, 0.1, 5.0, 0.0, HEALTHY};

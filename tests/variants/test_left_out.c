@@ -1,4 +1,5 @@
-/* A build that leaves effects out: what it holds acts, the rest is refused by name, and the structures are those of every build. */
+/* A build that leaves effects out: what it holds acts, the rest is refused by name, and the structures are those of
+ * every build. */
 #include <string.h>
 
 #include "ema/ema_session.h"
@@ -17,7 +18,8 @@ typedef struct {
 } row_t;
 
 static const row_t rows[] = {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))},
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
 };
@@ -53,7 +55,8 @@ static void test_an_effect_that_is_left_out_is_refused_and_named(void)
         const ema_status_t expected = is_held(rows[k].name) ? EMA_OK : EMA_ERR_ABSENT;
         size_t offender = 0U;
         setUp();
-        TEST_ASSERT_EQUAL(EMA_OK, ema_actuator_set(&actuator, (ema_value_id_t)rows[k].id, EMA_R(0.01) * ema_actuator_range(rows[k].id)->upper));
+        TEST_ASSERT_EQUAL(EMA_OK, ema_actuator_set(&actuator, (ema_value_id_t)rows[k].id,
+                                                   EMA_R(0.01) * ema_actuator_range(rows[k].id)->upper));
         TEST_ASSERT_EQUAL_MESSAGE(expected, ema_actuator_check(&actuator, &offender), rows[k].name);
         TEST_ASSERT_EQUAL_size_t((expected == EMA_OK) ? 0U : rows[k].id, offender);
         TEST_ASSERT_EQUAL_MESSAGE(expected, ema_model_init(&model, &actuator, EMA_R(0.0)), rows[k].name);
@@ -63,7 +66,10 @@ static void test_an_effect_that_is_left_out_is_refused_and_named(void)
 
 static void test_a_session_refuses_it_too(void)
 {
-    const ema_record_config_t record = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_INT16, .command_full_scale_mm = EMA_R(4.0),
+    const ema_record_config_t record = {.buffer = buffer,
+                                        .buffer_bytes = sizeof buffer,
+                                        .format = EMA_RECORD_INT16,
+                                        .command_full_scale_mm = EMA_R(4.0),
                                         .full_scale = {EMA_R(4.0), EMA_R(4.0), EMA_R(40.0), EMA_R(40.0)}};
     ema_session_config_t config;
     TEST_ASSERT_EQUAL(EMA_OK, ema_session_config_default(&config, &actuator, &record));
@@ -80,7 +86,10 @@ static void test_a_session_refuses_it_too(void)
 /* The bounds of a search lie where they lie in every build. */
 static void test_a_search_of_an_effect_is_taken_if_the_build_holds_it(void)
 {
-    const ema_record_config_t record = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_INT16, .command_full_scale_mm = EMA_R(4.0),
+    const ema_record_config_t record = {.buffer = buffer,
+                                        .buffer_bytes = sizeof buffer,
+                                        .format = EMA_RECORD_INT16,
+                                        .command_full_scale_mm = EMA_R(4.0),
                                         .full_scale = {EMA_R(4.0), EMA_R(4.0), EMA_R(40.0), EMA_R(40.0)}};
     const ema_value_id_t speed = EMA_EFFECT_VALUE_ID(stribeck_friction, speed_rad_s);
     ema_session_config_t config;

@@ -288,7 +288,9 @@ def read_actuator(path: str | Path) -> Actuator:
         document = tomlkit.parse(text)
     except TOMLKitError as error:
         if Path(path).suffix.lower() == ".csv":
-            raise InputError(f"{file}: a recording where an actuator is wanted: give the actuator's TOML file first, then the recording") from None
+            raise InputError(
+                f"{file}: a recording where an actuator is wanted: give the actuator's TOML file first, then the recording"
+            ) from None
         raise InputError(f"{file}: not TOML: {_reason(error, text)}: correct that line") from None
     known = load_definitions()
     values = defaults()
@@ -353,9 +355,13 @@ def _take_effects(table: object, known: Definitions, values: dict[str, float], f
 
 def _require(content: Mapping[str, Any], sections: Mapping[str, tuple[Parameter, ...]], file: str) -> None:
     """Every value of the machine must stand in the file, so that none is taken silently from another machine."""
-    missing = [row for section, rows in sections.items() if section not in SETTINGS for row in rows if row.field not in content.get(section, {})]
+    missing = [
+        row for section, rows in sections.items() if section not in SETTINGS for row in rows if row.field not in content.get(section, {})
+    ]
     if missing:
         row = missing[0]
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         example = tomlkit.item(written(row, row.nominal)).as_string()
-        raise InputError(f"{file}: {shown(row)} is missing{more}: add it, in the reference actuator it is {row.field} = {example} ({_remark(row)})")
+        raise InputError(
+            f"{file}: {shown(row)} is missing{more}: add it, in the reference actuator it is {row.field} = {example} ({_remark(row)})"
+        )

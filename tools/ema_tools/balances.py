@@ -155,7 +155,13 @@ def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
 
 
 def _at_points(
-    actuator: Actuator, motion: Motion, site: str, equation: str, level_Nm: float | None = None, voltage_V: Reals | None = None, rows: NDArray[np.bool_] | None = None
+    actuator: Actuator,
+    motion: Motion,
+    site: str,
+    equation: str,
+    level_Nm: float | None = None,
+    voltage_V: Reals | None = None,
+    rows: NDArray[np.bool_] | None = None,
 ) -> Reals:
     """Sum of an equation over the active effects of a site, on every row, or on `rows` and zero elsewhere; zeros at no cost when there are none.
 
@@ -173,7 +179,9 @@ def _at_points(
     terms = [(interpreted(getattr(module, equation)), plain(effect)) for module, effect in active]
     given = () if level_Nm is None else (level_Nm,)
     values = adjusted(actuator)
-    data = Data(values["motor.torque_constant_Nm_per_A"], values["screw.viscous_Nm_s_per_rad"], values["screw.lead_mm"], values["drive.supply_V"])
+    data = Data(
+        values["motor.torque_constant_Nm_per_A"], values["screw.viscous_Nm_s_per_rad"], values["screw.lead_mm"], values["drive.supply_V"]
+    )
     voltage = np.zeros(total.size) if voltage_V is None else voltage_V
     columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage)
     rows_at = zip(*(column[kept].tolist() for column in columns), strict=True)
@@ -277,7 +285,9 @@ def stretched(angle_rad: Reals, stretch_rad: float) -> Reals:
     turns = np.diff(angle_rad, prepend=angle_rad[:1])
     out = np.empty_like(turns)
     share = 0.0
-    for row, (side, kept) in enumerate(zip(np.where(turns < 0.0, -1.0, 1.0).tolist(), np.exp(-np.abs(turns) / stretch_rad).tolist(), strict=True)):
+    for row, (side, kept) in enumerate(
+        zip(np.where(turns < 0.0, -1.0, 1.0).tolist(), np.exp(-np.abs(turns) / stretch_rad).tolist(), strict=True)
+    ):
         share = side + (share - side) * kept
         out[row] = share
     return out
@@ -356,7 +366,9 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
 
     def added(level: float, side: float, seen: Motion, rows: NDArray[np.bool_]) -> Reals:
         """What effects and efficiency add to a level of friction to one side; holds on `rows`."""
-        passing = np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(passed)
+        passing = np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(
+            passed
+        )
         return passing + _at_points(actuator, seen, "FRICTION", "level_change_Nm", level_Nm=level * (1.0 + side * asymmetry), rows=rows)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
@@ -370,7 +382,9 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
         asymmetry=asymmetry,
-        columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, contact * (1.0 + asymmetry * np.sign(contact)), np.ones_like(contact)]),
+        columns=np.column_stack(
+            [motion.acceleration_rad_s2, motion.speed_rad_s, contact * (1.0 + asymmetry * np.sign(contact)), np.ones_like(contact)]
+        ),
         time_s=record.time_s,
         resting=resting,
     )
@@ -519,7 +533,13 @@ def kinematic(actuator: Actuator, record: Record) -> Balance:
     gain, offset = 1.0 + values["encoder.rod_gain_error"], values["encoder.rod_offset_mm"]
     rod = played(record.motor_position_mm, values["screw.blk_mm"], (float(record.position_mm[0]) - offset) / gain)
     inner = Smoother.of(record.period_s).inner
-    return Balance("kinematic", "mm", inner(record.time_s), inner(record.position_mm), inner(record.position_mm - (gain * rod + offset + _learned_reading_mm(actuator, rod))))
+    return Balance(
+        "kinematic",
+        "mm",
+        inner(record.time_s),
+        inner(record.position_mm),
+        inner(record.position_mm - (gain * rod + offset + _learned_reading_mm(actuator, rod))),
+    )
 
 
 def feedback_of(actuator: Actuator, record: Record) -> Reals:

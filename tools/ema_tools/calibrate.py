@@ -82,7 +82,11 @@ class Calibration:
 
     def unexplained(self) -> dict[str, float]:
         """Channels whose error is many times their sensor's noise, and how many times: the values then make up for something else."""
-        return {name: error / self.noise[name] for name, error in self.errors_after.items() if self.noise[name] > 0.0 and error > _MANY_TIMES * self.noise[name]}
+        return {
+            name: error / self.noise[name]
+            for name, error in self.errors_after.items()
+            if self.noise[name] > 0.0 and error > _MANY_TIMES * self.noise[name]
+        }
 
     def result(self) -> dict[str, Any]:
         """For JSON."""
@@ -208,7 +212,9 @@ def _with_rest(model: Mechanical, parameters: Reals, ratio: float) -> tuple[Real
 def from_electrics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
     """Resistance, inductance and back-EMF constant from the electrical balance. Raises MissingSignal and InputError."""
     models = [electrical_model(actuator, record) for record in records]
-    fitted = leastsquares.fit([model.voltage_V + model.known_V for model in models], [model.columns for model in models], ELECTRICAL_PARAMETERS)
+    fitted = leastsquares.fit(
+        [model.voltage_V + model.known_V for model in models], [model.columns for model in models], ELECTRICAL_PARAMETERS
+    )
     return _taken(actuator, fitted, ELECTRICAL_PARAMETERS, (1.0, 1.0, 1.0))
 
 
@@ -228,13 +234,19 @@ def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actu
         raise MissingSignal("motor_position_mm is not recorded")
     # A play wider than twice the range of the gap between the two positions is not in the records.
     widest = 2.0 * max(float(np.ptp(gap)) for gap in gaps)
-    found = float(minimize_scalar(cost, bounds=(lower, max(min(upper, widest), lower)), method="bounded", options={"xatol": 0.1 * _AT_BOUND_MM}).x)
+    found = float(
+        minimize_scalar(cost, bounds=(lower, max(min(upper, widest), lower)), method="bounded", options={"xatol": 0.1 * _AT_BOUND_MM}).x
+    )
     step = max(_STEP * found, 1e-6)
     slopes = [(high - low) / (2.0 * step) for high, low in zip(residuals(found + step), residuals(max(found - step, 0.0)), strict=True)]
     normal = sum(float(slope @ slope) for slope in slopes)
-    scores = sum(float(leastsquares.long_run((slope * residual)[:, None])[0, 0]) for slope, residual in zip(slopes, residuals(found), strict=True))
+    scores = sum(
+        float(leastsquares.long_run((slope * residual)[:, None])[0, 0]) for slope, residual in zip(slopes, residuals(found), strict=True)
+    )
     std = np.sqrt(scores) / normal if normal > 0.0 else np.inf
-    return actuator.changed({PLAY: found}), [Parameter(PLAY, actuator[PLAY], found, float(std), "balance", not lower + _AT_BOUND_MM < found < upper - _AT_BOUND_MM)]
+    return actuator.changed({PLAY: found}), [
+        Parameter(PLAY, actuator[PLAY], found, float(std), "balance", not lower + _AT_BOUND_MM < found < upper - _AT_BOUND_MM)
+    ]
 
 
 def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str, ...]:
@@ -242,6 +254,7 @@ def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str,
 
     With the rod position alone, which a stiff loop makes nearly blind to the rest, CSJ and the play.
     """
+
     def has(name: str) -> bool:
         return all(record.channel(name) is not None for record in records)
 
@@ -308,7 +321,9 @@ class _Loop:
         return slopes
 
 
-def in_the_loop(actuator: Actuator, records: Sequence[Record], names: Sequence[str], report: Report | None = None) -> tuple[Actuator, list[Parameter]]:
+def in_the_loop(
+    actuator: Actuator, records: Sequence[Record], names: Sequence[str], report: Report | None = None
+) -> tuple[Actuator, list[Parameter]]:
     """Fit `names` so that the simulated loop follows every recorded channel, each weighted by its own rms error.
 
     Raises InputError when the records do not determine a parameter.
@@ -323,7 +338,10 @@ def in_the_loop(actuator: Actuator, records: Sequence[Record], names: Sequence[s
         return each(lambda record: loop.errors(at, record), records)
 
     for turn in range(_WEIGHING_ROUNDS):
-        weights = [1.0 / np.maximum(np.sqrt(np.mean(error**2, axis=0)), loop.trust(record)) for error, record in zip(errors(point), records, strict=True)]
+        weights = [
+            1.0 / np.maximum(np.sqrt(np.mean(error**2, axis=0)), loop.trust(record))
+            for error, record in zip(errors(point), records, strict=True)
+        ]
 
         def residual(at: Reals, weights: list[Reals] = weights, turn: int = turn) -> Reals:
             nonlocal runs
@@ -333,7 +351,9 @@ def in_the_loop(actuator: Actuator, records: Sequence[Record], names: Sequence[s
             return np.concatenate([(error * weight).ravel() for error, weight in zip(errors(at), weights, strict=True)])
 
         def slope(at: Reals, weights: list[Reals] = weights) -> Reals:
-            return np.concatenate([(part * weight[:, None]).reshape(-1, at.size) for part, weight in zip(loop.slopes(at), weights, strict=True)])
+            return np.concatenate(
+                [(part * weight[:, None]).reshape(-1, at.size) for part, weight in zip(loop.slopes(at), weights, strict=True)]
+            )
 
         solved = least_squares(residual, point, jac=slope, bounds=(loop.lower, loop.upper), xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=30)
         point = solved.x
@@ -363,7 +383,11 @@ def _loop_covariance(loop: _Loop, point: Reals, errors: list[Reals], weights: li
 
 
 def calibrate(
-    actuator: Actuator, records: Sequence[Record], names: Sequence[str] | None = None, loop: bool | None = None, report: Report | None = None
+    actuator: Actuator,
+    records: Sequence[Record],
+    names: Sequence[str] | None = None,
+    loop: bool | None = None,
+    report: Report | None = None,
 ) -> Calibration:
     """Fit base parameters on healthy records; `names` restricts them. `loop`: whether to fit the simulated loop after the balances; None keeps that
     fit only where it follows the records clearly better, since the balances depend on fewer blocks.

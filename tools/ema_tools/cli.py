@@ -40,7 +40,13 @@ def json_option(command: Command) -> Command:
 
 def precision_option(default: str) -> Callable[[Command], Command]:
     """--precision 32 or 64."""
-    return click.option("--precision", type=click.Choice(["32", "64"]), default=default, show_default=True, help="Build of the module: 32 as onboard, 64 for analysis.")
+    return click.option(
+        "--precision",
+        type=click.Choice(["32", "64"]),
+        default=default,
+        show_default=True,
+        help="Build of the module: 32 as onboard, 64 for analysis.",
+    )
 
 
 def save(json_path: str | None, result: dict[str, Any], force: bool) -> None:
@@ -77,14 +83,32 @@ def cli() -> None:
 
 @cli.command()
 @click.argument("actuator")
-@click.option("--command", "command_text", required=True, metavar="CMD", help="A recording, or chirp, multisine, triangle, trapezoid, step with numbers: chirp:amplitude_mm=2,end_hz=4.")
+@click.option(
+    "--command",
+    "command_text",
+    required=True,
+    metavar="CMD",
+    help="A recording, or chirp, multisine, triangle, trapezoid, step with numbers: chirp:amplitude_mm=2,end_hz=4.",
+)
 @click.option("-o", "--output", "out", required=True, metavar="REC.csv", help="The recording to write.")
-@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a value of the actuator: screw.csj_Nm=0.3. May be repeated.")
+@click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a value of the actuator: screw.csj_Nm=0.3. May be repeated."
+)
 @click.option("--noise", metavar="COLUMN=STD,...", help="Add white noise: position_mm=0.005,current_A=0.03.")
 @click.option("--seed", type=click.IntRange(0, SEED_MAX), default=1, show_default=True, help="Seed of the noise.")
 @precision_option("64")
 @json_option
-def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ...], noise: str | None, seed: int, precision: str, json_path: str | None, force: bool) -> None:
+def simulate(
+    actuator: str,
+    command_text: str,
+    out: str,
+    settings: tuple[str, ...],
+    noise: str | None,
+    seed: int,
+    precision: str,
+    json_path: str | None,
+    force: bool,
+) -> None:
     """Simulate ACTUATOR under a command and write the recording."""
     from ema_tools import simulate as work
     from ema_tools.actuator import read_actuator
@@ -102,7 +126,14 @@ def simulate(actuator: str, command_text: str, out: str, settings: tuple[str, ..
     if std:
         comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
-    told = {"rows": record.rows, "period_s": record.period_s, "settings": list(settings), "noise": std, "seed": seed, "precision": int(precision)}
+    told = {
+        "rows": record.rows,
+        "period_s": record.period_s,
+        "settings": list(settings),
+        "noise": std,
+        "seed": seed,
+        "precision": int(precision),
+    }
     save(json_path, {"command": "simulate", "actuator": actuator, "record": out, **told}, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
@@ -137,9 +168,16 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
 @click.argument("records", nargs=-1, required=True, metavar="REC...")
 @click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The calibrated actuator to write.")
 @click.option("--fit", "names", metavar="NAME,...", help="Fit only these values, for example screw.csj_Nm,screw.blk_mm.")
-@click.option("--closed-loop/--balances-only", "loop", default=None, help="Keep the fit of the simulated loop, or that of the balances; without either, the loop's where it is clearly better.")
+@click.option(
+    "--closed-loop/--balances-only",
+    "loop",
+    default=None,
+    help="Keep the fit of the simulated loop, or that of the balances; without either, the loop's where it is clearly better.",
+)
 @json_option
-def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | None, loop: bool | None, json_path: str | None, force: bool) -> None:
+def calibrate(
+    actuator: str, records: tuple[str, ...], out: str, names: str | None, loop: bool | None, json_path: str | None, force: bool
+) -> None:
     """Fit the base parameters of ACTUATOR on healthy records and write NEW.toml, comments kept."""
     from ema_tools import show
     from ema_tools.actuator import read_actuator
@@ -164,16 +202,36 @@ def calibrate(actuator: str, records: tuple[str, ...], out: str, names: str | No
 @cli.command()
 @click.argument("actuator")
 @click.argument("record")
-@click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.")
+@click.option(
+    "--healthy",
+    multiple=True,
+    metavar="REC",
+    help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.",
+)
 @click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Seed of the search; the actuator's own when absent.")
 @click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
-@click.option("--weight", "weights", metavar="COLUMN=W,...", help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.")
+@click.option(
+    "--weight",
+    "weights",
+    metavar="COLUMN=W,...",
+    help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.",
+)
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
 @click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
 @precision_option("32")
 @json_option
 def identify(
-    actuator: str, record: str, healthy: tuple[str, ...], seed: int | None, seeds: int, weights: str | None, fitted: str | None, no_guard: bool, precision: str, json_path: str | None, force: bool
+    actuator: str,
+    record: str,
+    healthy: tuple[str, ...],
+    seed: int | None,
+    seeds: int,
+    weights: str | None,
+    fitted: str | None,
+    no_guard: bool,
+    precision: str,
+    json_path: str | None,
+    force: bool,
 ) -> None:
     """Find CSJ and BLK on RECORD with the onboard module's own search.
 
@@ -193,13 +251,28 @@ def identify(
     references = [read_record(path, model) for path in healthy]
     weight = weight_of(weights)
     with progress("identifying", model["search.evaluation_budget"]) as bar:
-        found = work(model, measured, references, Search(seed=seed, weight=weight), seeds, int(precision), lambda run, _, best: bar.update(run, f"best {best:.3g}"), not no_guard)
+        found = work(
+            model,
+            measured,
+            references,
+            Search(seed=seed, weight=weight),
+            seeds,
+            int(precision),
+            lambda run, _, best: bar.update(run, f"best {best:.3g}"),
+            not no_guard,
+        )
     if fitted:
         found.actuator.write(fitted, force)
     if json_path:
         drawn = curves(measured, {"before": simulated(found.healthy, measured), "after": simulated(found.actuator, measured)})
         origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
-        result = {"command": "identify", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        result = {
+            "command": "identify",
+            "name": measured.file,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
         save(json_path, result, force)
     show.identification(output(), found)
 
@@ -207,12 +280,26 @@ def identify(
 @cli.command()
 @click.argument("actuator")
 @click.argument("record")
-@click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine under the same command; give two or more. Those of the hold-out's command serve the hold-out.")
+@click.option(
+    "--healthy",
+    multiple=True,
+    metavar="REC",
+    help="A record of the healthy machine under the same command; give two or more. Those of the hold-out's command serve the hold-out.",
+)
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
 @json_option
-def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str | None, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
+def diagnose(
+    actuator: str,
+    record: str,
+    healthy: tuple[str, ...],
+    holdout: str | None,
+    page: str | None,
+    fitted: str | None,
+    json_path: str | None,
+    force: bool,
+) -> None:
     """Say which physical effect ACTUATOR's model lacks on RECORD, or that none is missing, or that the library does not hold it.
 
     With --healthy the question is what has changed on this machine, without it what the model lacks.
@@ -236,9 +323,20 @@ def diagnose(actuator: str, record: str, healthy: tuple[str, ...], holdout: str 
     with progress("diagnosing", 100) as bar:
         found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
     if json_path or page:
-        drawn = curves(measured, {"before": simulated(found.known, measured), **({"after": simulated(found.fitted, measured)} if found.diagnosis.fit else {})})
-        origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none")
-        result = {"command": "diagnose", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        drawn = curves(
+            measured,
+            {"before": simulated(found.known, measured), **({"after": simulated(found.fitted, measured)} if found.diagnosis.fit else {})},
+        )
+        origin = provenance(
+            command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
+        )
+        result = {
+            "command": "diagnose",
+            "name": measured.file,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
         save(json_path, result, force)
         _page(page, result, force)
     if fitted and found.verdict == "missing":
@@ -257,9 +355,17 @@ def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | No
     with progress("diagnosing", 100) as bar:
         found = answer_by_laps(model, measured, lambda share, text: bar.update(100.0 * share, text))
     if json_path or page:
-        drawn = curves(measured, {"before": simulated(model, measured), **({"after": simulated(found.actuator, measured)} if found.accepted else {})})
+        drawn = curves(
+            measured, {"before": simulated(model, measured), **({"after": simulated(found.actuator, measured)} if found.accepted else {})}
+        )
         origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
-        result = {"command": "diagnose", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        result = {
+            "command": "diagnose",
+            "name": measured.file,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
         save(json_path, result, force)
         _page(page, result, force)
     if fitted and found.accepted:
@@ -288,10 +394,21 @@ def _page(path: str | None, result: dict[str, Any], force: bool) -> None:
 @click.argument("effect")
 @click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The actuator with the effect.")
 @click.option("--fit", "record", metavar="REC", help="The record that the effect is fitted to.")
-@click.option("--healthy", multiple=True, metavar="REC", help="A record of the healthy machine under the same command; give two or more. May be repeated.")
+@click.option(
+    "--healthy",
+    multiple=True,
+    metavar="REC",
+    help="A record of the healthy machine under the same command; give two or more. May be repeated.",
+)
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
-@click.option("--known", is_flag=True, help="ACTUATOR is this very machine, calibrated: only the effect is fitted, beside a CSJ and BLK that may have changed, as ema identify does.")
-@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without --fit: the effect's values, for example rise_degC=30.")
+@click.option(
+    "--known",
+    is_flag=True,
+    help="ACTUATOR is this very machine, calibrated: only the effect is fitted, beside a CSJ and BLK that may have changed, as ema identify does.",
+)
+@click.option(
+    "--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without --fit: the effect's values, for example rise_degC=30."
+)
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the fall of the error there.")
 @json_option
 def add(
@@ -325,12 +442,18 @@ def add(
     find_effect(effect)
     if record is None:
         if not settings or page or holdout or healthy or known:
-            raise InputError(f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option")
+            raise InputError(
+                f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option"
+            )
         made = with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings))
         if effect not in made.active_effects:
             raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
         made.write(out, force)
-        save(json_path, {"command": "add", "actuator": out, **set_result(made, effect), "provenance": provenance(command_line(), actuator=model.name)}, force)
+        save(
+            json_path,
+            {"command": "add", "actuator": out, **set_result(made, effect), "provenance": provenance(command_line(), actuator=model.name)},
+            force,
+        )
         output().print(f"{out} written", highlight=False)
         return
     if settings:
@@ -351,7 +474,14 @@ def add(
     if json_path or page:
         drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.fitted, measured)})
         origin = provenance(command_line(), actuator=model.name, record=measured.file)
-        result = {"command": "add", "name": measured.file, "actuator": out, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+        result = {
+            "command": "add",
+            "name": measured.file,
+            "actuator": out,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
         save(json_path, result, force)
         _page(page, result, force)
     show.added(output(), found)
@@ -360,13 +490,36 @@ def add(
 
 @cli.command(name="next")
 @click.argument("actuator")
-@click.option("--between", "first", required=True, metavar="EFFECT EFFECT...", help="The effects that are confused: two or more; csj and blk are taken too.")
+@click.option(
+    "--between",
+    "first",
+    required=True,
+    metavar="EFFECT EFFECT...",
+    help="The effects that are confused: two or more; csj and blk are taken too.",
+)
 @click.argument("others", nargs=-1, metavar="")
-@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="At which size: effects.constant_load.torque_Nm=0.01. The lower end of the usual when absent. May be repeated.")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="At which size: effects.constant_load.torque_Nm=0.01. The lower end of the usual when absent. May be repeated.",
+)
 @click.option("--channels", metavar="COLUMN,...", help="The signals that are recorded; all four when absent.")
-@click.option("--noise", metavar="COLUMN=STD,...", help="Noise of the sensors at 1 kHz; position_mm=0.002,motor_position_mm=0.002,current_A=0.03 when absent.")
-@click.option("--limit", "limit", metavar="NAME=VALUE,...", help="What is safe, in place of shares of what the machine can do: stroke_mm=5,speed_mm_s=40,current_A=8.")
-@click.option("--also", multiple=True, metavar="CMD", help="A command of your own beside the menu's: chirp:amplitude_mm=1,end_hz=6. May be repeated.")
+@click.option(
+    "--noise",
+    metavar="COLUMN=STD,...",
+    help="Noise of the sensors at 1 kHz; position_mm=0.002,motor_position_mm=0.002,current_A=0.03 when absent.",
+)
+@click.option(
+    "--limit",
+    "limit",
+    metavar="NAME=VALUE,...",
+    help="What is safe, in place of shares of what the machine can do: stroke_mm=5,speed_mm_s=40,current_A=8.",
+)
+@click.option(
+    "--also", multiple=True, metavar="CMD", help="A command of your own beside the menu's: chirp:amplitude_mm=1,end_hz=6. May be repeated."
+)
 @json_option
 def next_command(
     actuator: str,
@@ -396,21 +549,45 @@ def next_command(
     values = following.sizes_of(settings)
     chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else CHANNELS
     with progress("simulating", 100) as bar:
-        found = following.next_experiment(model, effects, chosen, values, noise_of(noise), following.limits_given(limit), also, lambda share, text: bar.update(100.0 * share, text))
+        found = following.next_experiment(
+            model,
+            effects,
+            chosen,
+            values,
+            noise_of(noise),
+            following.limits_given(limit),
+            also,
+            lambda share, text: bar.update(100.0 * share, text),
+        )
     save(json_path, {"command": "next", **found.result(), "provenance": provenance(command_line(), actuator=model.name)}, force)
     following.print_next(output(), found)
 
 
 @cli.command()
 @click.argument("actuator")
-@click.option("-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
+@click.option(
+    "-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR."
+)
 @click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
-@click.option("--signatures", metavar="FILE.h", help="Write the table for the onboard diagnosis there too: static const ema_signatures_t EMA_SIGNATURES.")
+@click.option(
+    "--signatures",
+    metavar="FILE.h",
+    help="Write the table for the onboard diagnosis there too: static const ema_signatures_t EMA_SIGNATURES.",
+)
 @click.option("--healthy", multiple=True, metavar="REC", help="A healthy record of the ground test; two or more for --signatures.")
-@click.option("--signals", metavar="NAME,...", help="Signals of the table; the rod position and the current, where they are recorded, unless told.")
+@click.option(
+    "--signals", metavar="NAME,...", help="Signals of the table; the rod position and the current, where they are recorded, unless told."
+)
 @json_option
 def export(
-    actuator: str, out: str, flat: str | None, signatures: str | None, healthy: tuple[str, ...], signals: str | None, json_path: str | None, force: bool
+    actuator: str,
+    out: str,
+    flat: str | None,
+    signatures: str | None,
+    healthy: tuple[str, ...],
+    signals: str | None,
+    json_path: str | None,
+    force: bool,
 ) -> None:
     """Write ACTUATOR as the configuration that firmware compiles in."""
     from ema_tools import export as work
@@ -492,10 +669,19 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
     writable(json_path, force=force)
     found = work(file, folder, force)
-    result = {"command": "import emps", "actuator": str(found.actuator_path), "record": str(found.record_path), "rows": found.record.rows, "period_s": found.record.period_s}
+    result = {
+        "command": "import emps",
+        "actuator": str(found.actuator_path),
+        "record": str(found.record_path),
+        "rows": found.record.rows,
+        "period_s": found.record.period_s,
+    }
     save(json_path, {**result, "provenance": provenance(command_line(), source=found.actuator.about["source"])}, force)
     console = output()
-    show.say(console, f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model")
+    show.say(
+        console,
+        f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model",
+    )
     show.force_models(console, "Published", {"value": PUBLISHED, "std error": PUBLISHED_STD})
     show.say(console, f"next: ema compare {found.actuator_path} {found.record_path}")
 

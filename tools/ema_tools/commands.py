@@ -69,6 +69,8 @@ def make_command(text: str, actuator: Actuator) -> Command:
         samples = library().command(kind, given, period_s, rows)
         return Command(samples, 0.0, f"{kind}:{','.join(f'{name}={value:g}' for name, value in numbers.items())}")
     if not Path(text).exists():
-        raise InputError(f"command {text}: neither a file nor a command{nearest(kind, DEFAULTS)}: use a recording or one of {', '.join(DEFAULTS)}")
+        raise InputError(
+            f"command {text}: neither a file nor a command{nearest(kind, DEFAULTS)}: use a recording or one of {', '.join(DEFAULTS)}"
+        )
     record = read_record(text, actuator)
     return Command(record.command_mm, start_of(actuator, record), Path(text).name)

@@ -19,7 +19,13 @@ from ema_tools.records import Record, simulated
 Report = Callable[[float, str], None]
 
 UNITS = {"position_mm": "mm", "motor_position_mm": "mm", "current_A": "A", "voltage_V": "V", "speed_mm_s": "mm/s"}
-TITLES = {"position_mm": "rod position", "motor_position_mm": "motor position", "current_A": "current", "voltage_V": "voltage", "speed_mm_s": "rod speed"}
+TITLES = {
+    "position_mm": "rod position",
+    "motor_position_mm": "motor position",
+    "current_A": "current",
+    "voltage_V": "voltage",
+    "speed_mm_s": "rod speed",
+}
 _BINS = 5
 _SINCE_REVERSAL_S = (0.0, 0.02, 0.1, 0.5, math.inf)
 _LOWEST_BAND_HZ = 0.5
@@ -94,7 +100,10 @@ class Comparison:
     def result(self) -> dict[str, Any]:
         """For JSON: the keys that programs read, and more."""
         return {
-            "channels": {name: {"rmse": error.rmse, "relative_percent": error.relative_percent, "unit": UNITS[name]} for name, error in self.channels.items()},
+            "channels": {
+                name: {"rmse": error.rmse, "relative_percent": error.relative_percent, "unit": UNITS[name]}
+                for name, error in self.channels.items()
+            },
             "balances": {
                 name: {
                     "rms": error.rms,
@@ -224,7 +233,11 @@ def states_of(actuator: Actuator, record: Record) -> list[State]:
     speed = np.gradient(smooth, period_s)
     moving = np.abs(speed) > 0.01 * float(np.max(np.abs(speed), initial=0.0))
     direction = np.sign(speed) * moving
-    states = [_even("time", record.time_s, "s", period_s), _even("speed", np.abs(speed), "mm/s", period_s), _even("position", smooth, "mm", period_s)]
+    states = [
+        _even("time", record.time_s, "s", period_s),
+        _even("speed", np.abs(speed), "mm/s", period_s),
+        _even("position", smooth, "mm", period_s),
+    ]
     lead = actuator["screw.lead_mm"]
     if np.ptp(smooth) > lead:
         # within one turn of the screw it says no more than the position
@@ -234,7 +247,10 @@ def states_of(actuator: Actuator, record: Record) -> list[State]:
     states.append(State("direction", direction, (-1.5, -0.5, 0.5, 1.5), ("retracting", "resting", "extending"), period_s))
     since = since_reversal_s(direction, period_s)
     ends = _SINCE_REVERSAL_S[1:]
-    parts = tuple(f"{first:g} s or more" if math.isinf(last) else f"{first:g} to {last:g} s" for first, last in zip(_SINCE_REVERSAL_S[:-1], ends, strict=True))
+    parts = tuple(
+        f"{first:g} s or more" if math.isinf(last) else f"{first:g} to {last:g} s"
+        for first, last in zip(_SINCE_REVERSAL_S[:-1], ends, strict=True)
+    )
     states.append(State("time since reversal", since, _SINCE_REVERSAL_S, parts, period_s))
     return [state for state in states if state is not None]
 
@@ -270,7 +286,9 @@ def _by_frequency(source: str, balance: Balance) -> list[Place]:
     period_s = float(balance.time_s[1] - balance.time_s[0]) if balance.time_s.size > 1 else 1.0
     power = np.abs(np.fft.rfft(balance.residual)) ** 2
     frequency = np.fft.rfftfreq(balance.residual.size, period_s)
-    octave = np.where(frequency < _LOWEST_BAND_HZ, 0, 1 + np.floor(np.log2(np.maximum(frequency, _LOWEST_BAND_HZ) / _LOWEST_BAND_HZ))).astype(int)
+    octave = np.where(
+        frequency < _LOWEST_BAND_HZ, 0, 1 + np.floor(np.log2(np.maximum(frequency, _LOWEST_BAND_HZ) / _LOWEST_BAND_HZ))
+    ).astype(int)
     found = []
     for place in range(int(octave.max(initial=0)) + 1):
         share = float(np.sum(power[octave == place]) / np.sum(power))
@@ -301,5 +319,7 @@ def _sentence(balances: dict[str, BalanceError], where: tuple[Place, ...], recor
     parts = [place for place in where if place.source == f"{worst} balance"]
     telling = max(parts, key=lambda place: place.surprise, default=None)
     if telling is not None and telling.surprise > 0.0 and telling.time_share is not None:
-        text += f"; {100.0 * telling.share:.0f} % of that lies at {telling.by} {telling.part}, {100.0 * telling.time_share:.0f} % of the time"
+        text += (
+            f"; {100.0 * telling.share:.0f} % of that lies at {telling.by} {telling.part}, {100.0 * telling.time_share:.0f} % of the time"
+        )
     return text + "."

@@ -349,7 +349,9 @@ def _typed(call: _Call, kinds: tuple[type, ...], path: Path) -> tuple[Any, ...]:
         isinstance(argument, kind) for argument, kind in zip(call.arguments, kinds, strict=True)
     )
     if not right:
-        raise DefinitionError(f"{path.name}, row {call.row}: {call.name} needs {len(kinds)} arguments of its kind: see the head of the file")
+        raise DefinitionError(
+            f"{path.name}, row {call.row}: {call.name} needs {len(kinds)} arguments of its kind: see the head of the file"
+        )
     return call.arguments
 
 
@@ -389,7 +391,11 @@ def read_definitions(folder: Path, own: Path | None = None) -> Definitions:
     effects = tuple(_effects(folder / "ema_effects.def"))
     if own is not None:
         effects += tuple(_effects(own / "own_effects.def", True))
-    names = [row.name for row in parameters] + [value.name for effect in effects for value in effect.parameters] + [effect.name for effect in effects]
+    names = (
+        [row.name for row in parameters]
+        + [value.name for effect in effects for value in effect.parameters]
+        + [effect.name for effect in effects]
+    )
     for name in names:
         if names.count(name) > 1:
             raise DefinitionError(f"{name}: stands twice in the lists: rename one")

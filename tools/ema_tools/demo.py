@@ -53,7 +53,10 @@ class Shipped:
     noise: str = ""
 
 
-RECORDINGS = (*(Shipped(f"case_{case.letter.lower()}.csv", case) for case in CASES), Shipped("case_a_noisy.csv", CASES[0], "5 µm sensor noise"))
+RECORDINGS = (
+    *(Shipped(f"case_{case.letter.lower()}.csv", case) for case in CASES),
+    Shipped("case_a_noisy.csv", CASES[0], "5 µm sensor noise"),
+)
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,10 @@ def _unit() -> _Unit:
 
 def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     """Compare, identify, diagnose, add, identify again."""
-    _say(output, f"A unit of the reference actuator was recorded {story.HEALTHY_RUNS} times when it was healthy, and again today. Does its model still hold, and what has changed?")
+    _say(
+        output,
+        f"A unit of the reference actuator was recorded {story.HEALTHY_RUNS} times when it was healthy, and again today. Does its model still hold, and what has changed?",
+    )
 
     _command(output, 1, f"ema compare {unit.sheet_file} {unit.today_file}")
     with terminal.progress("comparing", 3) as bar:
@@ -143,7 +149,13 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 3, f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others}")
     with terminal.progress("diagnosing", 100) as bar:
         found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    _write(folder / _ON_PAGE[0], "diagnose", unit, found.result(), curves(unit.today, {"before": simulated(found.known, unit.today), "after": simulated(found.fitted, unit.today)}))
+    _write(
+        folder / _ON_PAGE[0],
+        "diagnose",
+        unit,
+        found.result(),
+        curves(unit.today, {"before": simulated(found.known, unit.today), "after": simulated(found.fitted, unit.today)}),
+    )
     _say(output, found.where.sentence)
     _say(output, found.sentence())
     if not found.effects:
@@ -154,10 +166,19 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
     added.actuator.write(folder / _MACHINE, True)
-    _write(folder / _ON_PAGE[1], "add", unit, {"actuator": _MACHINE, **added.result()}, curves(unit.today, {"before": simulated(unit.sheet, unit.today), "after": simulated(added.fitted, unit.today)}))
+    _write(
+        folder / _ON_PAGE[1],
+        "add",
+        unit,
+        {"actuator": _MACHINE, **added.result()},
+        curves(unit.today, {"before": simulated(unit.sheet, unit.today), "after": simulated(added.fitted, unit.today)}),
+    )
     show.steps(output, added.steps, added.errors.floor)
     beside = " and ".join(TITLES[value] for name, value in CHANGEABLE.items() if name in added.fit.effects)
-    _say(output, f"{effect} is fitted{f' beside {beside}, which may have changed with it' if beside else ''}; nothing is fitted to the record held out.")
+    _say(
+        output,
+        f"{effect} is fitted{f' beside {beside}, which may have changed with it' if beside else ''}; nothing is fitted to the record held out.",
+    )
 
     _command(output, 5, f"ema identify {_shown(folder / _MACHINE)} {unit.today_file} --weight {_WEIGHTS}")
     after = _searched(unit, added.actuator)
@@ -198,7 +219,14 @@ def _write(path: Path, command: str, unit: _Unit, result: dict[str, Any], drawn:
 
 
 def _write_found(path: Path, unit: _Unit, found: Found, model: str) -> None:
-    _write(path, "identify", unit, found.result(), curves(unit.today, {"before": simulated(found.healthy, unit.today), "after": simulated(found.actuator, unit.today)}), f"{unit.today.file}, {model}")
+    _write(
+        path,
+        "identify",
+        unit,
+        found.result(),
+        curves(unit.today, {"before": simulated(found.healthy, unit.today), "after": simulated(found.actuator, unit.today)}),
+        f"{unit.today.file}, {model}",
+    )
 
 
 def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]) -> None:
@@ -232,7 +260,9 @@ def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Prog
         "noise": shipped.noise,
         **found.result(),
         "curves": curves(record, {"before": simulated(found.healthy, record), "after": simulated(found.actuator, record)}),
-        "provenance": provenance(COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"),
+        "provenance": provenance(
+            COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
+        ),
     }
 
 
@@ -266,7 +296,19 @@ def _row(result: Identified, place: int) -> list[str]:
     case, paper = result.case, result.paper
     assert case is not None and result.wall_s is not None
     true, found = case.shift_percent(name), result.faults[name].shift_percent
-    cells = [result.label if place == 0 else "", label, shift(true), shift(found), signed(found - true), signed(paper.paper_shift_percent(name) - true) if paper else "-"]
+    cells = [
+        result.label if place == 0 else "",
+        label,
+        shift(true),
+        shift(found),
+        signed(found - true),
+        signed(paper.paper_shift_percent(name) - true) if paper else "-",
+    ]
     if place == 0:
-        cells += [str(result.evaluations), str(paper.paper_iterations) if paper else "-", f"{result.wall_s:.2f} s", f"{paper.paper_wall_s:.0f} s" if paper else "-"]
+        cells += [
+            str(result.evaluations),
+            str(paper.paper_iterations) if paper else "-",
+            f"{result.wall_s:.2f} s",
+            f"{paper.paper_wall_s:.0f} s" if paper else "-",
+        ]
     return cells

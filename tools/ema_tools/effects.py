@@ -45,7 +45,15 @@ def describe(effect: Effect) -> dict[str, Any]:
         "signature": signature_of(effect.name),
         "look_alikes": list(effect.look_alikes),
         "parameters": [
-            {"field": row.field, "unit": row.unit, "zero": row.nominal if row is effect.size else None, "nominal": row.nominal, "lower": row.lower, "upper": row.upper, "text": row.text}
+            {
+                "field": row.field,
+                "unit": row.unit,
+                "zero": row.nominal if row is effect.size else None,
+                "nominal": row.nominal,
+                "lower": row.lower,
+                "upper": row.upper,
+                "text": row.text,
+            }
             for row in effect.parameters
         ],
     }
@@ -64,7 +72,9 @@ def print_one(console: Console, effect: Effect) -> None:
     console.print(f"[bold]{effect.name}[/bold]: {effect.equation}", highlight=False)
     console.print(f"acts on: {SITES.get(effect.site, effect.site.lower())}")
     if effect.is_learned:
-        console.print("learned: no physical effect but a table; it says what was seen from first to last, and the edge value is held outside")
+        console.print(
+            "learned: no physical effect but a table; it says what was seen from first to last, and the edge value is held outside"
+        )
     console.print(f"signature: {signature_of(effect.name)}", highlight=False)
     console.print(f"source: {effect.source}")
     console.print(f"look-alikes: {', '.join(effect.look_alikes) or 'none known'}")

@@ -135,9 +135,13 @@ def signatures_text(table: Signatures) -> str:
     # a bin: the command, the reference of each signal, then the signals of each row
     values = np.concatenate([command.T, reference.T, np.moveaxis(rows, 2, 0).reshape(table.bins, -1)], axis=1).astype(np.int64)
     patterns = [
-        f"{{{place[one.effect]}, {one.first}, {one.rows}, {str(one.one_sided).lower()}, {_reals(one.turn)}, {literal(one.penalty)}}}, /* {one.effect} */" for one in table.patterns
+        f"{{{place[one.effect]}, {one.first}, {one.rows}, {str(one.one_sided).lower()}, {_reals(one.turn)}, {literal(one.penalty)}}}, /* {one.effect} */"
+        for one in table.patterns
     ]
-    faults = [f"        {{{known.ids[one.name]}, {one.row}, {literal(one.healthy)}, {literal(one.turn)}, {literal(one.length)}}}, /* {one.name} */" for one in table.faults]
+    faults = [
+        f"        {{{known.ids[one.name]}, {one.row}, {literal(one.healthy)}, {literal(one.turn)}, {literal(one.length)}}}, /* {one.name} */"
+        for one in table.faults
+    ]
     title = table.actuator.name.replace("*/", "* /")
     lines = [
         f"/* {title}: signatures of {len({one.effect for one in table.patterns})} effects in {', '.join(table.signals)} under the ground test, {2 * table.numbers} bytes.",

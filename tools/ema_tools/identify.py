@@ -64,7 +64,9 @@ class Identified:
             return False
         if self.guarded.unusable and self.answer.verdict == "undecided":
             return True
-        return not self.answer.adequate or (self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified))
+        return not self.answer.adequate or (
+            self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified)
+        )
 
     def _moved(self, estimate: Estimate) -> bool:
         beside = self.guarded.faults.get(estimate.name) if self.guarded is not None else None
@@ -99,7 +101,13 @@ class Identified:
         """For JSON: the keys that programs read, and more."""
         answer = self.answer
         found: dict[str, Any] = {
-            key: {"estimate": None, "std": None, "shift_percent": None, "healthy": 0.0, "reason": "the healthy value is zero, and a shift is counted in % of it"}
+            key: {
+                "estimate": None,
+                "std": None,
+                "shift_percent": None,
+                "healthy": 0.0,
+                "reason": "the healthy value is zero, and a shift is counted in % of it",
+            }
             for name, key in KEYS.items()
             if name not in identified_of(self.healthy)
         }
@@ -120,7 +128,9 @@ class Identified:
             "adequate": self.adequate,
             "reasons": list(self.reasons),
             "missing_effect": self.guarded.result() if self.objects and self.guarded is not None else None,
-            "guard": None if self.guarded is None else {"verdict": self.guarded.verdict, "skipped": self.guarded.skipped or None, "wall_s": self.guarded.wall_s},
+            "guard": None
+            if self.guarded is None
+            else {"verdict": self.guarded.verdict, "skipped": self.guarded.skipped or None, "wall_s": self.guarded.wall_s},
             "sentence": self.sentence(),
             "residual_rms_mm": answer.residual_rms_mm,
             "residual_correlation": answer.residual_correlation,
@@ -131,7 +141,9 @@ class Identified:
             "wall_s": self.wall_s,
             "seed": self.seed,
             "precision": self.precision,
-            "baseline": None if self.baseline is None else {"values": self.baseline.values, "std": self.baseline.std, "records": self.baseline.records},
+            "baseline": None
+            if self.baseline is None
+            else {"values": self.baseline.values, "std": self.baseline.std, "records": self.baseline.records},
             "search": {"cost_mm2s": list(self.costs)},
             "seeds": [
                 {
@@ -204,7 +216,9 @@ def check_bounds(actuator: Actuator) -> None:
         if not actuator[lower] < actuator[upper]:
             raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
         if not actuator[lower] <= actuator[name] <= actuator[upper]:
-            raise InputError(f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them")
+            raise InputError(
+                f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them"
+            )
 
 
 def check_record(actuator: Actuator, record: Record, search: Search) -> None:
@@ -213,7 +227,9 @@ def check_record(actuator: Actuator, record: Record, search: Search) -> None:
         if weight > 0.0 and record.channel(name) is None:
             raise InputError(f"{record.file}: {name}: weighted but not recorded: recorded are {', '.join(record.present)}")
     if not identified_of(actuator):
-        raise InputError(f"{actuator.file}: screw.csj_Nm = 0: the healthy value is zero, and a shift is counted in % of it: give one, or calibrate")
+        raise InputError(
+            f"{actuator.file}: screw.csj_Nm = 0: the healthy value is zero, and a shift is counted in % of it: give one, or calibrate"
+        )
     check_bounds(actuator)
 
 
@@ -222,7 +238,9 @@ def run(actuator: Actuator, record: Record, search: Search, bits: int, progress:
     names = identified_of(actuator)
     if search.identified is None and len(names) < len(KEYS):
         lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
-        search = replace(search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names))
+        search = replace(
+            search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names)
+        )
     values, options = actuator.arrays()
     return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
 
@@ -236,10 +254,14 @@ def baseline_of(actuator: Actuator, records: Sequence[Record], search: Search, b
     for record, answer in zip(records, answers, strict=True):
         unfit = [reason for reason in answer.reasons if reason in _NO_BASELINE]
         if unfit:
-            raise InputError(f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy")
+            raise InputError(
+                f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy"
+            )
         for estimate in answer.identified:
             if estimate.at_bound:
-                raise InputError(f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first")
+                raise InputError(
+                    f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first"
+                )
     values, std = {}, {}
     count = len(answers)
     for place, estimate in enumerate(answers[0].identified):
@@ -285,7 +307,12 @@ def identify(
     answer = run(known, record, settings, bits, seen)
     wall_s = time.perf_counter() - begun
     others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
-    found = known.changed({estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper) for estimate in answer.identified})
+    found = known.changed(
+        {
+            estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper)
+            for estimate in answer.identified
+        }
+    )
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
     wanted = guarding and bool(estimates) and needs_guard(answer)
     guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None

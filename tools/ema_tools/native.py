@@ -184,7 +184,9 @@ def _library_path(bits: int) -> Path:
     file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
     path = library_folder() / file
     if not path.is_file():
-        raise LibraryError(f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries")
+        raise LibraryError(
+            f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
+        )
     return path
 
 
@@ -250,7 +252,9 @@ class Library:
     def _check_lists(self) -> None:
         known = load_definitions()
         if self._lib.ema_desk_real_bits() != self.bits:
-            raise LibraryError(f"{self.path.name}: calculates with {self._lib.ema_desk_real_bits()} bits, {self.bits} expected: build the project again")
+            raise LibraryError(
+                f"{self.path.name}: calculates with {self._lib.ema_desk_real_bits()} bits, {self.bits} expected: build the project again"
+            )
         values = [*(row.name for row in known.reals), *("effects." + row.name for row in known.effect_values)]
         options = [row.name for row in known.options]
         for count, read, names in (
@@ -281,7 +285,9 @@ class Library:
 
     def check(self, values: Reals, options: Integers) -> None:
         """Raises InputError that names the value which this build of the module refuses."""
-        self._raise_on(self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), None), "actuator", values, options)
+        self._raise_on(
+            self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), None), "actuator", values, options
+        )
 
     def simulate(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0) -> Simulation:
         """Simulate one recorded row per entry of `command_mm` [rows], held over its model steps, from rest at `start_mm`.
@@ -473,7 +479,9 @@ class Library:
         """The checks of `read_csv` on a table that came from elsewhere, rows counted from 1; the period in s. Raises InputError."""
         message = ctypes.create_string_buffer(_MESSAGE_BYTES)
         period_s = c_double(0.0)
-        status = self._lib.ema_csv_table_check(name.encode(), _doubles(table), len(table), mask, ctypes.byref(period_s), message, _MESSAGE_BYTES)
+        status = self._lib.ema_csv_table_check(
+            name.encode(), _doubles(table), len(table), mask, ctypes.byref(period_s), message, _MESSAGE_BYTES
+        )
         if status != 0:
             raise InputError(message.value.decode(errors="replace"))
         return period_s.value
@@ -481,7 +489,10 @@ class Library:
     def check_fit(self, name: str, table: Reals, travel_mm: float, record_period_s: float) -> None:
         """Raises InputError when a recording cannot be of an actuator with this travel and record period: wrong unit, wrong rate."""
         message = ctypes.create_string_buffer(_MESSAGE_BYTES)
-        if self._lib.ema_csv_table_fit(name.encode(), _doubles(table), len(table), travel_mm, record_period_s, message, _MESSAGE_BYTES) != 0:
+        if (
+            self._lib.ema_csv_table_fit(name.encode(), _doubles(table), len(table), travel_mm, record_period_s, message, _MESSAGE_BYTES)
+            != 0
+        ):
             raise InputError(message.value.decode(errors="replace"))
 
     def random_bits(self, seed: int, stream: int, count: int) -> NDArray[np.uint32]:

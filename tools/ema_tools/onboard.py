@@ -249,18 +249,25 @@ def _wanted(bench: _Bench, effect: Effect) -> list[_Wanted]:
     size = effect.size
     if effect.name == "current_limit":
         peak_A = float(np.max(np.abs(simulate_channels(bench.actuator, bench.record, ("current_A",), bench.start_mm))))
-        return [_Wanted(effect.name, size.name, 0.0, share * peak_A, share * peak_A, ({},), True, {}, fixed=True) for share in _LIMIT_SHARES]
+        return [
+            _Wanted(effect.name, size.name, 0.0, share * peak_A, share * peak_A, ({},), True, {}, fixed=True) for share in _LIMIT_SHARES
+        ]
     zero = bench.actuator[size.name]
     span = size.upper - zero
     phased = any(value.field == "phase_rad" for value in effect.parameters)
     found = []
     for shape in _shapes(effect.name, float(np.max(np.abs(bench.record.command_mm)))):
         if effect.name in _SIZES:
-            found += [_Wanted(effect.name, size.name, 0.0, value, value, (shape,), True, shape, fixed=True) for value in _SIZES[effect.name]]
+            found += [
+                _Wanted(effect.name, size.name, 0.0, value, value, (shape,), True, shape, fixed=True) for value in _SIZES[effect.name]
+            ]
             continue
         rows = tuple({**shape, f"{effect.name}.phase_rad": phase} for phase in (0.0, np.pi / 2.0)) if phased else (shape,)
         one_sided = size.lower >= size.nominal and not phased and zero == size.nominal
-        found += [_Wanted(effect.name, size.name, zero, _SHARE_FIRST * span, _SHARE_MAX * span, rows, one_sided, shape, apart) for apart in _APARTS.get(effect.name, (_APART,))]
+        found += [
+            _Wanted(effect.name, size.name, zero, _SHARE_FIRST * span, _SHARE_MAX * span, rows, one_sided, shape, apart)
+            for apart in _APARTS.get(effect.name, (_APART,))
+        ]
     return found
 
 
@@ -307,7 +314,17 @@ def _patterns(bench: _Bench, space: _Space, first: int) -> tuple[list[Pattern], 
         back = np.eye(2)
         back[: len(present), : len(present)] = np.linalg.inv(turn)
         sizes = [change for change, _ in present] * 2
-        patterns.append(Pattern(one.effect, first + len(rows), len(present), (sizes[0] * back[0, 0], sizes[0] * back[0, 1], sizes[1] * back[1, 1]), one.one_sided, 0.0, one.shape))
+        patterns.append(
+            Pattern(
+                one.effect,
+                first + len(rows),
+                len(present),
+                (sizes[0] * back[0, 0], sizes[0] * back[0, 1], sizes[1] * back[1, 1]),
+                one.one_sided,
+                0.0,
+                one.shape,
+            )
+        )
         rows += list(space.short(unit.T))
     tried = {one.effect: sum(other.rows for other in patterns if other.effect == one.effect) for one in patterns}
     return [replace(one, penalty=2.0 * float(np.log(tried[one.effect]))) for one in patterns], rows
@@ -322,7 +339,9 @@ def _noise(bench: _Bench, runs: Reals) -> tuple[Reals, Reals]:
     least = _LEAST_NOISE_PART * least_noise(mean)
     level = np.maximum(np.sqrt(np.mean(deviations**2, axis=(0, 2))), least)
     directions = np.array(each(bench.of_spread, usual))
-    shares = np.linalg.lstsq((directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None)[0]
+    shares = np.linalg.lstsq(
+        (directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
+    )[0]
     widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
     noise = np.sqrt(np.mean(left**2, axis=(0, 2)) * count / (count - 1.0) + least**2)
@@ -332,7 +351,9 @@ def _noise(bench: _Bench, runs: Reals) -> tuple[Reals, Reals]:
 
 def _check_runs(healthy: Sequence[Record], signals: Sequence[str]) -> None:
     if len(healthy) < 2:
-        raise InputError(f"--signatures: {len(healthy)} healthy record tells nothing of what scatters: give two or more of the ground test with --healthy")
+        raise InputError(
+            f"--signatures: {len(healthy)} healthy record tells nothing of what scatters: give two or more of the ground test with --healthy"
+        )
     for name in signals:
         if name not in CHANNELS:
             raise InputError(f"--signals {name}: unknown signal{nearest(name, CHANNELS)}: use {', '.join(CHANNELS)}")
@@ -362,7 +383,9 @@ def signatures(actuator: Actuator, healthy: Sequence[Record], signals: Sequence[
     bin_rows = max(1, round(1.0 / (rate_hz * record.period_s)))
     table = _table(_Bench(actuator, record, names, bin_rows), healthy)
     if len(table.rows) > ROWS_MAX:
-        raise InputError(f"--signatures: {len(table.rows)} rows where the module holds {ROWS_MAX}: raise EMA_SIGNATURE_ROWS_MAX, or leave effects out of own_effects.def")
+        raise InputError(
+            f"--signatures: {len(table.rows)} rows where the module holds {ROWS_MAX}: raise EMA_SIGNATURE_ROWS_MAX, or leave effects out of own_effects.def"
+        )
     if 2 * table.numbers > TABLE_BYTES_MAX:
         fitting = -(-2 * table.numbers * bin_rows // TABLE_BYTES_MAX)
         table = _table(_Bench(actuator, record, names, fitting), healthy)
@@ -375,7 +398,9 @@ def _table(bench: _Bench, healthy: Sequence[Record]) -> Signatures:
     count = len(runs)
     noise, widths = _noise(bench, runs)
     bench.weight = 1.0 / noise
-    soft = np.column_stack([bench.weighted(bench.of_spread(one) * width) for one, width in zip(spreads.from_run_to_run(), widths, strict=True)])
+    soft = np.column_stack(
+        [bench.weighted(bench.of_spread(one) * width) for one, width in zip(spreads.from_run_to_run(), widths, strict=True)]
+    )
     steps = {key: _FAULT_STEP[key] * actuator[name] for key, name in FAULTS.items() if actuator[name] > 0.0}
     vectors = {key: bench.vector({FAULTS[key]: actuator[FAULTS[key]] + step}) for key, step in steps.items()}
     space = _Space.of(soft, list(vectors.values()))
@@ -388,7 +413,9 @@ def _table(bench: _Bench, healthy: Sequence[Record]) -> Signatures:
         own = _Space.of(soft, [other for name, other in vectors.items() if name != key])
         tall = own(vector)
         length = float(np.linalg.norm(tall))
-        faults.append(Fault(key, FAULTS[key], len(rows), actuator[FAULTS[key]], steps[key] / length, float(np.linalg.norm(vector)) / steps[key]))
+        faults.append(
+            Fault(key, FAULTS[key], len(rows), actuator[FAULTS[key]], steps[key] / length, float(np.linalg.norm(vector)) / steps[key])
+        )
         rows.append(own.short(tall) / length)
     shape = bench.here.shape
     reach_mm = float(np.max(np.abs(record.command_mm)))
@@ -421,7 +448,13 @@ def judge(table: Signatures, residual: Reals, known: Actuator | None = None) -> 
     shifted = [((known or table.actuator)[one.name] - one.healthy) * one.length for one in table.faults]
     wider = TRUST**2 * float(np.sum(np.square(shifted)))
     limit, excess, score = table.limit + wider, energy - table.energy - wider, scored[0].score
-    kind = "adequate" if score <= limit and excess <= limit else "missing" if score > limit and excess - score <= LEFT_SHARE * excess else "unknown"
+    kind = (
+        "adequate"
+        if score <= limit and excess <= limit
+        else "missing"
+        if score > limit and excess - score <= LEFT_SHARE * excess
+        else "unknown"
+    )
     return Judged(kind, scored, energy, limit, {one.key: one.turn * float(products[one.row]) for one in table.faults})
 
 

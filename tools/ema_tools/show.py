@@ -45,14 +45,24 @@ def comparison(console: Console, found: Comparison, actuator: str, record: str) 
             shown.add_row(name, "", "-", "-", "-", "-", balance.reason)
         else:
             rest = f"at rest {balance.resting_percent:.0f} % of the time" if balance.resting_percent >= 0.5 else ""
-            shown.add_row(name, balance.unit, number(balance.rms), f"{number(balance.relative_percent)} %", number(balance.noise_rms, 2), number(balance.method_rms, 2), rest)
+            shown.add_row(
+                name,
+                balance.unit,
+                number(balance.rms),
+                f"{number(balance.relative_percent)} %",
+                number(balance.noise_rms, 2),
+                number(balance.method_rms, 2),
+                rest,
+            )
     console.print(shown)
     telling = sorted((place for place in found.where if place.surprise > 0.0), key=lambda place: -place.surprise)[:_PLACES]
     if telling:
         console.print()
         shown = table("Where more of the squared residual lies than of the time", "residual", "part", "share", "time", text_columns=2)
         for place in telling:
-            shown.add_row(place.source, f"{place.by} {place.part}", f"{100.0 * place.share:.0f} %", f"{100.0 * (place.time_share or 0.0):.0f} %")
+            shown.add_row(
+                place.source, f"{place.by} {place.part}", f"{100.0 * place.share:.0f} %", f"{100.0 * (place.time_share or 0.0):.0f} %"
+            )
         console.print(shown)
 
 
@@ -94,10 +104,15 @@ def identification(console: Console, found: Identified) -> None:
         unit = row_of(estimate.name).unit
         title = FAULTS.get(estimate.name, estimate.name) + (" (at its bound)" if estimate.at_bound else "")
         healthy = found.healthy[estimate.name]
-        rows.add_row(title, unit, number(healthy, 5), number(estimate.estimate, 5), number(estimate.std, 2), f"{estimate.shift_percent:+.3f} %")
+        rows.add_row(
+            title, unit, number(healthy, 5), number(estimate.estimate, 5), number(estimate.std, 2), f"{estimate.shift_percent:+.3f} %"
+        )
     console.print(rows)
     answer = found.answer
-    say(console, f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(answer.residual_rms_mm, 3)} mm rms")
+    say(
+        console,
+        f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(answer.residual_rms_mm, 3)} mm rms",
+    )
     for reason in found.reasons:
         say(console, f"  because {reason}")
     say(
@@ -105,13 +120,19 @@ def identification(console: Console, found: Identified) -> None:
         f"{answer.evaluations} model runs, {answer.model_steps} steps, {found.wall_s:.2f} s, {found.precision} bit, seed {found.seed}, ended by {answer.outcome}",
     )
     if found.baseline is not None:
-        text = ", ".join(f"{FAULTS.get(name, name)} {number(value, 5)} +- {number(found.baseline.std[name], 2)}" for name, value in found.baseline.values.items())
+        text = ", ".join(
+            f"{FAULTS.get(name, name)} {number(value, 5)} +- {number(found.baseline.std[name], 2)}"
+            for name, value in found.baseline.values.items()
+        )
         say(console, f"healthy values from {found.baseline.records} healthy record{'s' if found.baseline.records > 1 else ''}: {text}")
     if found.seeds:
         for place, estimate in enumerate(answer.identified):
             values = [estimate.estimate, *(other.identified[place].estimate for other in found.seeds)]
             spread = 100.0 * (max(values) - min(values)) / abs(found.healthy[estimate.name])
-            say(console, f"{FAULTS.get(estimate.name, estimate.name)} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
+            say(
+                console,
+                f"{FAULTS.get(estimate.name, estimate.name)} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest",
+            )
 
 
 def diagnosis(console: Console, found: Answer) -> None:
@@ -143,7 +164,9 @@ def _candidates(console: Console, found: Diagnosis) -> None:
     for one in telling:
         size = next(iter(one.values), None)
         shown_size = size_text(size, one.values[size], one.std.get(size)) if size is not None else ""
-        rows.add_row(one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(one.limit, 3), "accepted" if one.accepted else "")
+        rows.add_row(
+            one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(one.limit, 3), "accepted" if one.accepted else ""
+        )
     console.print(rows)
 
 
@@ -155,11 +178,25 @@ def laps(console: Console, found: LapsAnswer) -> None:
     say(console, found.where.sentence)
     console.print()
     forces = found.forces
-    rows = table("Force error, in % of the drive's force", "step", "looks like", "size in the last fit", "laps fitted", "laps held out", text_columns=3)
+    rows = table(
+        "Force error, in % of the drive's force",
+        "step",
+        "looks like",
+        "size in the last fit",
+        "laps fitted",
+        "laps held out",
+        text_columns=3,
+    )
     rows.add_row("as given", "", "", number(forces.given.training, 3), number(forces.given.holdout, 3))
     rows.add_row("base values refitted", "", "", number(forces.refitted.training, 3), number(forces.refitted.holdout, 3))
     for step in forces.steps:
-        rows.add_row(f"+ {step.effect}", ", ".join(step.alike), size_of(step, forces.steps[-1]), number(step.errors.training, 3), number(step.errors.holdout, 3))
+        rows.add_row(
+            f"+ {step.effect}",
+            ", ".join(step.alike),
+            size_of(step, forces.steps[-1]),
+            number(step.errors.training, 3),
+            number(step.errors.holdout, 3),
+        )
     rows.add_row("floor: lap to lap", "", "", number(forces.floor_percent, 3), "")
     console.print(rows)
     refused = table("Refused", "effect", "why", text_columns=2)
@@ -188,7 +225,13 @@ def added(console: Console, found: Added) -> None:
     console.print()
     rows = table("Fitted", "value", "unit", "after", "std error", "", text_columns=2)
     for name, value in found.fit.values.items():
-        rows.add_row(shown(row_of(name)), row_of(name).unit, number(value, 5), number(found.fit.std.get(name), 2), "at its bound" if name in found.fit.at_bound else "")
+        rows.add_row(
+            shown(row_of(name)),
+            row_of(name).unit,
+            number(value, 5),
+            number(found.fit.std.get(name), 2),
+            "at its bound" if name in found.fit.at_bound else "",
+        )
     console.print(rows)
     console.print()
     steps(console, found.steps, found.errors.floor)

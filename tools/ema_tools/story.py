@@ -43,5 +43,8 @@ def healthy_name(run: int) -> str:
 
 def today() -> dict[str, float]:
     """Values by name of the machine as it is today, without the scatter of the day."""
-    worn = {"screw.csj_Nm": UNIT["screw.csj_Nm"] * (1.0 + 0.01 * CSJ_SHIFT_PERCENT), "screw.blk_mm": UNIT["screw.blk_mm"] * (1.0 + 0.01 * BLK_SHIFT_PERCENT)}
+    worn = {
+        "screw.csj_Nm": UNIT["screw.csj_Nm"] * (1.0 + 0.01 * CSJ_SHIFT_PERCENT),
+        "screw.blk_mm": UNIT["screw.blk_mm"] * (1.0 + 0.01 * BLK_SHIFT_PERCENT),
+    }
     return {**UNIT, **worn, **EFFECT_VALUES}

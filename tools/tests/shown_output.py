@@ -27,7 +27,9 @@ def _alike(shown: str, real: str) -> bool:
     if _NUMBER.sub("#", shown) != _NUMBER.sub("#", real):
         return False
     pairs = zip(map(_value, _NUMBER.findall(shown)), map(_value, _NUMBER.findall(real)), strict=True)
-    return all(abs(one - other) <= max(_LEAST if abs(other) > 10.0 * _LEAST or one == 0.0 else 0.0, _SHARE * abs(other)) for one, other in pairs)
+    return all(
+        abs(one - other) <= max(_LEAST if abs(other) > 10.0 * _LEAST or one == 0.0 else 0.0, _SHARE * abs(other)) for one, other in pairs
+    )
 
 
 def _words(text: str) -> list[str]:

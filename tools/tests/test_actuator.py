@@ -29,7 +29,9 @@ def value_of(row: Parameter | EffectParameter) -> st.SearchStrategy[float]:
     return st.floats(row.lower, row.upper, allow_nan=False)
 
 
-changes = st.dictionaries(st.sampled_from(ROWS), st.none(), max_size=12).flatmap(lambda rows: st.fixed_dictionaries({row.name: value_of(row) for row in rows}))
+changes = st.dictionaries(st.sampled_from(ROWS), st.none(), max_size=12).flatmap(
+    lambda rows: st.fixed_dictionaries({row.name: value_of(row) for row in rows})
+)
 
 
 def read_text(text: str, folder: Path) -> Actuator:
@@ -99,32 +101,84 @@ def edited(old: str, new: str) -> str:
 
 
 BAD = [
-    ("unknown key", lambda: edited("inductance_H =", "inductanse_H ="), "a.toml: motor.inductanse_H: unknown key (did you mean inductance_H?)"),
+    (
+        "unknown key",
+        lambda: edited("inductance_H =", "inductanse_H ="),
+        "a.toml: motor.inductanse_H: unknown key (did you mean inductance_H?)",
+    ),
     ("unknown table", lambda: edited("[gearbox]", "[gear]"), "a.toml: [gear]: unknown table (did you mean gearbox?)"),
-    ("text for a number", lambda: edited("supply_V = 24.0", 'supply_V = "24 V"'), 'a.toml: drive.supply_V = "24 V": not a number: give one in 0.1 .. 2000 V, without quotes'),
-    ("a number as a text", lambda: edited("supply_V = 24.0", "supply_V = '24.0'"), 'a.toml: drive.supply_V = "24.0": not a number: give one in 0.1 .. 2000 V, without quotes'),
-    ("a text for a whole number", lambda: edited("every_steps = 1 ", 'every_steps = "1" '), 'a.toml: control.every_steps = "1": not a number: '),
-    ("a number as a text in an effect", lambda: edited("[control]", '[effects.stribeck_friction]\nrise = "0.1"\n[control]'), 'a.toml: effects.stribeck_friction.rise = "0.1": not a number: '),
-    ("a number without end", lambda: edited("supply_V = 24.0", f"supply_V = 1{'0' * 400}"), "a.toml: drive.supply_V: a number of more digits than any value has"),
+    (
+        "text for a number",
+        lambda: edited("supply_V = 24.0", 'supply_V = "24 V"'),
+        'a.toml: drive.supply_V = "24 V": not a number: give one in 0.1 .. 2000 V, without quotes',
+    ),
+    (
+        "a number as a text",
+        lambda: edited("supply_V = 24.0", "supply_V = '24.0'"),
+        'a.toml: drive.supply_V = "24.0": not a number: give one in 0.1 .. 2000 V, without quotes',
+    ),
+    (
+        "a text for a whole number",
+        lambda: edited("every_steps = 1 ", 'every_steps = "1" '),
+        'a.toml: control.every_steps = "1": not a number: ',
+    ),
+    (
+        "a number as a text in an effect",
+        lambda: edited("[control]", '[effects.stribeck_friction]\nrise = "0.1"\n[control]'),
+        'a.toml: effects.stribeck_friction.rise = "0.1": not a number: ',
+    ),
+    (
+        "a number without end",
+        lambda: edited("supply_V = 24.0", f"supply_V = 1{'0' * 400}"),
+        "a.toml: drive.supply_V: a number of more digits than any value has",
+    ),
     ("yes for a number", lambda: edited("supply_V = 24.0", "supply_V = true"), "a.toml: drive.supply_V = True: not a number"),
     ("out of range", lambda: edited("csj_Nm = 0.138", "csj_Nm = 138.0"), "a.toml: screw.csj_Nm = 138.0: outside 0 .. 100 Nm"),
     ("not a number", lambda: edited("csj_Nm = 0.138", "csj_Nm = nan"), "a.toml: screw.csj_Nm = nan: outside 0 .. 100 Nm"),
-    ("unknown choice", lambda: edited('side = "motor"', 'side = "rot"'), "a.toml: encoder.side = rot: not a choice (did you mean rod?): use one of motor, rod"),
+    (
+        "unknown choice",
+        lambda: edited('side = "motor"', 'side = "rot"'),
+        "a.toml: encoder.side = rot: not a choice (did you mean rod?): use one of motor, rod",
+    ),
     ("half of a count", lambda: edited("every_steps = 1 ", "every_steps = 1.5 "), "a.toml: control.every_steps = 1.5: not a whole number"),
-    ("unknown effect", lambda: edited("[control]", "[effects.stribek_friction]\nrise = 0.1\n[control]"), "a.toml: effects.stribek_friction: unknown effect (did you mean stribeck_friction?)"),
-    ("unknown parameter of an effect", lambda: edited("[control]", "[effects.stribeck_friction]\nriser = 0.1\n[control]"), "a.toml: effects.stribeck_friction.riser: unknown key (did you mean rise?)"),
+    (
+        "unknown effect",
+        lambda: edited("[control]", "[effects.stribek_friction]\nrise = 0.1\n[control]"),
+        "a.toml: effects.stribek_friction: unknown effect (did you mean stribeck_friction?)",
+    ),
+    (
+        "unknown parameter of an effect",
+        lambda: edited("[control]", "[effects.stribeck_friction]\nriser = 0.1\n[control]"),
+        "a.toml: effects.stribeck_friction.riser: unknown key (did you mean rise?)",
+    ),
     (
         "a value of the machine missing",
         lambda: edited("inductance_H = 0.0008", "# inductance_H = 0.0008"),
         "a.toml: motor.inductance_H is missing: add it, in the reference actuator it is inductance_H = 0.0008",
     ),
-    ("a whole table missing", lambda: edited("[gearbox]", "[actuator.gearbox]").split("[actuator.gearbox]")[0], "a.toml: gearbox.ratio is missing (and"),
+    (
+        "a whole table missing",
+        lambda: edited("[gearbox]", "[actuator.gearbox]").split("[actuator.gearbox]")[0],
+        "a.toml: gearbox.ratio is missing (and",
+    ),
     ("a table that is a number", lambda: "motor = 3\n", "a.toml: motor: not a table"),
     ("an effect that is a number", lambda: "effects = 3\n", "a.toml: effects: not a table"),
-    ("unknown key about the actuator", lambda: edited("[actuator]", "[actuator]\nnmae = 'x'"), "a.toml: actuator.nmae: unknown key (did you mean name?)"),
-    ("a number for a name", lambda: edited('name = "reference actuator"', "name = 3"), "a.toml: actuator.name = 3: not a text: put it in quotes"),
+    (
+        "unknown key about the actuator",
+        lambda: edited("[actuator]", "[actuator]\nnmae = 'x'"),
+        "a.toml: actuator.nmae: unknown key (did you mean name?)",
+    ),
+    (
+        "a number for a name",
+        lambda: edited('name = "reference actuator"', "name = 3"),
+        "a.toml: actuator.name = 3: not a text: put it in quotes",
+    ),
     ("broken TOML", lambda: edited("[motor]", "[motor"), "a.toml: not TOML: "),
-    ("the same key twice", lambda: edited("[motor]\n", "[motor]\ninductance_H = 1e-3\n"), "a.toml: not TOML: key \"inductance_H\" already exists at line "),
+    (
+        "the same key twice",
+        lambda: edited("[motor]\n", "[motor]\ninductance_H = 1e-3\n"),
+        'a.toml: not TOML: key "inductance_H" already exists at line ',
+    ),
 ]
 
 
@@ -162,5 +216,7 @@ def test_existing_file_is_not_overwritten(tmp_path: Path) -> None:
 def test_names_of_effects_with_and_without_their_table() -> None:
     assert row_of("effects.stribeck_friction.rise") is row_of("stribeck_friction.rise")
     assert shown(row_of("stribeck_friction.rise")) == "effects.stribeck_friction.rise"
-    with pytest.raises(InputError, match=r"effects.stribeck_friction.rice: unknown value \(did you mean effects.stribeck_friction.rise\?\)"):
+    with pytest.raises(
+        InputError, match=r"effects.stribeck_friction.rice: unknown value \(did you mean effects.stribeck_friction.rise\?\)"
+    ):
         row_of("effects.stribeck_friction.rice")

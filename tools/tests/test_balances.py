@@ -84,9 +84,27 @@ EFFECTS = [
     {"presliding.stretch_rad": 0.3},
     {"actuation_delay.delay_s": 0.0027},
     {"transmission_compliance.period_s": 0.03, "transmission_compliance.mass_kg": 500.0},
-    {"learned_torque.gain": 1.0, "learned_torque.axis": 3, "learned_torque.first": 0.0, "learned_torque.last": 6.0, "learned_torque.node_03": 0.1},
-    {"learned_friction.gain": 1.0, "learned_friction.axis": 1, "learned_friction.first": -2.0, "learned_friction.last": 2.0, "learned_friction.node_05": 0.1},
-    {"learned_reading.gain": 1.0, "learned_reading.axis": 1, "learned_reading.first": -2.0, "learned_reading.last": 2.0, "learned_reading.node_05": 0.1},
+    {
+        "learned_torque.gain": 1.0,
+        "learned_torque.axis": 3,
+        "learned_torque.first": 0.0,
+        "learned_torque.last": 6.0,
+        "learned_torque.node_03": 0.1,
+    },
+    {
+        "learned_friction.gain": 1.0,
+        "learned_friction.axis": 1,
+        "learned_friction.first": -2.0,
+        "learned_friction.last": 2.0,
+        "learned_friction.node_05": 0.1,
+    },
+    {
+        "learned_reading.gain": 1.0,
+        "learned_reading.axis": 1,
+        "learned_reading.first": -2.0,
+        "learned_reading.last": 2.0,
+        "learned_reading.node_05": 0.1,
+    },
     {"gearbox.efficiency": 0.8, "screw.load_torque_Nm": 0.05},
     {"encoder.resolution_mm": 0.01},
     {"control.every_steps": 2},
@@ -124,7 +142,13 @@ def test_missing_signals_are_named() -> None:
 
 
 def test_ideal_current_drive_tells_the_current_by_its_command() -> None:
-    changes = {"drive.mode": 1, "drive.current_scale_A": 10.0, "drive.command_scale_V": 10.0, "control.kp_per_m": 200.0, "control.kd_s_per_m": 5.0}
+    changes = {
+        "drive.mode": 1,
+        "drive.current_scale_A": 10.0,
+        "drive.command_scale_V": 10.0,
+        "control.kp_per_m": 200.0,
+        "control.kd_s_per_m": 5.0,
+    }
     actuator = reference_actuator().changed(changes)
     record = chirp_record(actuator)
     assert np.max(np.abs(record.voltage_V)) > 1.0
@@ -136,7 +160,13 @@ def test_ideal_current_drive_tells_the_current_by_its_command() -> None:
 
 @pytest.mark.parametrize("changes", [{"actuation_delay.delay_s": 0.0027}, {"drive.current_loop_s": 0.002}])
 def test_late_current_is_told_by_its_command(changes: dict[str, float]) -> None:
-    ideal = {"drive.mode": 1, "drive.current_scale_A": 10.0, "drive.command_scale_V": 10.0, "control.kp_per_m": 200.0, "control.kd_s_per_m": 5.0}
+    ideal = {
+        "drive.mode": 1,
+        "drive.current_scale_A": 10.0,
+        "drive.command_scale_V": 10.0,
+        "control.kp_per_m": 200.0,
+        "control.kd_s_per_m": 5.0,
+    }
     actuator = reference_actuator().changed(ideal | changes)
     record = chirp_record(actuator)
     bare = replace(record, current_A=None)

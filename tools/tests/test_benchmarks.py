@@ -78,8 +78,14 @@ def test_missed_limits_are_named() -> None:
     bounds = [np.full(2, 1e-3)] * len(CASES)
     assert document.missed(good, good, good, bounds) == []
     problems = document.missed([_trial("A", 0.02)], [_trial("B", 0.1)], [_trial("C", 1.3e-3)], bounds[:1])
-    assert [problem.split(":")[0] for problem in problems] == ["case A, own record"] * 2 + ["case B, truth plant's record", "case C, noise", "case C, noise"]
-    assert document.missed([replace(good[0], evaluations=np.array([401.0]))], good, good, bounds) == ["case A: 401 model runs, limit 400: look at the budget"]
+    assert [problem.split(":")[0] for problem in problems] == ["case A, own record"] * 2 + [
+        "case B, truth plant's record",
+        "case C, noise",
+        "case C, noise",
+    ]
+    assert document.missed([replace(good[0], evaluations=np.array([401.0]))], good, good, bounds) == [
+        "case A: 401 model runs, limit 400: look at the budget"
+    ]
 
 
 def test_command_writes_the_document(tmp_path: Path) -> None:

@@ -16,7 +16,14 @@ from ema_tools.errors import InputError
 from ema_tools.records import Record, read_record, write_record
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
-WRONG = {"screw.csj_Nm": 0.2, "screw.inertia_kgm2": 8e-5, "screw.viscous_Nm_s_per_rad": 2e-4, "motor.resistance_ohm": 1.2, "motor.inductance_H": 1e-3, "screw.blk_mm": 0.05}
+WRONG = {
+    "screw.csj_Nm": 0.2,
+    "screw.inertia_kgm2": 8e-5,
+    "screw.viscous_Nm_s_per_rad": 2e-4,
+    "motor.resistance_ohm": 1.2,
+    "motor.inductance_H": 1e-3,
+    "screw.blk_mm": 0.05,
+}
 NOISE = {"position_mm": 0.005, "motor_position_mm": 0.005, "current_A": 0.03}
 
 
@@ -33,7 +40,13 @@ def test_balances_alone_come_near() -> None:
     record = read_record(RECORDINGS / "healthy.csv", reference_actuator())
     found = calibrate(reference_actuator().changed(WRONG), [record], loop=False)
     assert {parameter.source for parameter in found.parameters} == {"balance"}
-    for name, accuracy in (("screw.csj_Nm", 0.01), ("screw.inertia_kgm2", 0.01), ("motor.resistance_ohm", 0.01), ("motor.back_emf_V_s_per_rad", 0.01), ("screw.blk_mm", 0.001)):
+    for name, accuracy in (
+        ("screw.csj_Nm", 0.01),
+        ("screw.inertia_kgm2", 0.01),
+        ("motor.resistance_ohm", 0.01),
+        ("motor.back_emf_V_s_per_rad", 0.01),
+        ("screw.blk_mm", 0.001),
+    ):
         assert found.actuator[name] == pytest.approx(reference_actuator()[name], rel=accuracy)
 
 
@@ -89,7 +102,9 @@ def test_value_that_the_record_does_not_determine_is_named() -> None:
 
 def test_command_keeps_the_comments_and_the_original(tmp_path: Path) -> None:
     original = tmp_path / "a.toml"
-    original.write_text("# my machine\n" + REFERENCE.read_text(encoding="utf-8").replace("csj_Nm = 0.138", "csj_Nm = 0.2"), encoding="utf-8")
+    original.write_text(
+        "# my machine\n" + REFERENCE.read_text(encoding="utf-8").replace("csj_Nm = 0.138", "csj_Nm = 0.2"), encoding="utf-8"
+    )
     before = original.read_text(encoding="utf-8")
     new = tmp_path / "new.toml"
     ran = run_ema("calibrate", original, RECORDINGS / "healthy.csv", "-o", new, "--json", tmp_path / "c.json")
@@ -108,9 +123,15 @@ def _bare(record: Record) -> Record:
 
 WRONG_RECORDS: dict[str, Callable[[Record], Record]] = {
     "position_mm: sign flipped": lambda record: replace(_bare(record), position_mm=-record.position_mm),
-    "position_mm: swapped with the command": lambda record: replace(_bare(record), command_mm=record.position_mm, position_mm=record.command_mm),
-    "position_mm: of another command": lambda record: replace(_bare(record), command_mm=make_command("triangle", reference_actuator()).samples_mm),
-    "position_mm: another command, every signal": lambda record: replace(record, command_mm=make_command("triangle", reference_actuator()).samples_mm),
+    "position_mm: swapped with the command": lambda record: replace(
+        _bare(record), command_mm=record.position_mm, position_mm=record.command_mm
+    ),
+    "position_mm: of another command": lambda record: replace(
+        _bare(record), command_mm=make_command("triangle", reference_actuator()).samples_mm
+    ),
+    "position_mm: another command, every signal": lambda record: replace(
+        record, command_mm=make_command("triangle", reference_actuator()).samples_mm
+    ),
     "position_mm: clipped": lambda record: replace(_bare(record), position_mm=np.clip(record.position_mm, -1.0, 1.0)),
     "position_mm: wrong scale": lambda record: replace(_bare(record), position_mm=1.2 * record.position_mm),
     "position_mm: stuck sensor": lambda record: replace(_bare(record), position_mm=np.zeros(record.rows)),
@@ -121,7 +142,18 @@ WRONG_RECORDS: dict[str, Callable[[Record], Record]] = {
 @pytest.mark.parametrize("what", WRONG_RECORDS)
 def test_record_that_the_model_cannot_follow_is_refused(tmp_path: Path, what: str) -> None:
     write_record(tmp_path / "wrong.csv", WRONG_RECORDS[what](read_record(RECORDINGS / "healthy.csv", reference_actuator())))
-    said = complaint(run_ema("calibrate", REFERENCE, RECORDINGS / "healthy.csv", tmp_path / "wrong.csv", "-o", tmp_path / "new.toml", "--fit", "screw.csj_Nm,screw.blk_mm"))
+    said = complaint(
+        run_ema(
+            "calibrate",
+            REFERENCE,
+            RECORDINGS / "healthy.csv",
+            tmp_path / "wrong.csv",
+            "-o",
+            tmp_path / "new.toml",
+            "--fit",
+            "screw.csj_Nm,screw.blk_mm",
+        )
+    )
     assert said.startswith(f"wrong.csv: {what.split(':')[0]}: the calibrated model misses it by ")
     assert said.endswith("then calibrate again")
     assert not (tmp_path / "new.toml").exists()

@@ -61,17 +61,41 @@ def test_wrong_usage_ends_with_two(arguments: tuple[object, ...]) -> None:
 BAD = [
     (("simulate", "none.toml", "--command", "chirp", "-o", "r.csv"), "none.toml: no such file or directory: check the path"),
     (("simulate", REFERENCE, "--command", "none.csv", "-o", "r.csv"), "command none.csv: neither a file nor a command"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj=1"), "screw.csj: unknown value (did you mean screw.csj_Nm?)"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj_Nm"), "--set screw.csj_Nm: no value: write --set section.field=value"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj_Nm=999"), "--set screw.csj_Nm = 999.0: outside 0 .. 100 Nm: give a value inside"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "drive.mode=torque"), "--set drive.mode = torque: not a choice: use one of voltage, current"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position=1"), "--noise position=1: unknown column (did you mean position_mm?)"),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj=1"),
+        "screw.csj: unknown value (did you mean screw.csj_Nm?)",
+    ),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj_Nm"),
+        "--set screw.csj_Nm: no value: write --set section.field=value",
+    ),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.csj_Nm=999"),
+        "--set screw.csj_Nm = 999.0: outside 0 .. 100 Nm: give a value inside",
+    ),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "drive.mode=torque"),
+        "--set drive.mode = torque: not a choice: use one of voltage, current",
+    ),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position=1"),
+        "--noise position=1: unknown column (did you mean position_mm?)",
+    ),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=x"), "--noise position_mm=x: not a number"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=-1"), "--noise position_mm=-1: not a standard deviation"),
-    (("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"), "simulate: the step is too long for a time constant"),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position_mm=-1"),
+        "--noise position_mm=-1: not a standard deviation",
+    ),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"),
+        "simulate: the step is too long for a time constant",
+    ),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "."), ".: is a folder: name a file"),
     (("compare", REFERENCE, "none.csv"), "none.csv: there is no such file; check the path"),
-    (("compare", RECORDINGS / "case_a.csv", RECORDINGS / "case_a.csv"), "case_a.csv: a recording where an actuator is wanted: give the actuator's TOML file first"),
+    (
+        ("compare", RECORDINGS / "case_a.csv", RECORDINGS / "case_a.csv"),
+        "case_a.csv: a recording where an actuator is wanted: give the actuator's TOML file first",
+    ),
     (("compare", REFERENCE, REFERENCE), "reference.toml: "),
     (("identify", REFERENCE, "none.mat"), "none.mat: no such file or directory: check the path"),
     (("calibrate", REFERENCE, RECORDINGS / "healthy.csv", "-o", "n.toml", "--fit", "csj"), "csj: unknown value"),
@@ -82,7 +106,9 @@ BAD = [
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD, ids=[" ".join(str(part) for part in case[0][-2:]) for case in BAD])
-def test_bad_input_ends_with_one_and_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[object, ...], message: str) -> None:
+def test_bad_input_ends_with_one_and_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[object, ...], message: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     said = complaint(run_ema(*arguments))
     assert message in said
@@ -132,7 +158,10 @@ def test_outputs_are_kept_apart_from_inputs_and_from_each_other(tmp_path: Path, 
         (("import", "emps", "record.csv", "-o", "."), "record.csv"),
     ):
         for force in ((), ("--force",)):
-            assert complaint(run_ema(*arguments, *force)) == f"{name}: is read by this command and would be overwritten: choose another name for the output"
+            assert (
+                complaint(run_ema(*arguments, *force))
+                == f"{name}: is read by this command and would be overwritten: choose another name for the output"
+            )
     for arguments in (
         ("simulate", "a.toml", "--command", "chirp", "-o", "new", "--json", "new"),
         ("calibrate", "a.toml", "r.csv", "-o", "new", "--json", "new"),
@@ -178,7 +207,18 @@ def test_effects_are_listed_and_explained(tmp_path: Path) -> None:
 
 
 def test_simulate_sets_effects_and_reports_them(tmp_path: Path) -> None:
-    ran = run_ema("simulate", REFERENCE, "--command", "step:duration_s=1", "-o", tmp_path / "s.csv", "--set", "effects.spring_load.stiffness_Nm_per_mm=0.1", "--precision", "32")
+    ran = run_ema(
+        "simulate",
+        REFERENCE,
+        "--command",
+        "step:duration_s=1",
+        "-o",
+        tmp_path / "s.csv",
+        "--set",
+        "effects.spring_load.stiffness_Nm_per_mm=0.1",
+        "--precision",
+        "32",
+    )
     assert ran.code == 0, ran.err
     text = (tmp_path / "s.csv").read_text(encoding="utf-8")
     assert "# Changed: effects.spring_load.stiffness_Nm_per_mm=0.1." in text
@@ -187,14 +227,29 @@ def test_simulate_sets_effects_and_reports_them(tmp_path: Path) -> None:
 
 
 def test_process_ends_with_the_code_and_without_a_traceback(tmp_path: Path) -> None:
-    ran = subprocess.run([sys.executable, "-m", "ema_tools", "compare", "none.toml", "none.csv"], capture_output=True, text=True, cwd=tmp_path, env=_environment(), check=False)
+    ran = subprocess.run(
+        [sys.executable, "-m", "ema_tools", "compare", "none.toml", "none.csv"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=_environment(),
+        check=False,
+    )
     assert ran.returncode == 1
     assert ran.stderr == "ema: none.toml: no such file or directory: check the path\n"
     assert ran.stdout == ""
 
 
 def test_output_may_be_cut_off(tmp_path: Path) -> None:
-    ran = subprocess.run(f'"{sys.executable}" -m ema_tools effects | head -1', shell=True, capture_output=True, text=True, cwd=tmp_path, env=_environment(), check=False)
+    ran = subprocess.run(
+        f'"{sys.executable}" -m ema_tools effects | head -1',
+        shell=True,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=_environment(),
+        check=False,
+    )
     assert "Traceback" not in ran.stderr
     assert ran.stdout.count("\n") == 1
 
@@ -205,7 +260,15 @@ def test_output_that_cannot_be_written_is_one_line(tmp_path: Path, arguments: tu
     """Standard output is a file that may not grow, as on a full disk."""
     code = "import resource, runpy, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY)); sys.argv[0] = 'ema'; runpy.run_module('ema_tools', run_name='__main__')"
     with (tmp_path / "out.txt").open("w", encoding="utf-8") as full:
-        ran = subprocess.run([sys.executable, "-B", "-c", code, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=_environment(), check=False)
+        ran = subprocess.run(
+            [sys.executable, "-B", "-c", code, *arguments],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=tmp_path,
+            env=_environment(),
+            check=False,
+        )
     assert ran.returncode == 1
     assert ran.stderr == "ema: standard output: file too large: make room or send it elsewhere\n"
 

@@ -67,10 +67,34 @@ def done(runs: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Pat
     folder = tmp_path_factory.mktemp("done")
     repeats = [part for k in range(3) for part in ("--healthy", runs[f"healthy_{k}"])]
     shared = (*repeats, "--holdout", runs["hot_other"])
-    ran = run_ema("diagnose", REFERENCE, runs["hot"], *shared, "--json", folder / "d.json", "--report", folder / "d.html", "--fitted", folder / "d.toml")
+    ran = run_ema(
+        "diagnose",
+        REFERENCE,
+        runs["hot"],
+        *shared,
+        "--json",
+        folder / "d.json",
+        "--report",
+        folder / "d.html",
+        "--fitted",
+        folder / "d.toml",
+    )
     assert ran.code == 0, ran.err
     assert ran.out.startswith("hot.csv: missing is winding_heating (rise_degC ")
-    ran = run_ema("add", REFERENCE, "winding_heating", "--fit", runs["hot"], *shared, "-o", folder / "a.toml", "--json", folder / "a.json", "--report", folder / "a.html")
+    ran = run_ema(
+        "add",
+        REFERENCE,
+        "winding_heating",
+        "--fit",
+        runs["hot"],
+        *shared,
+        "-o",
+        folder / "a.toml",
+        "--json",
+        folder / "a.json",
+        "--report",
+        folder / "a.html",
+    )
     assert ran.code == 0, ran.err
     return folder
 
@@ -201,7 +225,9 @@ def test_nothing_is_overwritten(runs: dict[str, Path], tmp_path: Path) -> None:
         assert complaint(run_ema(*arguments)) == f"{there}: exists already: choose another name or give --force"
         assert there.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "n.toml").exists()
-    assert complaint(run_ema("diagnose", REFERENCE, runs["hot"], "--report", runs["hot"], "--force")).startswith(f"{runs['hot']}: is read by this command")
+    assert complaint(run_ema("diagnose", REFERENCE, runs["hot"], "--report", runs["hot"], "--force")).startswith(
+        f"{runs['hot']}: is read by this command"
+    )
 
 
 def _made(folder: Path, runs: dict[str, Path]) -> dict[str, Path]:
@@ -236,18 +262,36 @@ REFUSED = {
     "too short": (("short",), "short.csv has 150 rows, 0.15 s, too few for any filter: record 0.2 s or more, best a chirp of ten"),
     "a command that rests": (("rest",), "rest.csv: command_mm: the command never changes; record a command that moves the rod"),
     "another rate": (("slow",), "slow.csv: time_s: a row every 0.002 s, and the actuator records one every 0.001 s"),
-    "a current in mA": (("milli",), "milli.csv: the current is 1e+03 times the model's, as if it were in a thousandth of the unit: give current_A in A"),
+    "a current in mA": (
+        ("milli",),
+        "milli.csv: the current is 1e+03 times the model's, as if it were in a thousandth of the unit: give current_A in A",
+    ),
     "a current of the wrong sign": (("sign",), "sign.csv: the current runs opposite to the model: change the sign of current_A"),
-    "a voltage that is constant": (("flat",), "flat.csv: voltage_V does not change while the command does: check that the voltage is connected"),
+    "a voltage that is constant": (
+        ("flat",),
+        "flat.csv: voltage_V does not change while the command does: check that the voltage is connected",
+    ),
     "a rod that rests": (("stuck",), "stuck.csv: the rod moves 0 mm, no more than its sensor's noise: check that the drive was on"),
     "healthy of another command": (
         ("hot", "--healthy", "healthy_0", "--healthy", "other"),
         "other.csv: command_mm: neither the command of hot.csv nor that of a record held out: give healthy records of the same command",
     ),
-    "one healthy record": (("hot", "--healthy", "healthy_0"), "hot.csv: 1 healthy record tells nothing of repeatability: give two or more of the same command, or none"),
-    "a healthy record twice": (("hot", "--healthy", "healthy_0", "--healthy", "healthy_0"), "healthy_0.csv: given twice: give every healthy run once"),
-    "the record as healthy": (("hot", "--healthy", "hot", "--healthy", "healthy_0"), "hot.csv: healthy is the record itself, against which nothing has changed: leave it out of --healthy"),
-    "the record held out": (("hot", "--holdout", "hot"), "hot.csv: held out is the record itself, which confirms anything: give --holdout another run, best of another command"),
+    "one healthy record": (
+        ("hot", "--healthy", "healthy_0"),
+        "hot.csv: 1 healthy record tells nothing of repeatability: give two or more of the same command, or none",
+    ),
+    "a healthy record twice": (
+        ("hot", "--healthy", "healthy_0", "--healthy", "healthy_0"),
+        "healthy_0.csv: given twice: give every healthy run once",
+    ),
+    "the record as healthy": (
+        ("hot", "--healthy", "hot", "--healthy", "healthy_0"),
+        "hot.csv: healthy is the record itself, against which nothing has changed: leave it out of --healthy",
+    ),
+    "the record held out": (
+        ("hot", "--holdout", "hot"),
+        "hot.csv: held out is the record itself, which confirms anything: give --holdout another run, best of another command",
+    ),
     "a healthy record held out": (
         ("hot", "--healthy", "healthy_0", "--healthy", "healthy_1", "--holdout", "healthy_1"),
         "healthy_1.csv: held out is one of the healthy records, which shows no effect",
@@ -256,7 +300,10 @@ REFUSED = {
         ("hot", "--healthy", "healthy_0", "--healthy", "dead"),
         "dead.csv: current_A does not change, while that of hot.csv does: check that the sensor was connected",
     ),
-    "another unit in a healthy record": (("hot", "--healthy", "healthy_0", "--healthy", "healthy_milli"), "healthy_milli.csv: current_A is "),
+    "another unit in a healthy record": (
+        ("hot", "--healthy", "healthy_0", "--healthy", "healthy_milli"),
+        "healthy_milli.csv: current_A is ",
+    ),
 }
 
 
@@ -270,7 +317,10 @@ def test_wrong_records_are_refused_by_diagnose_and_add_alike(what: str, bad: dic
     names, message = REFUSED[what]
     arguments = [bad.get(name, name) for name in names]
     new = tmp_path / "new.toml"
-    for ran in (run_ema("diagnose", REFERENCE, *arguments, "--report", tmp_path / "d.html"), run_ema("add", REFERENCE, "winding_heating", "--fit", *arguments, "-o", new)):
+    for ran in (
+        run_ema("diagnose", REFERENCE, *arguments, "--report", tmp_path / "d.html"),
+        run_ema("add", REFERENCE, "winding_heating", "--fit", *arguments, "-o", new),
+    ):
         said = complaint(ran)
         assert message in said and Path(said.split(":")[0].split(" ")[0]).name == message.split(":")[0].split(" ")[0]
     assert not list(tmp_path.iterdir())
@@ -282,13 +332,34 @@ def test_wrong_records_are_refused_by_diagnose_and_add_alike(what: str, bad: dic
         (("winding_heatin", "--fit", "hot"), "effect winding_heatin: unknown (did you mean winding_heating?)"),
         (("csj", "--fit", "hot"), "add csj: no effect but a value that every model has, screw.csj_Nm: ema identify finds it"),
         (("learned_torque", "--fit", "healthy_0"), "learned_torque: nothing in the record repeats in a way that it could hold"),
-        (("learned_torque", "--fit", "hot", "--known"), "learned_torque: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists"),
-        (("winding_heating",), "add winding_heating: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option"),
-        (("winding_heating", "--set", "rise_degC=0"), "add winding_heating: rise_degC=0: at these values the effect is absent: give its size with --set"),
-        (("winding_heating", "--set", "rise=3"), "effects.winding_heating.rise: unknown value (did you mean effects.winding_heating.rise_degC?)"),
-        (("winding_heating", "--set", "rise_degC=1e9"), "--set effects.winding_heating.rise_degC = 1000000000.0: outside -80 .. 200 degC: give a value inside"),
-        (("winding_heating", "--set", "rise_degC=3", "--fit", "hot"), "add winding_heating: --set rise_degC=3: with --fit the values come from the record: leave one of the two out"),
-        (("winding_heating", "--set", "rise_degC=3", "--holdout", "hot"), "add winding_heating: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option"),
+        (
+            ("learned_torque", "--fit", "hot", "--known"),
+            "learned_torque: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists",
+        ),
+        (
+            ("winding_heating",),
+            "add winding_heating: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option",
+        ),
+        (
+            ("winding_heating", "--set", "rise_degC=0"),
+            "add winding_heating: rise_degC=0: at these values the effect is absent: give its size with --set",
+        ),
+        (
+            ("winding_heating", "--set", "rise=3"),
+            "effects.winding_heating.rise: unknown value (did you mean effects.winding_heating.rise_degC?)",
+        ),
+        (
+            ("winding_heating", "--set", "rise_degC=1e9"),
+            "--set effects.winding_heating.rise_degC = 1000000000.0: outside -80 .. 200 degC: give a value inside",
+        ),
+        (
+            ("winding_heating", "--set", "rise_degC=3", "--fit", "hot"),
+            "add winding_heating: --set rise_degC=3: with --fit the values come from the record: leave one of the two out",
+        ),
+        (
+            ("winding_heating", "--set", "rise_degC=3", "--holdout", "hot"),
+            "add winding_heating: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option",
+        ),
     ],
 )
 def test_wrong_additions_are_one_line(arguments: tuple[str, ...], message: str, runs: dict[str, Path], tmp_path: Path) -> None:
@@ -298,7 +369,9 @@ def test_wrong_additions_are_one_line(arguments: tuple[str, ...], message: str, 
 
 
 def test_identify_refuses_itself_as_healthy(runs: dict[str, Path]) -> None:
-    assert complaint(run_ema("identify", REFERENCE, runs["hot"], "--healthy", runs["hot"])).startswith("hot.csv: healthy is the record itself")
+    assert complaint(run_ema("identify", REFERENCE, runs["hot"], "--healthy", runs["hot"])).startswith(
+        "hot.csv: healthy is the record itself"
+    )
     twice = run_ema("identify", REFERENCE, runs["hot"], "--healthy", runs["healthy_0"], "--healthy", runs["healthy_0"])
     assert complaint(twice) == "healthy_0.csv: given twice: give every healthy run once"
 
@@ -347,7 +420,14 @@ def _odd(record: Record, cut: int | None = None, keep: tuple[str, ...] | None = 
 def test_odd_records_are_answered(odd: str, tmp_path: Path) -> None:
     how = ODD_RECORDS[odd]
     full = chirp_record(reference_actuator().changed(HOT), str(how.get("text", "chirp"))).with_noise(NOISE, 1)
-    check_named(REFERENCE, written(tmp_path / "rec.csv", _odd(full, **how)), "winding_heating", 60.0, tmp_path, named=odd not in ("step", "voltage alone"))
+    check_named(
+        REFERENCE,
+        written(tmp_path / "rec.csv", _odd(full, **how)),
+        "winding_heating",
+        60.0,
+        tmp_path,
+        named=odd not in ("step", "voltage alone"),
+    )
 
 
 @pytest.mark.slow
@@ -373,7 +453,9 @@ def check_named(actuator: Path, record: Path, effect: str, size: float, folder: 
     found = result(folder / "d.json")
     check_effects(found["effects"])
     if named:
-        assert found["verdict"] == "missing" and effect in {name for one in found["effects"] if one["accepted"] for name in one["class"]}, found["sentence"]
+        assert found["verdict"] == "missing" and effect in {name for one in found["effects"] if one["accepted"] for name in one["class"]}, (
+            found["sentence"]
+        )
     ran = run_ema("add", actuator, effect, "--known", "--fit", record, "-o", folder / "new.toml", "--json", folder / "a.json")
     assert ran.code == 0, ran.err
     fitted = next(iter(result(folder / "a.json")["parameters"].values()))

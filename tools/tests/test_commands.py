@@ -43,7 +43,10 @@ def test_command_of_a_recording() -> None:
         ("chirp:end_hz", "command chirp: end_hz: unknown number"),
         ("chirp:end_hz=fast", "command chirp: end_hz=fast: not a number: write for example end_hz=4"),
         ("chirp:end_hz=nan", "command chirp: end_hz=nan: not a finite number"),
-        ("chirp:end_hz=900", "command chirp:.*end_hz=900.*a value is outside its range: frequencies lie between 0 and half the record rate"),
+        (
+            "chirp:end_hz=900",
+            "command chirp:.*end_hz=900.*a value is outside its range: frequencies lie between 0 and half the record rate",
+        ),
         ("chirp:duration_s=0", "command chirp: duration_s=0: not above zero"),
         ("chirp:duration_s=1e9", "command chirp: duration_s=1e.09: 1000000000000 rows: ask for 1 to 10000000"),
         ("step:share=1", "command step: share=1: unknown number"),

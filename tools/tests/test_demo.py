@@ -57,7 +57,10 @@ def test_the_error_falls_to_the_floor_and_on_the_record_held_out(made: tuple[Pat
 def test_faults_are_right_with_the_effect_and_not_reported_without(made: tuple[Path, str]) -> None:
     before, after = (_result(made, f"identify_{when}.json") for when in ("before", "after"))
     assert before["verdict"] == "undecided" and before["adequate"] is False and before["reasons"]
-    assert abs(before["csj_Nm"]["shift_percent"] - story.CSJ_SHIFT_PERCENT) > 5.0 and abs(before["blk_mm"]["shift_percent"] - story.BLK_SHIFT_PERCENT) > 20.0
+    assert (
+        abs(before["csj_Nm"]["shift_percent"] - story.CSJ_SHIFT_PERCENT) > 5.0
+        and abs(before["blk_mm"]["shift_percent"] - story.BLK_SHIFT_PERCENT) > 20.0
+    )
     assert after["verdict"] == "fault" and after["adequate"] is True and after["reasons"] == []
     # the mean of five healthy runs, and today's, scatter by 0.4 %
     assert after["csj_Nm"]["shift_percent"] == pytest.approx(story.CSJ_SHIFT_PERCENT, abs=1.5)
@@ -73,7 +76,13 @@ def test_the_machine_written_is_the_healthy_one_with_the_effect(made: tuple[Path
 
 def test_every_step_shows_its_command(made: tuple[Path, str]) -> None:
     steps = [line.split()[:3] for line in made[1].splitlines() if re.match(r"\d  ema ", line)]
-    assert steps == [["1", "ema", "compare"], ["2", "ema", "identify"], ["3", "ema", "diagnose"], ["4", "ema", "add"], ["5", "ema", "identify"]]
+    assert steps == [
+        ["1", "ema", "compare"],
+        ["2", "ema", "identify"],
+        ["3", "ema", "diagnose"],
+        ["4", "ema", "add"],
+        ["5", "ema", "identify"],
+    ]
     assert {step[2] for step in steps} <= set(cli.commands)
     assert made[1].rstrip().endswith("build/demo/report.html")
 
@@ -131,7 +140,10 @@ def test_page_is_one_file_of_modest_size(made: tuple[Path, str]) -> None:
     assert 4_000_000 < len(page) < 9_000_000
     # four of the story, four of the cases
     assert page.count(b'data-model="before"') == page.count(b'data-model="after"') == 8
-    places = [page.index(text) for text in (b"Which effect is missing?", b"stribeck_friction added", b"the data sheet&#x27;s model", b"Beside the paper")]
+    places = [
+        page.index(text)
+        for text in (b"Which effect is missing?", b"stribeck_friction added", b"the data sheet&#x27;s model", b"Beside the paper")
+    ]
     assert places[0] < places[3] and places[2] < places[3]
 
 

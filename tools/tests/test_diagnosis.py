@@ -154,9 +154,14 @@ def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
 @needs_numba
 @pytest.mark.parametrize(
     ("effect", "size", "value", "shape"),
-    [("cogging_torque", "amplitude_Nm", 0.0148, {"periods": 72.0, "phase_rad": 1.868}), ("torque_ripple", "ratio", 0.02, {"periods": 12.0, "phase_rad": 2.327})],
+    [
+        ("cogging_torque", "amplitude_Nm", 0.0148, {"periods": 72.0, "phase_rad": 1.868}),
+        ("torque_ripple", "ratio", 0.02, {"periods": 12.0, "phase_rad": 2.327}),
+    ],
 )
-def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_periods(healthy: list[Record], effect: str, size: str, value: float, shape: dict[str, float]) -> None:
+def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_periods(
+    healthy: list[Record], effect: str, size: str, value: float, shape: dict[str, float]
+) -> None:
     """It shows only where the machine nearly rests: as far as the filter sees, Stribeck friction does as well."""
     hidden = {f"{effect}.{name}": number for name, number in {size: value, **shape}.items()}
     alone = [Record(STEP_S, one.command_mm, one.position_mm, file=one.file) for one in (run_of(hidden, 813), *healthy[:-1])]
@@ -170,7 +175,12 @@ def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_pe
 def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Record]) -> None:
     """The strongest alone is CSJ, which then takes what belongs to BLK and to the effect."""
     own = machine(UNIT).values
-    hidden = {"screw.csj_Nm": 1.4 * own["screw.csj_Nm"], "screw.blk_mm": 2.0 * own["screw.blk_mm"], "stribeck_friction.rise": 0.3, "stribeck_friction.speed_rad_s": 10.0}
+    hidden = {
+        "screw.csj_Nm": 1.4 * own["screw.csj_Nm"],
+        "screw.blk_mm": 2.0 * own["screw.blk_mm"],
+        "stribeck_friction.rise": 0.3,
+        "stribeck_friction.speed_rad_s": 10.0,
+    }
     alone = [Record(STEP_S, one.command_mm, one.position_mm, file=one.file) for one in (run_of(hidden, 814), *healthy[:-1])]
     found = answer(reference_actuator(), alone[0], alone[1:])
     assert [one.name for one in found.effects] == ["stribeck_friction"]
@@ -180,7 +190,13 @@ def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Re
 
 
 def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow() -> None:
-    steps = [Step((), "", 9.0, 8.0), Step((), "own", 5.0, 4.0), Step(("a",), "a", 2.0, 3.0), Step(("a", "b"), "b", 1.5, 3.5), Step(("a", "b", "c"), "c", 1.0, 2.0)]
+    steps = [
+        Step((), "", 9.0, 8.0),
+        Step((), "own", 5.0, 4.0),
+        Step(("a",), "a", 2.0, 3.0),
+        Step(("a", "b"), "b", 1.5, 3.5),
+        Step(("a", "b", "c"), "c", 1.0, 2.0),
+    ]
     assert refuted(steps) == ("b", "c")
     assert refuted(steps[:3]) == ()
     assert refuted([Step((), "", 9.0, None), Step(("a",), "a", 2.0, None)]) == ()
@@ -191,7 +207,9 @@ def test_repeats_of_another_command_or_too_few_are_refused(healthy: list[Record]
     with pytest.raises(InputError, match="give two or more"):
         gather(reference_actuator(), healthy[-1], healthy[:1])
     worn = dataclasses.replace(run_of({"screw.csj_Nm": 0.2}, 780), file="worn.csv")
-    with pytest.raises(InputError, match=r"worn\.csv: [\d.]+ times as far from the healthy records' median as the others are: leave it out"):
+    with pytest.raises(
+        InputError, match=r"worn\.csv: [\d.]+ times as far from the healthy records' median as the others are: leave it out"
+    ):
         gather(reference_actuator(), healthy[-1], [*healthy[:2], worn])
     other = dataclasses.replace(healthy[0], command_mm=healthy[0].command_mm * 1.5, file="other.csv")
     with pytest.raises(InputError, match=r"other\.csv: command_mm"):

@@ -61,7 +61,9 @@ def test_import_is_the_published_model(imported: Path) -> None:
         assert getattr(model, name) == pytest.approx(value, rel=1e-12)
     assert 1e-3 * actuator.lead_mm_per_rad == pytest.approx(N_M_PER_RAD)
     signals, gains = read_emps(emps_path())
-    assert actuator["motor.torque_constant_Nm_per_A"] * actuator["drive.current_scale_A"] / N_M_PER_RAD == pytest.approx(10.0 * gains["gtau"])
+    assert actuator["motor.torque_constant_Nm_per_A"] * actuator["drive.current_scale_A"] / N_M_PER_RAD == pytest.approx(
+        10.0 * gains["gtau"]
+    )
     record = read_record(imported / "record.csv", actuator)
     assert record.rows == 24841
     assert np.array_equal(record.position_mm, 1e3 * signals["qm"])
@@ -86,7 +88,9 @@ def test_compare_reproduces_the_published_force_error(imported: Path) -> None:
 
 
 def test_calibrate_finds_the_published_values(imported: Path) -> None:
-    ran = run_ema("calibrate", imported / "actuator.toml", imported / "record.csv", "-o", imported / "new.toml", "--json", imported / "k.json")
+    ran = run_ema(
+        "calibrate", imported / "actuator.toml", imported / "record.csv", "-o", imported / "new.toml", "--json", imported / "k.json"
+    )
     assert ran.code == 0, ran.err
     result = json.loads((imported / "k.json").read_text(encoding="utf-8"))["at_rod"]
     for name, value in PUBLISHED.as_dict().items():
@@ -114,7 +118,10 @@ def test_other_mat_files_are_refused(tmp_path: Path) -> None:
     from scipy.io import savemat
 
     savemat(tmp_path / "o.mat", {"t": np.arange(3.0)})
-    assert complaint(run_ema("import", "emps", tmp_path / "o.mat", "-o", tmp_path / "x")) == "o.mat: qg: variable missing: give EMPS's own DATA_EMPS.mat"
+    assert (
+        complaint(run_ema("import", "emps", tmp_path / "o.mat", "-o", tmp_path / "x"))
+        == "o.mat: qg: variable missing: give EMPS's own DATA_EMPS.mat"
+    )
     (tmp_path / "b.mat").write_bytes(b"no")
     assert "not a readable .mat file" in complaint(run_ema("import", "emps", tmp_path / "b.mat", "-o", tmp_path / "x"))
     assert not (tmp_path / "x").exists()

@@ -46,7 +46,11 @@ def test_confident_wrong_answer_is_a_failure() -> None:
     machine, fault = faults.MACHINES[1], next(fault for fault in faults.FAULTS if not fault.decided)
     right = faults.Row(fault, machine, 0.0, None, "fault", (), (117.4, 25.0), (0.2, 2.0))
     assert right.right and right.good
-    for wrong in (replace(right, verdict="healthy"), replace(right, shift_percent=(117.4, 30.5)), replace(right, shift_percent=(115.0, 25.0))):
+    for wrong in (
+        replace(right, verdict="healthy"),
+        replace(right, shift_percent=(117.4, 30.5)),
+        replace(right, shift_percent=(115.0, 25.0)),
+    ):
         assert not wrong.good and faults.outcome(wrong) == "**wrong**"
     assert not replace(right, verdict="undecided").good
     assert replace(right, verdict="undecided", reasons=("a shift cannot be told",)).good

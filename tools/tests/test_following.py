@@ -79,10 +79,14 @@ def test_the_separation_is_what_noisy_records_show() -> None:
     for _ in range(8):
         noisy = clean + np.sqrt(evidence.noise[:, :1]) * random.normal(size=clean.shape)
         seen = view(dataclasses.replace(evidence, target=noisy), {})
-        wrong, right = (min(refit(seen, one.start()).cost for one in signatures(seen, only=name)[:2]) for name in ("viscous_rise", "quadratic_viscous"))
+        wrong, right = (
+            min(refit(seen, one.start()).cost for one in signatures(seen, only=name)[:2]) for name in ("viscous_rise", "quadratic_viscous")
+        )
         extra.append(wrong - right)
     # one direction of the pair, and the share to which the model is trusted taken out
-    one_way = following._left(view(dataclasses.replace(evidence, target=clean), {}), "viscous_rise") ** 2 * (1.0 + following._MODEL_ERROR**2 * said.shown["quadratic_viscous"] ** 2)
+    one_way = following._left(view(dataclasses.replace(evidence, target=clean), {}), "viscous_rise") ** 2 * (
+        1.0 + following._MODEL_ERROR**2 * said.shown["quadratic_viscous"] ** 2
+    )
     assert one_way > 25.0
     assert np.mean(extra) == pytest.approx(one_way, abs=4.0 * 2.0 * np.sqrt(one_way / len(extra)) + 2.0)
     assert said.separation <= np.sqrt(one_way)
@@ -114,7 +118,13 @@ def test_three_effects_are_ranked_by_their_worst_pair() -> None:
 
 def test_more_noise_separates_less() -> None:
     def chirp(noise: float) -> float:
-        found = next_experiment(reference_actuator(), ["quadratic_viscous", "viscous_rise"], ("current_A",), noise={"current_A": noise}, own_limits={"stroke_mm": 5.0})
+        found = next_experiment(
+            reference_actuator(),
+            ["quadratic_viscous", "viscous_rise"],
+            ("current_A",),
+            noise={"current_A": noise},
+            own_limits={"stroke_mm": 5.0},
+        )
         return option(found, "chirp").separation
 
     assert chirp(0.03) > 1.5 * chirp(0.3)
@@ -135,7 +145,12 @@ def test_what_is_recommended_is_safe_on_the_machine(supply_V: float) -> None:
 
 
 def test_an_unsafe_command_is_left_out_and_said() -> None:
-    found = next_experiment(reference_actuator(), ["quadratic_viscous", "viscous_rise"], own_limits={"speed_mm_s": 20.0}, more=["chirp:amplitude_mm=2,end_hz=4", "triangle:amplitude_mm=30"])
+    found = next_experiment(
+        reference_actuator(),
+        ["quadratic_viscous", "viscous_rise"],
+        own_limits={"speed_mm_s": 20.0},
+        more=["chirp:amplitude_mm=2,end_hz=4", "triangle:amplitude_mm=30"],
+    )
     said = [reason for command, reason in found.unsafe.items() if command.startswith("own command")]
     assert len(said) == 2
     assert all("allowed is" in reason for reason in said)
@@ -193,7 +208,9 @@ def test_a_change_of_an_effect_that_is_there_already_is_compared() -> None:
 
 def test_the_command_line_writes_the_result(tmp_path: Path) -> None:
     result = tmp_path / "next.json"
-    ran = run_ema("next", REFERENCE, "--between", "inertia_change", "viscous_rise", "--set", "effects.inertia_change.change=0.1", "--json", result)
+    ran = run_ema(
+        "next", REFERENCE, "--between", "inertia_change", "viscous_rise", "--set", "effects.inertia_change.change=0.1", "--json", result
+    )
     assert ran.code == 0, ran.err
     assert ran.out.startswith("Next: ")
     found = json.loads(result.read_text())

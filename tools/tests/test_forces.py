@@ -54,7 +54,11 @@ def test_hidden_effects_are_named_with_their_sizes(hidden: tuple[Actuator, Recor
     assert "coulomb_asymmetry" in found.steps[0].alike
     last = found.steps[-1]
     torque = HIDDEN["coulomb_asymmetry.asymmetry"] * actuator["screw.csj_Nm"]
-    for name, true in (("constant_load.torque_Nm", torque), ("pitch_ripple.ratio", HIDDEN["pitch_ripple.ratio"]), ("pitch_ripple.phase_rad", HIDDEN["pitch_ripple.phase_rad"])):
+    for name, true in (
+        ("constant_load.torque_Nm", torque),
+        ("pitch_ripple.ratio", HIDDEN["pitch_ripple.ratio"]),
+        ("pitch_ripple.phase_rad", HIDDEN["pitch_ripple.phase_rad"]),
+    ):
         assert last.values[name] == pytest.approx(true, abs=max(4.0 * last.std[name], 0.02 * abs(true))), name
         assert last.std[name] < 0.1 * abs(true)
     assert found.given.holdout > 4.0
@@ -77,7 +81,15 @@ def test_decoys_are_refused_with_a_reason(hidden: tuple[Actuator, Record, ForceS
     reasons = {refusal.effect: refusal.reason for refusal in found.refused}
     taken = {step.effect for step in found.steps}
     offered = set(reasons) | taken
-    assert {"stribeck_friction", "load_dependent_friction", "concave_viscous", "cogging_torque", "jam_spot", "presliding", "actuation_delay"} <= set(reasons)
+    assert {
+        "stribeck_friction",
+        "load_dependent_friction",
+        "concave_viscous",
+        "cogging_torque",
+        "jam_spot",
+        "presliding",
+        "actuation_delay",
+    } <= set(reasons)
     assert len(offered) == 27
     assert all(reasons.values())
     assert "takes the same torque up" in reasons["coulomb_asymmetry"]
@@ -106,7 +118,13 @@ def test_healthy_axis_is_left_alone() -> None:
 
 
 def test_several_effects_without_the_one_that_they_made_needless() -> None:
-    true = {"cogging_torque.amplitude_Nm": 5e-4, "cogging_torque.periods": 2.0, "cogging_torque.phase_rad": 1.0, "spring_load.stiffness_Nm_per_mm": 4e-6, "load_dependent_friction.ratio": 0.05}
+    true = {
+        "cogging_torque.amplitude_Nm": 5e-4,
+        "cogging_torque.periods": 2.0,
+        "cogging_torque.phase_rad": 1.0,
+        "spring_load.stiffness_Nm_per_mm": 4e-6,
+        "load_dependent_friction.ratio": 0.05,
+    }
     actuator, record = axis_record(true)
     shares: list[float] = []
     found = improve_by_forces(actuator, record, lambda share, _text: shares.append(share))

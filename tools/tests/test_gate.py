@@ -59,7 +59,11 @@ def test_good_record_passes_without_reservation() -> None:
         (lambda r: replace(r, motor_position_mm=np.zeros(r.rows)), "coverage", "rod moves 0 mm"),
         (lambda r: replace(r, current_A=np.zeros(r.rows)), "units", "current_A does not change while the command does"),
         (lambda r: replace(r, position_mm=r.command_mm, command_mm=r.position_mm), "clock", "before its command, which no machine does"),
-        (lambda r: replace(r, position_mm=held(held(r.position_mm, 300, 150), 5000, r.rows)), "stuck", "from row 5001, where the motor turns on"),
+        (
+            lambda r: replace(r, position_mm=held(held(r.position_mm, 300, 150), 5000, r.rows)),
+            "stuck",
+            "from row 5001, where the motor turns on",
+        ),
     ],
 )
 def test_wrong_sign_or_unit_blocks(change: Callable[[Record], Record], topic: str, said: str) -> None:
@@ -80,11 +84,27 @@ def test_wrong_sign_or_unit_blocks(change: Callable[[Record], Record], topic: st
         (lambda r: replace(r, current_A=None), "signals", "torque effects and electrical effects look alike"),
         (lambda r: replace(r, motor_position_mm=None), "signals", "play, compliance"),
         (lambda r: replace(r, current_A=np.clip(r.current_A, -2.5, 2.5)), "clipping", "its sensor clips, or the drive limits it"),
-        (lambda r: replace(r, current_A=r.current_A + 20.0 * (np.arange(r.rows) == 4122)), "spikes", "current_A jumps by +20 A in row 4123 and back: no machine does"),
-        (lambda r: replace(r, position_mm=r.position_mm - 3.0 * np.isin(np.arange(r.rows), (700, 701, 3000))), "spikes", "position_mm jumps by -2.99 mm in row 701 and back, and so do 2 other rows"),
-        (lambda r: replace(r, position_mm=held(r.position_mm, 5000, 150)), "stuck", "position_mm repeats one value for 150 rows from row 5001"),
+        (
+            lambda r: replace(r, current_A=r.current_A + 20.0 * (np.arange(r.rows) == 4122)),
+            "spikes",
+            "current_A jumps by +20 A in row 4123 and back: no machine does",
+        ),
+        (
+            lambda r: replace(r, position_mm=r.position_mm - 3.0 * np.isin(np.arange(r.rows), (700, 701, 3000))),
+            "spikes",
+            "position_mm jumps by -2.99 mm in row 701 and back, and so do 2 other rows",
+        ),
+        (
+            lambda r: replace(r, position_mm=held(r.position_mm, 5000, 150)),
+            "stuck",
+            "position_mm repeats one value for 150 rows from row 5001",
+        ),
         (lambda r: replace(r, position_mm=np.concatenate((np.zeros(30), r.position_mm[:-30]))), "clock", "ms later than in the model"),
-        (lambda r: replace(r, motor_position_mm=np.concatenate((np.zeros(8), r.motor_position_mm[:-8]))), "clock", "rod and motor position are"),
+        (
+            lambda r: replace(r, motor_position_mm=np.concatenate((np.zeros(8), r.motor_position_mm[:-8]))),
+            "clock",
+            "rod and motor position are",
+        ),
     ],
 )
 def test_what_is_doubtful_weakens(change: Callable[[Record], Record], topic: str, said: str) -> None:

@@ -144,7 +144,9 @@ def test_a_strange_answer_on_a_record_that_cannot_answer_says_why() -> None:
     record = chirp_record(reference_actuator().changed(WORN))
     found = identify(reference_actuator(), replace(record, command_mm=record.command_mm / 25.4, position_mm=record.position_mm / 25.4))
     assert found.verdict == "undecided" and not found.adequate
-    assert found.reasons[0].startswith("nothing can be told from this record: the motor position is ") and found.reasons[0].endswith("give motor_position_mm in mm")
+    assert found.reasons[0].startswith("nothing can be told from this record: the motor position is ") and found.reasons[0].endswith(
+        "give motor_position_mm in mm"
+    )
     assert len(found.reasons) > 1
 
 
@@ -188,4 +190,6 @@ def test_the_command_line_names_it_adds_it_and_reports_the_fault(tmp_path: Path)
     result = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert result["csj_Nm"]["estimate"] == pytest.approx(WORN["screw.csj_Nm"], rel=0.005)
     assert result["blk_mm"]["estimate"] == pytest.approx(WORN["screw.blk_mm"], rel=0.02)
-    assert complaint(run_ema("add", REFERENCE, "winding_heating", "--known", "--fit", record, "--healthy", record, "-o", tmp_path / "x.toml")).endswith("leave one of the two out")
+    assert complaint(
+        run_ema("add", REFERENCE, "winding_heating", "--known", "--fit", record, "--healthy", record, "-o", tmp_path / "x.toml")
+    ).endswith("leave one of the two out")

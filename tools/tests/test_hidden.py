@@ -138,11 +138,26 @@ def test_a_placebo_keeps_size_and_loses_shape() -> None:
 def row() -> dict[str, Any]:
     """A row of a trial that went well."""
     hidden = Trial("library", ("cogging_torque",), "medium", "chirp", 1)
-    said = {"verdict": "missing", "first": "cogging_torque", "accepted": ["cogging_torque"], "class": ["cogging_torque"], "ranked": [["cogging_torque", 50.0]]}
+    said = {
+        "verdict": "missing",
+        "first": "cogging_torque",
+        "accepted": ["cogging_torque"],
+        "class": ["cogging_torque"],
+        "ranked": [["cogging_torque", 50.0]],
+    }
     costs = {"cost_before": 400.0, "cost_after": 100.0, "cost_floor": 100.0, "unexplained": 0.0, "limit": 30.0, "run_s": 2.0, "cpu_s": 3.0}
     seen = {"pick": "cogging_torque", "right": True, "size": [17.0], "apart": {"pitch_ripple": 2.0, "jam_spot": 9.0}}
     size = {"effect": "cogging_torque", "true": 0.01, "estimate": 0.011, "std": 0.001, "held": True}
-    return {"key": hidden.key, **hidden.__dict__, "effects": ["cogging_torque"], **said, **costs, "observer": seen, "sizes": [size], "held_out": {"command": "triangle", "before": 2.0, "after": 1.0}}
+    return {
+        "key": hidden.key,
+        **hidden.__dict__,
+        "effects": ["cogging_torque"],
+        **said,
+        **costs,
+        "observer": seen,
+        "sizes": [size],
+        "held_out": {"command": "triangle", "before": 2.0, "after": 1.0},
+    }
 
 
 def test_scores_count_names_and_classes(row: dict[str, Any]) -> None:
@@ -166,7 +181,10 @@ def test_goals_are_met_or_not(row: dict[str, Any]) -> None:
     good = [row, *[healthy] * 200, strange, pair, *({**row, "kind": kind} for kind in ("position", "alone", "time"))]
     met = {goal.text: goal.met for goal in scoring.goals(good)}
     assert all(value for text, value in met.items() if "95 %" not in text)
-    spoiled = [{**one, "verdict": "missing", "accepted": ["supply_sag"], "first": "supply_sag", "class": [], "run_s": 11.0, "cost_after": 120.0} for one in good]
+    spoiled = [
+        {**one, "verdict": "missing", "accepted": ["supply_sag"], "first": "supply_sag", "class": [], "run_s": 11.0, "cost_after": 120.0}
+        for one in good
+    ]
     failed = {goal.text for goal in scoring.goals(spoiled) if not goal.met}
     assert {text for text in met if "error after" not in text and "held-out" not in text and "95 %" not in text} <= failed
     worse = [{**row, "cost_after": 120.0, "held_out": {"command": "triangle", "before": 2.0, "after": 1.2}}]
@@ -239,7 +257,11 @@ def test_the_observer_names_what_is_large_and_not_what_is_nothing() -> None:
 @pytest.mark.slow
 def test_the_observer_without_repeats_knows_how_units_differ_but_not_where_this_one_lies() -> None:
     unit = machines.machine(2)
-    sheet = replace(unit, values={name: reference_actuator()[name] for name in unit.values if "ripple" not in name}, sensors=replace(unit.sensors, current_gain_error=0.0, current_offset_A=0.0))
+    sheet = replace(
+        unit,
+        values={name: reference_actuator()[name] for name in unit.values if "ripple" not in name},
+        sensors=replace(unit.sensors, current_gain_error=0.0, current_offset_A=0.0),
+    )
     healthy = machines.exact(unit, {}, "triangle")
     away = machines.exact(sheet, {}, "triangle") - healthy
     along = -sum(place * direction for direction, place in machines.unit_errors(unit, "triangle"))
@@ -256,7 +278,16 @@ def test_the_observer_without_repeats_knows_how_units_differ_but_not_where_this_
         trial = Trial("library", ("inertia_change",), severity, "triangle", 2, 0)
         run, _ = trials.runs(trial, "triangle", trials.hidden_changes(unit, trial, "triangle"))
         with_none = observer.judged(2, False, "triangle", trial.effects, severity, run, (), None)
-        known = observer.judged(2, False, "triangle", trial.effects, severity, run, [machines.measured(unit, {}, "triangle", seed) for seed in range(40, 45)], None)
+        known = observer.judged(
+            2,
+            False,
+            "triangle",
+            trial.effects,
+            severity,
+            run,
+            [machines.measured(unit, {}, "triangle", seed) for seed in range(40, 45)],
+            None,
+        )
         # units differ by 3 % in their inertia, which is what it is told from
         assert with_none["size"][0] < 0.5 * known["size"][0]
         found[severity] = with_none["size"][0]

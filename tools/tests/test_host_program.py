@@ -68,13 +68,17 @@ def test_slices_change_nothing(tmp_path: Path, plain: dict[str, object], steps: 
 
 
 def test_the_reference_written_out_changes_nothing(tmp_path: Path, plain: dict[str, object]) -> None:
-    (tmp_path / "act.txt").write_bytes(b"\xef\xbb\xbf# as built\r\nscrew.csj_Nm = 0.138 # Nm\r\n\r\n drive.mode=voltage\ncontrol.every_steps = 1\nscrew.blk_mm = 0.033")
+    (tmp_path / "act.txt").write_bytes(
+        b"\xef\xbb\xbf# as built\r\nscrew.csj_Nm = 0.138 # Nm\r\n\r\n drive.mode=voltage\ncontrol.every_steps = 1\nscrew.blk_mm = 0.033"
+    )
     assert identify(tmp_path, "--config", "act.txt", str(RECORDING)) == plain
     assert identify(tmp_path, "--reference", "--seed", str(plain["seed"]), "--", str(RECORDING)) == plain
 
 
 def test_another_actuator_is_another_answer(tmp_path: Path, plain: dict[str, object]) -> None:
-    (tmp_path / "act.txt").write_text("screw.csj_Nm = 0.15\nscrew.blk_mm = 0.0375\neffects.constant_load.torque_Nm = 0.001\n", encoding="utf-8")
+    (tmp_path / "act.txt").write_text(
+        "screw.csj_Nm = 0.15\nscrew.blk_mm = 0.0375\neffects.constant_load.torque_Nm = 0.001\n", encoding="utf-8"
+    )
     found = identify(tmp_path, "--config", "act.txt", str(RECORDING))
     assert found["csj_Nm"]["healthy"] == 0.15
     assert found["blk_mm"]["healthy"] == 0.0375
@@ -126,7 +130,9 @@ def test_a_jammed_rod_is_no_bad_input(tmp_path: Path) -> None:
 
 def test_what_is_not_determined_has_no_standard_error(tmp_path: Path) -> None:
     lines = [line.split(",") for line in RECORDING.read_text(encoding="utf-8").splitlines() if line[:1].isdigit()]
-    (tmp_path / "rec.csv").write_text("time_s,command_mm,position_mm\n" + "".join(f"{t},{0.014 * float(c)},0\n" for t, c, *_ in lines), encoding="utf-8")
+    (tmp_path / "rec.csv").write_text(
+        "time_s,command_mm,position_mm\n" + "".join(f"{t},{0.014 * float(c)},0\n" for t, c, *_ in lines), encoding="utf-8"
+    )
     answer = run(tmp_path, "--json", "result.json", "rec.csv")
     result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
     assert "the record does not determine the parameters" in result["reasons"]

@@ -29,7 +29,9 @@ def test_what_was_simulated_is_identified(csj: float, blk: float) -> None:
     assert found.evaluations <= 410
 
 
-@pytest.mark.parametrize(("case", "csj", "blk", "verdict"), [("a", 0.3, 0.04125, "fault"), ("b", 0.1449, 0.066, "fault"), ("c", 0.13938, 0.03333, "healthy")])
+@pytest.mark.parametrize(
+    ("case", "csj", "blk", "verdict"), [("a", 0.3, 0.04125, "fault"), ("b", 0.1449, 0.066, "fault"), ("c", 0.13938, 0.03333, "healthy")]
+)
 def test_independent_records_are_identified(case: str, csj: float, blk: float, verdict: str) -> None:
     record = read_record(RECORDINGS / f"case_{case}.csv", reference_actuator())
     answer = identify(reference_actuator(), record).answer
@@ -40,7 +42,17 @@ def test_independent_records_are_identified(case: str, csj: float, blk: float, v
 
 
 def test_result_has_the_keys_that_programs_read(tmp_path: Path) -> None:
-    ran = run_ema("identify", REFERENCE, RECORDINGS / "case_a_noisy.csv", "--json", tmp_path / "i.json", "--fitted", tmp_path / "f.toml", "--seeds", "3")
+    ran = run_ema(
+        "identify",
+        REFERENCE,
+        RECORDINGS / "case_a_noisy.csv",
+        "--json",
+        tmp_path / "i.json",
+        "--fitted",
+        tmp_path / "f.toml",
+        "--seeds",
+        "3",
+    )
     assert ran.code == 0, ran.err
     assert ran.out.startswith("Fault: CSJ +117.")
     assert "over 3 seeds" in ran.out
@@ -80,8 +92,14 @@ def test_healthy_records_take_the_models_own_error_away() -> None:
 
 def test_healthy_record_that_the_model_does_not_explain_is_refused(tmp_path: Path) -> None:
     write_record(tmp_path / "warm.csv", chirp_record(reference_actuator().changed({"motor.resistance_ohm": 1.3})))
-    said = complaint(run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", RECORDINGS / "healthy.csv", "--healthy", tmp_path / "warm.csv"))
-    assert said.startswith("warm.csv: cannot serve as a healthy record: the residual is larger than the sensor noise explains: an effect is missing from the model")
+    said = complaint(
+        run_ema(
+            "identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", RECORDINGS / "healthy.csv", "--healthy", tmp_path / "warm.csv"
+        )
+    )
+    assert said.startswith(
+        "warm.csv: cannot serve as a healthy record: the residual is larger than the sensor noise explains: an effect is missing from the model"
+    )
     assert said.endswith(": calibrate the actuator on it first, or leave it out of --healthy")
 
 
@@ -101,7 +119,9 @@ def test_what_the_record_does_not_determine_has_no_standard_error(tmp_path: Path
     row = next(line.split() for line in ran.out.splitlines() if line.startswith("CSJ "))
     assert "-" in row and "0" not in row
     assert run_ema("report", tmp_path / "i.json", "-o", tmp_path / "p.html").code == 0
-    assert "cannot serve as a healthy record" in complaint(run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", tmp_path / "stuck.csv"))
+    assert "cannot serve as a healthy record" in complaint(
+        run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", tmp_path / "stuck.csv")
+    )
 
 
 def test_missing_effect_is_not_called_a_fault() -> None:
@@ -143,7 +163,12 @@ def test_healthy_value_outside_its_bounds_is_named() -> None:
 def test_weights_bring_in_other_channels() -> None:
     assert weight_of(None) is None
     assert weight_of("current_A=0.5,position_mm=1") == (1.0, 0.0, 0.5, 0.0)
-    for text, message in (("amps=1", "unknown column"), ("current_A=x", "not a number"), ("current_A=-1", "not weights"), ("current_A=0", "not weights")):
+    for text, message in (
+        ("amps=1", "unknown column"),
+        ("current_A=x", "not a number"),
+        ("current_A=-1", "not weights"),
+        ("current_A=0", "not weights"),
+    ):
         with pytest.raises(InputError, match=message):
             weight_of(text)
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
@@ -156,10 +181,40 @@ def test_weights_bring_in_other_channels() -> None:
 
 def test_simulate_then_identify_on_the_command_line(tmp_path: Path) -> None:
     record = tmp_path / "r.csv"
-    ran = run_ema("simulate", REFERENCE, "--command", "chirp", "-o", record, "--set", "screw.csj_Nm=0.2", "--set", "screw.blk_mm=0.05", "--noise", "position_mm=0.002", "--seed", "4")
+    ran = run_ema(
+        "simulate",
+        REFERENCE,
+        "--command",
+        "chirp",
+        "-o",
+        record,
+        "--set",
+        "screw.csj_Nm=0.2",
+        "--set",
+        "screw.blk_mm=0.05",
+        "--noise",
+        "position_mm=0.002",
+        "--seed",
+        "4",
+    )
     assert ran.code == 0, ran.err
     again = tmp_path / "s.csv"
-    run_ema("simulate", REFERENCE, "--command", "chirp", "-o", again, "--set", "screw.csj_Nm=0.2", "--set", "screw.blk_mm=0.05", "--noise", "position_mm=0.002", "--seed", "4")
+    run_ema(
+        "simulate",
+        REFERENCE,
+        "--command",
+        "chirp",
+        "-o",
+        again,
+        "--set",
+        "screw.csj_Nm=0.2",
+        "--set",
+        "screw.blk_mm=0.05",
+        "--noise",
+        "position_mm=0.002",
+        "--seed",
+        "4",
+    )
     assert record.read_bytes() == again.read_bytes()
     ran = run_ema("identify", REFERENCE, record, "--json", tmp_path / "i.json")
     assert ran.code == 0, ran.err

@@ -47,7 +47,10 @@ def test_macros_of_the_list_are_expanded_and_broken_ones_named(tmp_path: Path) -
     (tmp_path / "ema_effects.def").write_text(macro + row)
     effect = read_definitions(tmp_path).effects[0]
     assert (effect.site, effect.is_learned) == ("LOAD", True)
-    assert [(value.field, value.lower, value.upper, value.text) for value in effect.parameters] == [("a_Nm", -3.0, 1.0, "given"), ("b_Nm", -3.0, 2.0, "own")]
+    assert [(value.field, value.lower, value.upper, value.text) for value in effect.parameters] == [
+        ("a_Nm", -3.0, 1.0, "given"),
+        ("b_Nm", -3.0, 2.0, "own"),
+    ]
     read_definitions.cache_clear()
     (tmp_path / "ema_effects.def").write_text(macro + row.replace(', "given"', ""))
     with pytest.raises(DefinitionError, match="row 4: EMA_PAIR needs 2 arguments"):
@@ -95,12 +98,23 @@ def test_reference_interpolates_as_numpy_does(axis: int) -> None:
     nodes = rng.normal(size=16)
     first, last = (0.5, 5.0) if axis in (2, 3) else (-3.0, 4.0)
     named = {f"learned_torque.node_{k:02d}": float(node) for k, node in enumerate(nodes)}
-    values = reference_actuator().changed({"learned_torque.gain": 2.0, "learned_torque.axis": axis, "learned_torque.first": first, "learned_torque.last": last, **named}).values
+    values = (
+        reference_actuator()
+        .changed(
+            {"learned_torque.gain": 2.0, "learned_torque.axis": axis, "learned_torque.first": first, "learned_torque.last": last, **named}
+        )
+        .values
+    )
     effect = build(values).effects.learned_torque
     period = {2: 5.0, 3: 2.0 * np.pi}.get(axis)
     places = np.linspace(first, last, 16)
     for at in rng.uniform(-20.0, 20.0, 300):
-        speed, position, angle, current = (at if axis == 0 else 7e3), (at if axis in (1, 2) else 7e3), (at if axis == 3 else 7e3), (at if axis == 4 else 7e3)
+        speed, position, angle, current = (
+            (at if axis == 0 else 7e3),
+            (at if axis in (1, 2) else 7e3),
+            (at if axis == 3 else 7e3),
+            (at if axis == 4 else 7e3),
+        )
         point = Point(current, speed, angle, position, 0.0, Data(0.06, 1e-4, 5.0, 24.0))
         assert table.value(effect, point) == pytest.approx(2.0 * np.interp(at, places, nodes, period=period), abs=1e-12)
 

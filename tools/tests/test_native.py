@@ -112,7 +112,11 @@ def test_slices_and_threads_change_nothing() -> None:
 def test_search_takes_its_settings() -> None:
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
     answer = library().identify(
-        VALUES, OPTIONS, record.command_mm, record.table(), Search(identified=("screw.csj_Nm",), lower=(0.1,), upper=(0.3,), start=(0.25,), evaluation_budget=150)
+        VALUES,
+        OPTIONS,
+        record.command_mm,
+        record.table(),
+        Search(identified=("screw.csj_Nm",), lower=(0.1,), upper=(0.3,), start=(0.25,), evaluation_budget=150),
     )
     assert [estimate.name for estimate in answer.identified] == ["screw.csj_Nm"]
     assert answer.identified[0].estimate == pytest.approx(0.2, abs=1e-5)

@@ -110,7 +110,10 @@ def _record(actuator: Actuator, seed: int, seconds: float = 10.0) -> Record:
 @pytest.fixture(scope="module")
 def table() -> Signatures:
     """Of the reference actuator, with three healthy runs whose friction scatters."""
-    healthy = [_record(reference_actuator().changed({"screw.csj_Nm": 0.138 * (1.0 + 0.004 * step)}), 10 + k) for k, step in enumerate((-1.0, 0.3, 0.8))]
+    healthy = [
+        _record(reference_actuator().changed({"screw.csj_Nm": 0.138 * (1.0 + 0.004 * step)}), 10 + k)
+        for k, step in enumerate((-1.0, 0.3, 0.8))
+    ]
     return signatures(reference_actuator(), healthy)
 
 
@@ -214,7 +217,9 @@ def test_benchmark_counts(table: Signatures) -> None:
     """The document's figures, from three records whose answers are known."""
     healthy = tuple(_record(reference_actuator(), 40 + k) for k in range(3))
     kept = [benchmark.Kept("healthy", "", "", _record(reference_actuator(), 50))]
-    kept += [benchmark.Kept("effect", "inertia_change", "medium", _record(reference_actuator().changed({"inertia_change.change": 0.1}), 51))]
+    kept += [
+        benchmark.Kept("effect", "inertia_change", "medium", _record(reference_actuator().changed({"inertia_change.change": 0.1}), 51))
+    ]
     kept += [benchmark.Kept("effect", "supply_sag", "large", _record(reference_actuator().changed({"inertia_change.change": 0.1}), 52))]
     row = benchmark.naming([benchmark.Known(reference_actuator(), healthy, tuple(kept))], onboard.SIGNALS, 25.0)
     assert row[3:] == ["0 of 0, 0 among three", "1 of 1, 1 among three", "0 of 1, 0 among three", "0 of 1"]

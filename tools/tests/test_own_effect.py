@@ -49,7 +49,10 @@ def test_the_document_shows_the_files_as_they_are() -> None:
 
 def test_a_folder_without_a_list_is_refused(tmp_path: Path) -> None:
     ran = subprocess.run(
-        ["cmake", "-S", ROOT, "-B", tmp_path / "build", "-DEMA_TESTS=OFF", "-DEMA_PYTHON=OFF", f"-DEMA_OWN_EFFECTS={tmp_path}"], capture_output=True, text=True, check=False
+        ["cmake", "-S", ROOT, "-B", tmp_path / "build", "-DEMA_TESTS=OFF", "-DEMA_PYTHON=OFF", f"-DEMA_OWN_EFFECTS={tmp_path}"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert ran.returncode != 0
     assert "holds no own_effects.def" in ran.stderr
@@ -60,7 +63,10 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of libraries that hold the example, built as a user builds them."""
     folder = tmp_path_factory.mktemp("own")
     options = ("-DEMA_TESTS=OFF", "-DEMA_PYTHON=OFF", "-DEMA_WERROR=ON", "-DCMAKE_BUILD_TYPE=Release", f"-DEMA_OWN_EFFECTS={EXAMPLE}")
-    for command in (["cmake", "-S", ROOT, "-B", folder, *options], ["cmake", "--build", folder, "--parallel", "2", "--target", "ema_desk32", "ema_desk64"]):
+    for command in (
+        ["cmake", "-S", ROOT, "-B", folder, *options],
+        ["cmake", "--build", folder, "--parallel", "2", "--target", "ema_desk32", "ema_desk64"],
+    ):
         ran = subprocess.run(command, capture_output=True, text=True, check=False)
         assert ran.returncode == 0, ran.stdout + ran.stderr
     return folder / "lib"
@@ -71,7 +77,14 @@ def ema_with(libraries: Path, folder: Path) -> Run:
     environment = {**os.environ, "EMA_LIBRARY_DIR": str(libraries), "PYTHONPATH": str(ROOT / "tools")}
 
     def run(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
-        ran = subprocess.run([sys.executable, "-m", "ema_tools", *map(str, arguments)], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        ran = subprocess.run(
+            [sys.executable, "-m", "ema_tools", *map(str, arguments)],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert ran.returncode == code, ran.stdout + ran.stderr
         return ran
 
@@ -84,9 +97,36 @@ def records(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("records")
     run = ema_with(built, folder)
     for place, level in enumerate(LEVELS_NM):
-        run("simulate", REFERENCE, "--command", "chirp", "--noise", NOISE, "--seed", place + 1, "--set", f"screw.csj_Nm={level}", "-o", f"healthy{place}.csv")
+        run(
+            "simulate",
+            REFERENCE,
+            "--command",
+            "chirp",
+            "--noise",
+            NOISE,
+            "--seed",
+            place + 1,
+            "--set",
+            f"screw.csj_Nm={level}",
+            "-o",
+            f"healthy{place}.csv",
+        )
     hidden = [part for field, value in HIDDEN.items() for part in ("--set", f"effects.scored_rod.{field}={value}")]
-    run("simulate", REFERENCE, "--command", "chirp", "--noise", NOISE, "--seed", 99, "--set", f"screw.csj_Nm={TODAY_NM}", *hidden, "-o", "today.csv")
+    run(
+        "simulate",
+        REFERENCE,
+        "--command",
+        "chirp",
+        "--noise",
+        NOISE,
+        "--seed",
+        99,
+        "--set",
+        f"screw.csj_Nm={TODAY_NM}",
+        *hidden,
+        "-o",
+        "today.csv",
+    )
     return folder
 
 

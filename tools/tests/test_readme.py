@@ -75,7 +75,20 @@ def test_firmware_example_finds_the_fault(tmp_path: Path) -> None:
     (tmp_path / "ema_actuator_data.h").write_text(header_text(reference_actuator()), encoding="utf-8")
     program = tmp_path / "program"
     subprocess.run(
-        [compiler, "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'include'}", f"-I{tmp_path}", str(tmp_path / "main.c"), str(archive), "-o", str(program)],
+        [
+            compiler,
+            "-std=c11",
+            "-O2",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            f"-I{ROOT / 'include'}",
+            f"-I{tmp_path}",
+            str(tmp_path / "main.c"),
+            str(archive),
+            "-o",
+            str(program),
+        ],
         check=True,
     )
     record = read_record(ROOT / "recordings" / "case_a.csv")

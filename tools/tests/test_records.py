@@ -42,7 +42,9 @@ def write_as(record: Record, ending: str, folder: Path) -> Path:
 
 
 @given(command=numbers, position=numbers, current=st.none() | numbers)
-def test_csv_keeps_every_bit(tmp_path_factory: pytest.TempPathFactory, command: np.ndarray, position: np.ndarray, current: np.ndarray | None) -> None:
+def test_csv_keeps_every_bit(
+    tmp_path_factory: pytest.TempPathFactory, command: np.ndarray, position: np.ndarray, current: np.ndarray | None
+) -> None:
     record = Record(1e-3, command, position, current_A=current)
     again = read_record(write_as(record, "csv", tmp_path_factory.mktemp("r")))
     assert again.present == record.present

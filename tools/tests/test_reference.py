@@ -393,7 +393,9 @@ def test_presliding_tends_to_sticking() -> None:
 
 def test_presliding_rests_at_an_end_of_travel_until_pulled_back() -> None:
     command = np.concatenate([held(0.3, 300), held(-0.3, 300)])
-    record = simulate({**OPEN, "presliding.stretch_rad": 0.05, "screw.travel_mm": 0.01, "screw.lead_mm": 1.0, "gearbox.ratio": 10.0}, command)
+    record = simulate(
+        {**OPEN, "presliding.stretch_rad": 0.05, "screw.travel_mm": 0.01, "screw.lead_mm": 1.0, "gearbox.ratio": 10.0}, command
+    )
     assert record.motor_position_mm[299] == pytest.approx(0.01, abs=1e-12)
     assert record.speed_mm_s[299] == 0.0
     assert record.current_A[299] == pytest.approx(0.3 * 24.0 / R, rel=1e-6)

@@ -41,7 +41,14 @@ def _made() -> str:
         "verdict": "missing",
         "sentence": "jam_spot explains what the record shows beyond the repeats.",
         "effects": [
-            {"name": "jam_spot", "class": ["jam_spot"], "parameters": {"effects.jam_spot.amplitude_Nm": value}, "score": 5000.0, "limit": 60.0, "accepted": True},
+            {
+                "name": "jam_spot",
+                "class": ["jam_spot"],
+                "parameters": {"effects.jam_spot.amplitude_Nm": value},
+                "score": 5000.0,
+                "limit": 60.0,
+                "accepted": True,
+            },
             {
                 "name": "pitch_ripple",
                 "class": ["pitch_ripple", "spring_load"],
@@ -54,13 +61,31 @@ def _made() -> str:
             {"name": "constant_load", "class": [], "parameters": {}, "score": 0.0, "limit": 60.0, "accepted": False},
         ],
         "error": {"before": 3.2, "after": 1.05, "floor": 1.0, "holdout_before": 3.4, "holdout_after": 1.1},
-        "next_experiment": {"command": "triangle:amplitude_mm=8", "sentence": "A slow triangle over two leads separates jam_spot from pitch_ripple."},
+        "next_experiment": {
+            "command": "triangle:amplitude_mm=8",
+            "sentence": "A slow triangle over two leads separates jam_spot from pitch_ripple.",
+        },
         "gate": judge(model, record, repeats(WIDE)).result(),
         "where": found.result(),
         "unknown": result(unknowns, learned(unknowns[0])),
         "steps": [
-            {"effects": ["constant_load"], "added": "constant_load", "error_training": 2.9, "error_holdout": 3.6, "parameters": {}, "recommended": False, "reason": "the held-out error rises"},
-            {"effects": ["constant_load", "jam_spot"], "added": "jam_spot", "error_training": 1.05, "error_holdout": 1.1, "parameters": {"effects.jam_spot.amplitude_Nm": value}, "recommended": True},
+            {
+                "effects": ["constant_load"],
+                "added": "constant_load",
+                "error_training": 2.9,
+                "error_holdout": 3.6,
+                "parameters": {},
+                "recommended": False,
+                "reason": "the held-out error rises",
+            },
+            {
+                "effects": ["constant_load", "jam_spot"],
+                "added": "jam_spot",
+                "error_training": 1.05,
+                "error_holdout": 1.1,
+                "parameters": {"effects.jam_spot.amplitude_Nm": value},
+                "recommended": True,
+            },
         ],
         "curves": curves(record, {"before": simulated(model, record), "after": simulated(model.changed(HIDDEN), record)}),
         "provenance": {"command": "ema diagnose mine.toml today.csv"},
@@ -95,7 +120,14 @@ def words(html: str) -> str:
 
 def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
     text = words(page(tmp_path, made()))
-    asked = ["today.csv: jam_spot missing in the model", "Can this record answer?", "Where does the model fail?", "Which effect is missing?", "Does the error fall?", "What to measure next"]
+    asked = [
+        "today.csv: jam_spot missing in the model",
+        "Can this record answer?",
+        "Where does the model fail?",
+        "Which effect is missing?",
+        "Does the error fall?",
+        "What to measure next",
+    ]
     places = [text.index(question) for question in asked]
     assert places == sorted(places)
     for said in (
@@ -113,7 +145,9 @@ def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
 
 
 def test_page_is_well_formed_beside_other_results(tmp_path: Path) -> None:
-    html = page(tmp_path, made(), identified(), made(name="</script><b>", verdict="unknown"), made(verdict="adequate", effects=[], steps=[]))
+    html = page(
+        tmp_path, made(), identified(), made(name="</script><b>", verdict="unknown"), made(verdict="adequate", effects=[], steps=[])
+    )
     found = _structure(_without_scripts(html))
     assert found.problems == [] and found.open == []
     assert len(found.identities) == len(set(found.identities))
@@ -157,7 +191,10 @@ def test_addition_is_shown_with_its_fall(tmp_path: Path) -> None:
         ({"effects": "none"}, "field effects is not a list of objects"),
         ({"steps": [{"effects": ["x"]}]}, "field steps[0].error_training is missing"),
         ({"gate": {"remarks": [{"severity": "bad"}]}}, "field gate.remarks[0].severity is none of blocks, weakens, fine"),
-        ({"where": {"pictures": {"bins": [{"center": [1.0], "mean": ["a"]}]}}}, "field where.pictures.bins[0].mean is not a list of numbers"),
+        (
+            {"where": {"pictures": {"bins": [{"center": [1.0], "mean": ["a"]}]}}},
+            "field where.pictures.bins[0].mean is not a list of numbers",
+        ),
     ],
 )
 def test_bad_field_is_named(change: dict[str, Any], expected: str) -> None:
@@ -168,7 +205,11 @@ def test_bad_field_is_named(change: dict[str, Any], expected: str) -> None:
 
 def test_figures_are_valid_plotly_with_roles() -> None:
     found = parsed(made())
-    drawn = [diagnosis_figures.ranking(found), diagnosis_figures.waterfall(found), *map(diagnosis_figures.picture, (*found.pictures, *found.unknown_pictures))]
+    drawn = [
+        diagnosis_figures.ranking(found),
+        diagnosis_figures.waterfall(found),
+        *map(diagnosis_figures.picture, (*found.pictures, *found.unknown_pictures)),
+    ]
     assert len(drawn) > 20
     for figure in drawn:
         go.Figure({"data": figure["data"], "layout": figure["layout"]})
@@ -186,18 +227,43 @@ def test_waterfall_falls_to_the_floor_with_its_twin() -> None:
 
 def test_values_of_the_last_model_are_stated_once_with_their_errors(tmp_path: Path) -> None:
     """As `ema diagnose` writes them: numbers, and std and bounds beside; the model as given is the first model and no step."""
-    jam = {"name": "jam_spot", "class": [], "parameters": {"amplitude_Nm": 0.1, "width_mm": 2.0}, "std": {"amplitude_Nm": 0.002, "width_mm": 0.01}, "at_bound": ["width_mm"]}
-    worn = {"name": "csj", "class": [], "parameters": {"csj_Nm": 0.2}, "std": {"csj_Nm": 0.0003}, "at_bound": [], "score": 80.0, "limit": 60.0, "accepted": True}
+    jam = {
+        "name": "jam_spot",
+        "class": [],
+        "parameters": {"amplitude_Nm": 0.1, "width_mm": 2.0},
+        "std": {"amplitude_Nm": 0.002, "width_mm": 0.01},
+        "at_bound": ["width_mm"],
+    }
+    worn = {
+        "name": "csj",
+        "class": [],
+        "parameters": {"csj_Nm": 0.2},
+        "std": {"csj_Nm": 0.0003},
+        "at_bound": [],
+        "score": 80.0,
+        "limit": 60.0,
+        "accepted": True,
+    }
     steps = (([], "as given", 3.2), ([], "what scatters", 2.0), (["csj", "jam_spot"], "jam_spot", 1.05))
-    given, moved, last = ({"effects": names, "added": added, "error_training": error, "error_holdout": None} for names, added, error in steps)
+    given, moved, last = (
+        {"effects": names, "added": added, "error_training": error, "error_holdout": None} for names, added, error in steps
+    )
     data = made(effects=[{**jam, "score": 5000.0, "limit": 60.0, "accepted": True}], faults={"csj": worn}, steps=[given, moved, last])
     found = parsed(data)
     assert [step.added for step in found.steps] == ["what scatters", "jam_spot"] and found.steps[0].values == ()
     text = words(page(tmp_path, data))
-    assert text.count("jam_spot.amplitude_Nm = 0.1000 ± 0.0020 Nm") == 1 and text.count("amplitude_Nm = 0.1000 ± 0.0020 Nm") == 2 and text.count("width_mm = 2.000 ± 0.010 mm (at its bound)") == 2
+    assert (
+        text.count("jam_spot.amplitude_Nm = 0.1000 ± 0.0020 Nm") == 1
+        and text.count("amplitude_Nm = 0.1000 ± 0.0020 Nm") == 2
+        and text.count("width_mm = 2.000 ± 0.010 mm (at its bound)") == 2
+    )
     assert text.count("screw.csj_Nm = 0.2000 ± 3.0×10⁻⁴ Nm") == 1
     assert "recommended" not in text.split("Does the error fall?")[1].split("From the first model")[0]
-    assert diagnosis_figures.waterfall(found)["data"][0]["x"] == ["first model<br><b>3.20</b>", "+ what scatters<br><b>2.00</b>", "+ jam_spot<br><b>1.05</b>"]
+    assert diagnosis_figures.waterfall(found)["data"][0]["x"] == [
+        "first model<br><b>3.20</b>",
+        "+ what scatters<br><b>2.00</b>",
+        "+ jam_spot<br><b>1.05</b>",
+    ]
 
 
 def test_ranking_shows_scores_over_their_limit() -> None:
@@ -209,9 +275,27 @@ def test_ranking_shows_scores_over_their_limit() -> None:
 def test_every_picture_of_where_reaches_the_page() -> None:
     found = parsed(made())
     sources = {one.source for one in found.pictures}
-    assert {"mechanical", "electrical", "kinematic", "controller", "torque without inertia", "play loop", "torque loop", "mechanical order"} <= sources
+    assert {
+        "mechanical",
+        "electrical",
+        "kinematic",
+        "controller",
+        "torque without inertia",
+        "play loop",
+        "torque loop",
+        "mechanical order",
+    } <= sources
     worst = [one for one in found.pictures if one.source == "mechanical"]
-    assert {one.by for one in worst} == {"speed", "position", "place in the lead", "motor angle", "current", "acceleration", "time since reversal", "time"}
+    assert {one.by for one in worst} == {
+        "speed",
+        "position",
+        "place in the lead",
+        "motor angle",
+        "current",
+        "acceleration",
+        "time since reversal",
+        "time",
+    }
     assert max(worst, key=diagnosis._unevenness).by in ("position", "time", "time since reversal")
 
 

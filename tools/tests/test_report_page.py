@@ -109,7 +109,11 @@ def test_page_says_what_was_found(tmp_path: Path) -> None:
 
 def test_names_cannot_break_the_page(tmp_path: Path) -> None:
     hostile = "</script><script>alert(1)</script>\"'&"
-    page = _page(tmp_path, identified(name=hostile, provenance={hostile: hostile}), compared(sentence=hostile, where=[{"name": hostile, "share_percent": 60.0, "time_share": 0.1}]))
+    page = _page(
+        tmp_path,
+        identified(name=hostile, provenance={hostile: hostile}),
+        compared(sentence=hostile, where=[{"name": hostile, "share_percent": 60.0, "time_share": 0.1}]),
+    )
     assert "alert(1)</script>" not in page
     assert page.count("<script") == 3
     assert hostile in "".join(_structure(_without_scripts(page)).texts)
@@ -316,7 +320,10 @@ def test_browser_complains_about_a_page_with_an_error(tmp_path: Path, browser: s
     """What the test above relies on: an error and a forbidden request each reach the log."""
     page = tmp_path / "bad.html"
     policy = "<meta http-equiv='Content-Security-Policy' content=\"default-src 'none'; script-src 'unsafe-inline'\">"
-    page.write_text(f"<!doctype html>{policy}<title>x</title><img src='http://example.invalid/x.png' alt=''><script>missing()</script>", encoding="utf-8")
+    page.write_text(
+        f"<!doctype html>{policy}<title>x</title><img src='http://example.invalid/x.png' alt=''><script>missing()</script>",
+        encoding="utf-8",
+    )
     done = subprocess.run(
         [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=2000",
          "--enable-logging=stderr", "--dump-dom", page.as_uri()],

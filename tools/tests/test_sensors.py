@@ -23,7 +23,9 @@ LATE_ROWS = 2
 @cache
 def run(seed: int, **changes: float) -> Record:
     """A run of the reference actuator, changed, as its sensors show it."""
-    return chirp_record(reference_actuator().changed({name.replace("__", "."): value for name, value in changes.items()})).with_noise(NOISE, seed)
+    return chirp_record(reference_actuator().changed({name.replace("__", "."): value for name, value in changes.items()})).with_noise(
+        NOISE, seed
+    )
 
 
 def repeats() -> list[Record]:
@@ -40,11 +42,19 @@ def suspected(record: Record) -> Suspect | None:
         (lambda r: replace(r, current_A=1.2 * r.current_A), "current_A", 1.2, 0.0, 0.0),
         (lambda r: replace(r, current_A=r.current_A + 0.5), "current_A", 1.0, 0.5, 0.0),
         (lambda r: replace(r, voltage_V=0.9 * r.voltage_V - 1.0), "voltage_V", 0.9, -1.0, 0.0),
-        (lambda r: replace(r, motor_position_mm=np.concatenate((np.zeros(LATE_ROWS), r.motor_position_mm[:-LATE_ROWS]))), "motor_position_mm", 1.0, 0.0, LATE_ROWS),
+        (
+            lambda r: replace(r, motor_position_mm=np.concatenate((np.zeros(LATE_ROWS), r.motor_position_mm[:-LATE_ROWS]))),
+            "motor_position_mm",
+            1.0,
+            0.0,
+            LATE_ROWS,
+        ),
     ],
     ids=["gain", "zero", "both", "late"],
 )
-def test_an_error_of_one_sensor_is_suspected(change: Callable[[Record], Record], channel: str, factor: float, offset: float, late_ms: float) -> None:
+def test_an_error_of_one_sensor_is_suspected(
+    change: Callable[[Record], Record], channel: str, factor: float, offset: float, late_ms: float
+) -> None:
     found = suspected(change(run(9)))
     assert found is not None and found.channel == channel and found.share > 0.95
     assert found.factor == pytest.approx(factor, abs=0.005)
@@ -53,7 +63,9 @@ def test_an_error_of_one_sensor_is_suspected(change: Callable[[Record], Record],
     assert 1e3 * found.late_s == pytest.approx(late_ms, rel=0.02)
 
 
-@pytest.mark.parametrize("changes", [{}, {"screw__csj_Nm": 0.16}, {"effects__magnet_weakening__loss": 0.04}, {"effects__stribeck_friction__rise": 0.3}])
+@pytest.mark.parametrize(
+    "changes", [{}, {"screw__csj_Nm": 0.16}, {"effects__magnet_weakening__loss": 0.04}, {"effects__stribeck_friction__rise": 0.3}]
+)
 def test_physics_and_nothing_are_not(changes: dict[str, float]) -> None:
     assert suspected(run(9, **changes)) is None
 

@@ -106,7 +106,16 @@ def test_what_it_cannot_hide_it_refuses(monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.parametrize("name", list(outside.DEFAULTS))
 def test_effects_outside_the_library_show_in_proportion_and_vanish_at_zero(name: str) -> None:
     size = f"{name}.{next(iter(outside.DEFAULTS[name]))}"
-    small = {"broken_ball": 0.01, "encoder_eccentricity": 0.01, "lead_error": 0.002, "bus_hum": 0.02, "friction_fade": 0.1, "speed_hump": 0.005, "command_dead_band": 0.004, "magnetic_lag": 0.05}
+    small = {
+        "broken_ball": 0.01,
+        "encoder_eccentricity": 0.01,
+        "lead_error": 0.002,
+        "bus_hum": 0.02,
+        "friction_fade": 0.1,
+        "speed_hump": 0.005,
+        "command_dead_band": 0.004,
+        "magnetic_lag": 0.05,
+    }
     sweep = chirp(times_s(2_000), 2.0, 0.5, 4.0, 2.0)
     step = small.get(name, 0.5)
     without = simulate_truth({}, sweep, step_s=5e-5)
@@ -132,7 +141,9 @@ def test_effects_outside_the_library_do_what_they_say() -> None:
     faded = simulate_truth({"friction_fade.share": 0.2, "friction_fade.time_s": 0.01}, sweep)
     assert rms(faded, simulate_truth({"screw.csj_Nm": 0.8 * 0.138}, sweep), "current_A") < 0.1 * rms(faded, without, "current_A")
     leaking = simulate_truth({"integrator_leak.rate_per_s": 50.0}, sweep)
-    assert rms(leaking, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V") < 0.5 * rms(without, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V")
+    assert rms(leaking, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V") < 0.5 * rms(
+        without, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V"
+    )
     still = simulate_truth({"command_dead_band.width_mm": 5.0}, sweep)
     assert np.all(still.motor_position_mm == 0.0)
     with pytest.raises(KeyError, match=r"bus_hum\.ripple"):

@@ -23,7 +23,16 @@ from support import chirp_record
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
-SIZES = {"rise_degC": 12.0, "loss": 0.03, "sag": 0.01, "change": 0.06, "drift": 0.006, "error": 0.0004, "offset_mm": 0.004, "asymmetry": 0.005}
+SIZES = {
+    "rise_degC": 12.0,
+    "loss": 0.03,
+    "sag": 0.01,
+    "change": 0.06,
+    "drift": 0.006,
+    "error": 0.0004,
+    "offset_mm": 0.004,
+    "asymmetry": 0.005,
+}
 
 
 @pytest.mark.parametrize("name", TWINS)
@@ -55,7 +64,9 @@ def test_what_a_data_sheet_leaves_open_is_not_named_and_what_it_does_not_is_with
 
 def test_a_twin_that_cannot_have_the_sign_is_left_out() -> None:
     sheet = reference_actuator()
-    strong = gather(sheet, noisy({name: 1.05 * sheet[name] for name in ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")}, 6))
+    strong = gather(
+        sheet, noisy({name: 1.05 * sheet[name] for name in ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")}, 6)
+    )
     assert "magnet_weakening" not in {effect_of(name) for fit in twins(settled(strong, {}, reach=12.0)) for name in fit.values}
 
 
@@ -81,5 +92,10 @@ def test_no_effect_of_a_typical_size_is_slight(effect: str) -> None:
 def test_a_healthy_unit_that_is_known_by_its_data_sheet_alone_is_not_accused(unit: int) -> None:
     """Contacts that stretch before they slide look a little like Stribeck friction (0.1 %), and like a spring."""
     run = measured(machine(unit), {}, "chirp", 91)
-    found = diagnose(gather(reference_actuator(), Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file="run")))
+    found = diagnose(
+        gather(
+            reference_actuator(),
+            Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file="run"),
+        )
+    )
     assert found.verdict == "adequate", [(one.name, one.score, one.values) for one in found.named]

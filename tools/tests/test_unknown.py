@@ -117,7 +117,9 @@ def test_learned_voltage_and_reading_have_their_signs() -> None:
 
 def test_changes_name_every_value_of_the_table() -> None:
     found = table(left({"effects.winding_heating.rise_degC": 60.0}))
-    assert set(found.changes) == {f"effects.learned_voltage.{field}" for field in ("gain", "axis", "first", "last", *(f"node_{place:02d}" for place in range(NODES)))}
+    assert set(found.changes) == {
+        f"effects.learned_voltage.{field}" for field in ("gain", "axis", "first", "last", *(f"node_{place:02d}" for place in range(NODES)))
+    }
     assert found.changes["effects.learned_voltage.gain"] == 1.0 and found.changes["effects.learned_voltage.axis"] == 4.0
     assert "outside that range it holds its edge value" in found.sentence
 

@@ -38,7 +38,11 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     build = library_folder().parent
     printed = {}
     for command, _ in _steps():
-        typed = re.sub(r"build/(\w+\.(?:json|toml|h))", rf"{folder}/\1", command).replace("docs walk", f"{folder} walk").replace("build/", f"{build}/")
+        typed = (
+            re.sub(r"build/(\w+\.(?:json|toml|h))", rf"{folder}/\1", command)
+            .replace("docs walk", f"{folder} walk")
+            .replace("build/", f"{build}/")
+        )
         done = subprocess.run(["bash", "-c", typed], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == 0, f"{command}\n{done.stderr}"
         printed[command] = done.stdout.replace(str(folder), "build")

@@ -30,7 +30,11 @@ def found(changes: Mapping[str, float], text: str = "chirp") -> Where:
         ({"effects.constant_load.torque_Nm": 0.015}, "mechanical", "constant"),
         ({"effects.inertia_change.change": 0.1}, "mechanical", "proportional to acceleration"),
         ({"effects.spring_load.stiffness_Nm_per_mm": 0.01}, "mechanical", "proportional to position"),
-        ({"effects.cogging_torque.amplitude_Nm": 0.045, "effects.cogging_torque.periods": 12.0}, "mechanical", "in 12 periods per motor turn"),
+        (
+            {"effects.cogging_torque.amplitude_Nm": 0.045, "effects.cogging_torque.periods": 12.0},
+            "mechanical",
+            "in 12 periods per motor turn",
+        ),
         ({"effects.sensor_gain.error": 0.003}, "kinematic", "proportional to position"),
         ({"effects.sensor_offset.offset_mm": 0.02}, "kinematic", "constant"),
         ({"effects.feedback_delay.delay_s": 1e-3}, "controller", "proportional to speed"),
@@ -125,12 +129,19 @@ def test_shares_of_signals_use_the_noise_that_is_known() -> None:
     record = measured({"effects.winding_heating.rise_degC": 60.0}, 99)
     channels = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
     power = np.outer([1e-6, 1e-6, 1e-3, 1e-3], np.ones(record.rows // 2 + 1))
-    plain, weighed = where(reference_actuator(), record, repeats()), where(reference_actuator(), record, repeats(), Whitener.of(power, record.rows), channels)
+    plain, weighed = (
+        where(reference_actuator(), record, repeats()),
+        where(reference_actuator(), record, repeats(), Whitener.of(power, record.rows), channels),
+    )
     for answer in (plain, weighed):
         assert sum(one.share for one in answer.channels) == pytest.approx(1.0)
         assert {one.name for one in answer.channels} == set(channels)
     # with weights that are alike at all frequencies the shares are those of the squares
-    weights = {name: size / power[place, 0] for place, name in enumerate(channels) for size in [next(one.rms for one in plain.channels if one.name == name) ** 2]}
+    weights = {
+        name: size / power[place, 0]
+        for place, name in enumerate(channels)
+        for size in [next(one.rms for one in plain.channels if one.name == name) ** 2]
+    }
     for one in weighed.channels:
         assert one.share == pytest.approx(weights[one.name] / sum(weights.values()), rel=1e-6)
     noise = next(one for one in plain.channels if one.name == "current_A")

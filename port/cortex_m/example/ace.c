@@ -8,14 +8,16 @@
 #define TICK_S (1.0f / (float)ACE_TICK_HZ)
 #define MM_PER_M 1000.0f
 
-/* Full scale of the record. The chirp and room for overshoot: a count of int16 is 0.12 um. More than the supply can drive through the winding: 0.9 mA. */
+/* Full scale of the record. The chirp and room for overshoot: a count of int16 is 0.12 um. More than the supply can
+ * drive through the winding: 0.9 mA. */
 #define FULL_SCALE_MM 4.0f
 #define FULL_SCALE_A 30.0f
 
 static const ema_command_config_t chirp_config = {
     .kind = EMA_COMMAND_CHIRP, .amplitude_mm = 2.0f, .start_hz = 0.1f, .end_hz = 4.0f, .duration_s = 10.0f};
 
-/* Everything the firmware keeps. The interrupt writes the first part; the background reads it once `recorded` is set, its counts at any time. */
+/* Everything the firmware keeps. The interrupt writes the first part; the background reads it once `recorded` is set,
+ * its counts at any time. */
 static struct {
     ema_command_t chirp;
     uint32_t start;
@@ -48,7 +50,9 @@ static float control(float command_mm, float motor_mm)
 
 static void feed(float command_mm, const ace_sensors_t* seen)
 {
-    const ema_sample_t sample = {.command_mm = command_mm, .channel = {[EMA_CHANNEL_POSITION] = seen->rod_mm, [EMA_CHANNEL_CURRENT] = seen->current_A}};
+    const ema_sample_t sample = {
+        .command_mm = command_mm,
+        .channel = {[EMA_CHANNEL_POSITION] = seen->rod_mm, [EMA_CHANNEL_CURRENT] = seen->current_A}};
     ace.fed = ema_guarded_feed(&ace.guarded, &sample);
     ace.recorded = (ace.fed != EMA_OK) || ((ace.ticks + 1U) == ACE_ROWS);
 }
@@ -75,8 +79,10 @@ static void ace_tick(void)
 
 static ema_status_t prepare(const ace_limits_t* limits)
 {
-    /* the command is known at every tick, so its place in the record is free for the current, which the table asks for */
-    ema_record_config_t record = {.buffer = ace.record, .buffer_bytes = sizeof ace.record, .format = EMA_RECORD_INT16, .command = &ace.chirp};
+    /* the command is known at every tick, so its place in the record is free for the current, which the table asks for
+     */
+    ema_record_config_t record = {
+        .buffer = ace.record, .buffer_bytes = sizeof ace.record, .format = EMA_RECORD_INT16, .command = &ace.chirp};
     record.full_scale[EMA_CHANNEL_POSITION] = FULL_SCALE_MM;
     record.keep[EMA_CHANNEL_CURRENT] = true;
     record.full_scale[EMA_CHANNEL_CURRENT] = FULL_SCALE_A;

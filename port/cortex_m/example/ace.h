@@ -1,8 +1,10 @@
-/* An example ACE: a position loop at 1 kHz in the timer interrupt, the identification and the onboard diagnosis in the background.
+/* An example ACE: a position loop at 1 kHz in the timer interrupt, the identification and the onboard diagnosis in the
+ * background.
  *
- * The interrupt commands the chirp, closes the loop and feeds the guarded session a row; once the record is full, the background gives it its slices while the
- * loop goes on. The answer is CSJ and BLK, what the table of signatures found missing from the model, and a verdict that knows both. How late a tick came and
- * how long a slice took are measured against what is allowed.
+ * The interrupt commands the chirp, closes the loop and feeds the guarded session a row; once the record is full, the
+ * background gives it its slices while the loop goes on. The answer is CSJ and BLK, what the table of signatures found
+ * missing from the model, and a verdict that knows both. How late a tick came and how long a slice took are measured
+ * against what is allowed.
  */
 #ifndef ACE_H
 #define ACE_H
@@ -32,14 +34,14 @@ typedef struct {
     uint32_t ticks;           /* control ticks made */
     uint32_t ticks_searching; /* those while the search ran */
     uint32_t late_ticks;
-    uint32_t latest_us;       /* how late the latest tick began */
-    uint32_t tick_us;         /* what the longest took */
+    uint32_t latest_us; /* how late the latest tick began */
+    uint32_t tick_us;   /* what the longest took */
     uint32_t slices;
     uint32_t overruns;
-    uint32_t slice_us;        /* what the longest took, interrupts not counted */
+    uint32_t slice_us; /* what the longest took, interrupts not counted */
     uint32_t allowed_us;
-    ema_result_t result;      /* when status is not ACE_REFUSED; its verdict is the guarded one */
-    ema_finding_t finding;    /* likewise: the effect that the model lacks, and its size */
+    ema_result_t result;   /* when status is not ACE_REFUSED; its verdict is the guarded one */
+    ema_finding_t finding; /* likewise: the effect that the model lacks, and its size */
 } ace_report_t;
 
 /* The whole ground test: chirp, record, identification. */

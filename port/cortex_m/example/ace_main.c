@@ -1,6 +1,7 @@
 /* The example firmware: one ground test, then its report on the console.
  *
- * ace [SLICE_STEPS [SLICE_US [TICK_LATE_US]]]: what is allowed, so that a test can ask for too little. The exit code is the status.
+ * ace [SLICE_STEPS [SLICE_US [TICK_LATE_US]]]: what is allowed, so that a test can ask for too little. The exit code is
+ * the status.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -24,8 +25,10 @@ static void print_result(const ema_result_t* result)
         print_real("shift_percent", result->identified[i].shift_percent);
     }
     print_real("objective_after", result->objective_after);
-    (void)printf("evaluations %" PRIu32 "\nrandom %016llx\n", result->evaluations, (unsigned long long)result->random.state);
-    (void)printf("verdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->verdict, (int)result->adequate, result->reasons);
+    (void)printf("evaluations %" PRIu32 "\nrandom %016llx\n", result->evaluations,
+                 (unsigned long long)result->random.state);
+    (void)printf("verdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->verdict, (int)result->adequate,
+                 result->reasons);
 }
 
 /* What the model lacks, beside what was estimated with it. */
@@ -49,13 +52,16 @@ int main(int argc, char* argv[])
 {
     static const char* const names[] = {"ok", "late", "overrun", "refused"};
     static ace_report_t report;
-    const ace_limits_t limits = {.slice_steps = number(argc, argv, 1, 200U), .slice_us = number(argc, argv, 2, 2000U), .tick_late_us = number(argc, argv, 3, 20U)};
+    const ace_limits_t limits = {.slice_steps = number(argc, argv, 1, 200U),
+                                 .slice_us = number(argc, argv, 2, 2000U),
+                                 .tick_late_us = number(argc, argv, 3, 20U)};
     ace_run(&limits, &report);
     (void)printf("status %s\nsession %s\n", names[report.status], ema_status_text(report.session));
-    (void)printf("ticks %" PRIu32 "\nticks_searching %" PRIu32 "\nlate_ticks %" PRIu32 "\nlatest_us %" PRIu32 "\ntick_us %" PRIu32 "\n", report.ticks,
-                 report.ticks_searching, report.late_ticks, report.latest_us, report.tick_us);
-    (void)printf("slices %" PRIu32 "\noverruns %" PRIu32 "\nslice_us %" PRIu32 "\nallowed_us %" PRIu32 "\n", report.slices, report.overruns, report.slice_us,
-                 report.allowed_us);
+    (void)printf("ticks %" PRIu32 "\nticks_searching %" PRIu32 "\nlate_ticks %" PRIu32 "\nlatest_us %" PRIu32
+                 "\ntick_us %" PRIu32 "\n",
+                 report.ticks, report.ticks_searching, report.late_ticks, report.latest_us, report.tick_us);
+    (void)printf("slices %" PRIu32 "\noverruns %" PRIu32 "\nslice_us %" PRIu32 "\nallowed_us %" PRIu32 "\n",
+                 report.slices, report.overruns, report.slice_us, report.allowed_us);
     if (report.status != ACE_REFUSED) {
         print_result(&report.result);
         print_finding(&report.finding);

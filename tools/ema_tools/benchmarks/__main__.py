@@ -20,7 +20,9 @@ from ema_tools.files import write_text
 @click.command()
 @click.option("--seeds", default=100, show_default=True, type=click.IntRange(1), help="Searches per case and start without noise.")
 @click.option("--noise-seeds", default=50, show_default=True, type=click.IntRange(2), help="Noisy records per case.")
-@click.option("--recordings", default="recordings", show_default=True, type=click.Path(path_type=Path), help="Folder of the shipped recordings.")
+@click.option(
+    "--recordings", default="recordings", show_default=True, type=click.Path(path_type=Path), help="Folder of the shipped recordings."
+)
 @click.option("--speed", type=click.Path(path_type=Path), help="Benchmark program of the C module; its figures are added.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Document to write, overwritten; else the terminal.")
 def run(seeds: int, noise_seeds: int, recordings: Path, speed: Path | None, output: Path | None) -> None:

@@ -150,7 +150,10 @@ def cramer_rao_percent(actuator: Actuator, case: Case, command_mm: Reals, share:
     columns = []
     for name in IDENTIFIED:
         step = share * at_truth[name]
-        up, down = (library(64).simulate(*at_truth.changed({name: at_truth[name] + sign * step}).arrays(), command_mm).position_mm for sign in (1.0, -1.0))
+        up, down = (
+            library(64).simulate(*at_truth.changed({name: at_truth[name] + sign * step}).arrays(), command_mm).position_mm
+            for sign in (1.0, -1.0)
+        )
         columns.append((up - down) / (2.0 * step))
     sensitivity = np.column_stack(columns)
     covariance = NOISE_MM**2 * np.linalg.inv(sensitivity.T @ sensitivity)

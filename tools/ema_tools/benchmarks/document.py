@@ -27,14 +27,20 @@ def missed(own: list[Trial], truth: list[Trial], noise: list[Trial], bounds: lis
         for trial in trials:
             for name, worst, limit in zip(_NAMES, trial.worst_percent(), limits, strict=True):
                 if worst > limit:
-                    problems.append(f"case {trial.letter}, {title}: {name} is off by {worst:.2g} %, limit {limit:g} %: look at the search's settings")
+                    problems.append(
+                        f"case {trial.letter}, {title}: {name} is off by {worst:.2g} %, limit {limit:g} %: look at the search's settings"
+                    )
     for trial, bound in zip(noise, bounds, strict=True):
         for name, ratio in zip(_NAMES, trial.rms_percent() / bound, strict=True):
             if ratio > NOISE_LIMIT_RATIO:
-                problems.append(f"case {trial.letter}, noise: {name} scatters {ratio:.2f} x the Cramer-Rao bound, limit {NOISE_LIMIT_RATIO:g}: look at the search's end")
+                problems.append(
+                    f"case {trial.letter}, noise: {name} scatters {ratio:.2f} x the Cramer-Rao bound, limit {NOISE_LIMIT_RATIO:g}: look at the search's end"
+                )
     for trial in (*own, *truth, *noise):
         if np.max(trial.evaluations) > EVALUATION_BUDGET:
-            problems.append(f"case {trial.letter}: {np.max(trial.evaluations):.0f} model runs, limit {EVALUATION_BUDGET}: look at the budget")
+            problems.append(
+                f"case {trial.letter}: {np.max(trial.evaluations):.0f} model runs, limit {EVALUATION_BUDGET}: look at the budget"
+            )
     return problems
 
 

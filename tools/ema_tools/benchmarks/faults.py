@@ -379,7 +379,9 @@ def run(fault: Fault, machine: Machine, noise_mm: float, record: Record, program
     spoilt = fault.spoil(sheet, record, random)
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "record.csv").write_text(spoilt.text(), encoding="utf-8")
-        done = subprocess.run([program, "--json", "result.json", "record.csv"], cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+        done = subprocess.run(
+            [program, "--json", "result.json", "record.csv"], cwd=folder, capture_output=True, text=True, timeout=300, check=False
+        )
         if done.returncode == 1:
             return Row(fault, machine, noise_mm, done.stderr.strip(), "", (), (np.nan, np.nan), (np.nan, np.nan))
         if done.returncode != 0:
@@ -387,11 +389,21 @@ def run(fault: Fault, machine: Machine, noise_mm: float, record: Record, program
         result = json.loads((Path(folder) / "result.json").read_text(encoding="utf-8"))
     found = [result[name] for name in TOLERANCE_PERCENT]
     shifts = [float(part["shift_percent"]) for part in found]
-    doubts = [100.0 * (3.0 * float(part["std"]) + float(part["bias"])) / float(part["healthy"]) if part["std"] is not None else np.nan for part in found]
-    return Row(fault, machine, noise_mm, None, str(result["verdict"]), tuple(result["reasons"]), (shifts[0], shifts[1]), (doubts[0], doubts[1]))
+    doubts = [
+        100.0 * (3.0 * float(part["std"]) + float(part["bias"])) / float(part["healthy"]) if part["std"] is not None else np.nan
+        for part in found
+    ]
+    return Row(
+        fault, machine, noise_mm, None, str(result["verdict"]), tuple(result["reasons"]), (shifts[0], shifts[1]), (doubts[0], doubts[1])
+    )
 
 
-def table(faults: Sequence[Fault] = FAULTS, machines: Sequence[Machine] = MACHINES, noises_mm: Sequence[float] = (0.0, NOISE_MM), done: Callable[[int], None] | None = None) -> list[Row]:
+def table(
+    faults: Sequence[Fault] = FAULTS,
+    machines: Sequence[Machine] = MACHINES,
+    noises_mm: Sequence[float] = (0.0, NOISE_MM),
+    done: Callable[[int], None] | None = None,
+) -> list[Row]:
     """Every fault on every machine with every noise, in this order."""
     program = _program()
     records = {machine.name: read_record(ROOT / "recordings" / machine.record) for machine in machines}
@@ -445,9 +457,15 @@ def document(rows: Sequence[Row]) -> str:
     found = {(row.fault.kind, row.fault.strength, row.machine.name, row.noise_mm): outcome(row) for row in rows}
     head = " | ".join(f"{machine.name}, {'noise' if noise else 'no noise'}" for machine, noise in places)
     lines = [
-        f"| {fault.kind} | {fault.strength} | " + " | ".join(found[fault.kind, fault.strength, machine.name, noise] for machine, noise in places) + " |" for fault in FAULTS
+        f"| {fault.kind} | {fault.strength} | "
+        + " | ".join(found[fault.kind, fault.strength, machine.name, noise] for machine, noise in places)
+        + " |"
+        for fault in FAULTS
     ]
-    machines = "; ".join(f"{machine.name}: CSJ {machine.shift_percent('csj_Nm'):+.1f} %, BLK {machine.shift_percent('blk_mm'):+.1f} %" for machine in MACHINES)
+    machines = "; ".join(
+        f"{machine.name}: CSJ {machine.shift_percent('csj_Nm'):+.1f} %, BLK {machine.shift_percent('blk_mm'):+.1f} %"
+        for machine in MACHINES
+    )
     return f"""# Spoilt records
 
 Written by a command; do not edit. To write it again, after `cmake --workflow --preset test`:
@@ -455,7 +473,7 @@ Written by a command; do not edit. To write it again, after `cmake --workflow --
     build/venv/bin/python -m ema_tools.benchmarks.faults -o docs/FAULTS.md
 
 Records of the truth plant, spoilt as a sensor, a clock, a cable or a mistake would, and read by `ema_identify`: the onboard module alone, with nothing of the tools behind it.
-{machines}. Noise is {1000.0 * NOISE_MM:g} um rms on the rod position. A value counts as right within {TOLERANCE_PERCENT['csj_Nm']:g} % (CSJ) and {TOLERANCE_PERCENT['blk_mm']:g} % (BLK) of
+{machines}. Noise is {1000.0 * NOISE_MM:g} um rms on the rod position. A value counts as right within {TOLERANCE_PERCENT["csj_Nm"]:g} % (CSJ) and {TOLERANCE_PERCENT["blk_mm"]:g} % (BLK) of
 its healthy value besides what the module states itself: three standard errors and the bias.
 
 **{counted(rows)}**
@@ -465,7 +483,7 @@ its healthy value besides what the module states itself: three standard errors a
 {chr(10).join(f"| {word} | {text} |" for word, text in _KEY.items())}
 
 | what is wrong | how much | {head} |
-|---|---|{'---|' * len(places)}
+|---|---|{"---|" * len(places)}
 {chr(10).join(lines)}
 
 What moves the rod's reading by less than the noise, and for as long as a motion lasts, cannot be seen in a single record and shifts the estimates: a sensor that saturates at
@@ -482,7 +500,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = table()
     for row in rows:
         if not row.good:
-            print(f"wrong: {row.fault.kind}, {row.fault.strength}, {row.machine.name}, noise {row.noise_mm:g} mm: {row.verdict} {row.shift_percent}", file=sys.stderr)
+            print(
+                f"wrong: {row.fault.kind}, {row.fault.strength}, {row.machine.name}, noise {row.noise_mm:g} mm: {row.verdict} {row.shift_percent}",
+                file=sys.stderr,
+            )
     if options.output is not None:
         options.output.write_text(document(rows), encoding="utf-8")
     print(counted(rows))

@@ -86,8 +86,15 @@ def known(number: int) -> Known:
     healthy = tuple(seen({}, "repeat", k) for k in range(REPEATS))
     kept = [Kept("healthy", "", "", seen({}, "healthy", k)) for k in range(DAYS)]
     for kind, names in (("effect", LIBRARY), ("fault", FAULTS), ("outside", OUTSIDE)):
-        kept += [Kept(kind, name, strength, seen(change(unit, name, SEVERITIES[strength], COMMAND).values, name, strength)) for name in names for strength in STRENGTHS]
-    kept += [Kept("case", case.letter, "", seen(_fault_values(unit, case.csj_Nm / HEALTHY_CSJ_NM, case.blk_mm / HEALTHY_BLK_MM), case.letter)) for case in CASES]
+        kept += [
+            Kept(kind, name, strength, seen(change(unit, name, SEVERITIES[strength], COMMAND).values, name, strength))
+            for name in names
+            for strength in STRENGTHS
+        ]
+    kept += [
+        Kept("case", case.letter, "", seen(_fault_values(unit, case.csj_Nm / HEALTHY_CSJ_NM, case.blk_mm / HEALTHY_BLK_MM), case.letter))
+        for case in CASES
+    ]
     return Known(calibrate(reference_actuator(), healthy).actuator, healthy, tuple(kept))
 
 
@@ -122,9 +129,15 @@ def naming(machines: Sequence[Known], signals: tuple[str, ...], rate_hz: float) 
 
 def _start(table: Signatures, found: Judged) -> tuple[float, ...]:
     actuator = table.actuator
-    bounds = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
+    bounds = {
+        "screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"),
+        "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm"),
+    }
     near = [float(np.clip(one.healthy + found.moved[one.key], _REACH[0] * one.healthy, _REACH[1] * one.healthy)) for one in table.faults]
-    return tuple(float(np.clip(value, actuator[bounds[one.name][0]], actuator[bounds[one.name][1]])) for one, value in zip(table.faults, near, strict=True))
+    return tuple(
+        float(np.clip(value, actuator[bounds[one.name][0]], actuator[bounds[one.name][1]]))
+        for one, value in zip(table.faults, near, strict=True)
+    )
 
 
 @dataclass(frozen=True)
@@ -142,7 +155,9 @@ def guarded(table: Signatures, kept: Kept) -> Guarded:
     actuator = table.actuator
     cold = run(actuator, kept.record, Search(), 32)
     first = judge(table, residual_of(table, kept.record))
-    temperature = min(max(_WARMTH * cold.objective_before, actuator["search.function_tolerance_mm2s"]), actuator["search.initial_temperature_mm2s"])
+    temperature = min(
+        max(_WARMTH * cold.objective_before, actuator["search.function_tolerance_mm2s"]), actuator["search.initial_temperature_mm2s"]
+    )
     warm = run(actuator, kept.record, Search(start=_start(table, first), initial_temperature=temperature), 32)
     at = actuator.changed({one.name: one.estimate for one in warm.identified})
     return Guarded(kept, cold, warm, judge(table, residual_of(table, kept.record, at), at))
@@ -158,7 +173,10 @@ def verdicts(answers: Sequence[Guarded]) -> list[str]:
     for kind, title in (("fault", "CSJ +5 % / +15 %, BLK +25 % / +75 %"), ("case", "cases A, B, C")):
         groups.append((title, [one for one in answers if one.kept.kind == kind]))
     for kind, title in (("effect", "effect of the library"), ("outside", "effect outside it")):
-        groups += [(f"{title}, {strength}", [one for one in answers if one.kept.kind == kind and one.kept.strength == strength]) for strength in _BEHIND]
+        groups += [
+            (f"{title}, {strength}", [one for one in answers if one.kept.kind == kind and one.kept.strength == strength])
+            for strength in _BEHIND
+        ]
     rows = []
     for title, group in groups:
         adequate = sum(one.warm.adequate for one in group)
@@ -172,10 +190,24 @@ def verdicts(answers: Sequence[Guarded]) -> list[str]:
 def searches(answers: Sequence[Guarded]) -> list[str]:
     """Rows: what is hidden, model runs without and with a table (its own two counted), and how far the estimates lie apart at most, in standard errors."""
     rows = []
-    for title, kinds in (("nothing", ("healthy",)), ("CSJ or BLK", ("fault",)), ("case A", ("A",)), ("case B", ("B",)), ("case C", ("C",)), ("an effect", ("effect", "outside"))):
+    for title, kinds in (
+        ("nothing", ("healthy",)),
+        ("CSJ or BLK", ("fault",)),
+        ("case A", ("A",)),
+        ("case B", ("B",)),
+        ("case C", ("C",)),
+        ("an effect", ("effect", "outside")),
+    ):
         group = [one for one in answers if one.kept.kind in kinds or (one.kept.kind == "case" and one.kept.name in kinds)]
-        cold, warm = (float(np.mean([run_of.evaluations for run_of in runs])) for runs in ([one.cold for one in group], [one.warm for one in group]))
-        apart = [abs(a.estimate - b.estimate) / b.std for one in group for a, b in zip(one.warm.identified, one.cold.identified, strict=True) if b.std > 0.0]
+        cold, warm = (
+            float(np.mean([run_of.evaluations for run_of in runs])) for runs in ([one.cold for one in group], [one.warm for one in group])
+        )
+        apart = [
+            abs(a.estimate - b.estimate) / b.std
+            for one in group
+            for a, b in zip(one.warm.identified, one.cold.identified, strict=True)
+            if b.std > 0.0
+        ]
         rows.append(_row([title, f"{cold:.0f}", f"{warm + 2.0:.0f}", f"{np.max(apart):.2g}"]))
     return rows
 
@@ -222,7 +254,9 @@ def _count(bar: Bar, before: int, done: int) -> None:
 
 @click.command()
 @click.option("--machines", default=3, show_default=True, type=click.IntRange(1), help="Number of machines.")
-@click.option("--first", default=11, show_default=True, type=click.IntRange(1), help="Number of the first; shapes and sizes were chosen on 1 to 5.")
+@click.option(
+    "--first", default=11, show_default=True, type=click.IntRange(1), help="Number of the first; shapes and sizes were chosen on 1 to 5."
+)
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Document whose figures are replaced; else the terminal.")
 def measure(machines: int, first: int, output: Path | None) -> None:
     """Naming by the onboard table."""

@@ -70,15 +70,33 @@ class Added:
             "effect": self.effect,
             "sentence": self.sentence(),
             "error": self.errors.result(),
-            "parameters": {name: {"value": value, "std": self.fit.std.get(name), "unit": row_of(name).unit, "at_bound": name in self.fit.at_bound} for name, value in self.fit.values.items()},
+            "parameters": {
+                name: {"value": value, "std": self.fit.std.get(name), "unit": row_of(name).unit, "at_bound": name in self.fit.at_bound}
+                for name, value in self.fit.values.items()
+            },
             "correlations": [{"values": [first, second], "correlation": value} for first, second, value in self.correlations],
-            "steps": [{"effects": list(step.effects), "added": step.added or "as given", "error_training": step.error, "error_holdout": step.holdout} for step in self.steps],
+            "steps": [
+                {
+                    "effects": list(step.effects),
+                    "added": step.added or "as given",
+                    "error_training": step.error,
+                    "error_holdout": step.holdout,
+                }
+                for step in self.steps
+            ],
             "recommended": self.recommended,
             "reason": self.reason,
         }
 
 
-def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None) -> Added:
+def add(
+    actuator: Actuator,
+    effect: str,
+    record: Record,
+    healthy: Sequence[Record] = (),
+    holdout: Record | None = None,
+    report: Report | None = None,
+) -> Added:
     """Fits `effect` to a record beside what scatters (with healthy repeats also CSJ and BLK, which may have changed with it), and judges it.
 
     Raises InputError for an unknown effect, a record that shows nothing of it, and as `gather` does.
@@ -101,14 +119,26 @@ def add(actuator: Actuator, effect: str, record: Record, healthy: Sequence[Recor
     recommended, reason = _judged(fit, effect, errors, before, correlations)
     own = fit.of_effect(effect)
     tell(1.0, "done")
-    return Added(effect, fitted_machine(evidence, fit).changed(own), fit, errors, steps, recommended, reason, correlations, effect in actuator.active_effects)
+    return Added(
+        effect,
+        fitted_machine(evidence, fit).changed(own),
+        fit,
+        errors,
+        steps,
+        recommended,
+        reason,
+        correlations,
+        effect in actuator.active_effects,
+    )
 
 
 def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Record | None = None, report: Report | None = None) -> Added:
     """Fits `effect` to a record of a machine that is as `actuator` says but for its CSJ and BLK, which are free: what is written keeps their healthy values. Raises InputError as `add` does."""
     tell = report or (lambda _share, _text: None)
     if next((row.is_learned for row in load_definitions().effects if row.name == effect), True):
-        raise InputError(f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists")
+        raise InputError(
+            f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists"
+        )
     tell(0.1, f"fitting {effect} beside CSJ and BLK")
     check_records(record, (), holdout)
     answerable(actuator, record, ())
@@ -123,7 +153,17 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     correlations = tuple(_correlations(fit))
     recommended, reason = _judged(fit, effect, errors, before, correlations)
     tell(1.0, "done")
-    return Added(effect, actuator.changed(fit.of_effect(effect)), fit, errors, steps, recommended, reason, correlations, effect in actuator.active_effects)
+    return Added(
+        effect,
+        actuator.changed(fit.of_effect(effect)),
+        fit,
+        errors,
+        steps,
+        recommended,
+        reason,
+        correlations,
+        effect in actuator.active_effects,
+    )
 
 
 def set_result(actuator: Actuator, effect: str) -> dict[str, Any]:
@@ -183,12 +223,20 @@ def _judged(fit: Fit, effect: str, errors: Errors, before: float, correlations: 
     bound = [name for name in fit.at_bound if effect_of(name) == effect]
     if bound:
         return False, f"{bound[0]} lies on a bound of its range, so the effect stands in for another one"
-    if errors.holdout_before is not None and errors.holdout_after is not None and errors.holdout_after > (1.0 - _FALL) * errors.holdout_before:
+    if (
+        errors.holdout_before is not None
+        and errors.holdout_after is not None
+        and errors.holdout_after > (1.0 - _FALL) * errors.holdout_before
+    ):
         return False, "the error on the record held out does not fall"
     size = next(iter(fit.of_effect(effect)))
     tied = [pair for pair in correlations if size in pair[:2]]
     if tied:
         other = tied[0][1] if tied[0][0] == size else tied[0][0]
         return True, f"the error falls, but its size cannot be told from {other} (correlation {tied[0][2]:.2f}) on this record"
-    held = " on the fitted record and on the one held out" if errors.holdout_before is not None else " on the fitted record; no record was held out"
+    held = (
+        " on the fitted record and on the one held out"
+        if errors.holdout_before is not None
+        else " on the fitted record; no record was held out"
+    )
     return True, f"the error falls{held}"

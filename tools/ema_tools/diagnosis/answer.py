@@ -93,7 +93,11 @@ class Answer:
         alike = f", which looks like {', '.join(others)}" if others else ""
         faults = f"; beside it {faults}" if faults else ""
         are = "is" if len(self.refuted) == 1 else "are"
-        refuted = f"; {' and '.join(self.refuted)} would lower the error further but raise that of the record held out, and {are} not recommended" if self.refuted else ""
+        refuted = (
+            f"; {' and '.join(self.refuted)} would lower the error further but raise that of the record held out, and {are} not recommended"
+            if self.refuted
+            else ""
+        )
         return f"{first}missing is {named}{alike}{faults}{refuted} ({fall})."
 
     @property
@@ -138,11 +142,23 @@ class Answer:
             "cannot_see": self.hidden() or None,
             "effects": [_effect_result(one, self.diagnosis) for one in named[:_LISTED]],
             "faults": {one.name: _effect_result(one, self.diagnosis) for one in self.faults},
-            "standing": {name: {value.field: self.known[value.name] for value in _effect(name).parameters} for name in self.known.active_effects} if self.evidence.relative else {},
+            "standing": {
+                name: {value.field: self.known[value.name] for value in _effect(name).parameters} for name in self.known.active_effects
+            }
+            if self.evidence.relative
+            else {},
             "error": self.errors.result(),
             "next_experiment": self.next_step(),
             "unexplained": self.diagnosis.unexplained,
-            "steps": [{"effects": list(step.effects), "added": step.added or "as given", "error_training": step.error, "error_holdout": step.holdout} for step in self.steps],
+            "steps": [
+                {
+                    "effects": list(step.effects),
+                    "added": step.added or "as given",
+                    "error_training": step.error,
+                    "error_holdout": step.holdout,
+                }
+                for step in self.steps
+            ],
             "gate": self.gate.result(),
             "where": self.where.result(),
             "unknown": unknowns.result(self.left, self.learned) if self.left else None,
@@ -164,7 +180,10 @@ def _effect_result(one: Named, diagnosis: Diagnosis) -> dict[str, Any]:
         "looks_like_fault": [name for name in one.alike if name in FAULTS and name != one.name],
         "parameters": {name.split(".")[-1]: value for name, value in one.values.items()},
         "std": {name.split(".")[-1]: value for name, value in one.std.items()},
-        "interval95": {name.split(".")[-1]: [one.values[name] - _INTERVAL * value, one.values[name] + _INTERVAL * value] for name, value in one.std.items()},
+        "interval95": {
+            name.split(".")[-1]: [one.values[name] - _INTERVAL * value, one.values[name] + _INTERVAL * value]
+            for name, value in one.std.items()
+        },
         "at_bound": [name.split(".")[-1] for name in one.values if name in at_bound],
         "score": one.score,
         "limit": one.limit,
@@ -199,16 +218,22 @@ def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Recor
     """Raises InputError, naming the file, for records that confirm themselves, for a run that is given twice, for healthy records of a command that nothing else has, and for repeats
     whose signals do not fit the record's."""
     if holdout is not None and _same_samples(record, holdout):
-        raise InputError(f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command")
+        raise InputError(
+            f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command"
+        )
     check_apart(record, healthy)
     for other in healthy:
         if holdout is not None and _same_samples(other, holdout):
-            raise InputError(f"{holdout.file}: held out is one of the healthy records, which shows no effect: give --holdout another run of the machine as it is in {record.file}")
+            raise InputError(
+                f"{holdout.file}: held out is one of the healthy records, which shows no effect: give --holdout another run of the machine as it is in {record.file}"
+            )
         if same_command(record, other):
             _check_signals(record, other)
         elif holdout is None or not same_command(holdout, other):
             rows = "" if other.rows == record.rows else f" ({other.rows} rows, {record.file} has {record.rows})"
-            raise InputError(f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out{rows}: give healthy records of the same command")
+            raise InputError(
+                f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out{rows}: give healthy records of the same command"
+            )
 
 
 def check_apart(record: Record, healthy: Sequence[Record]) -> None:
@@ -218,7 +243,9 @@ def check_apart(record: Record, healthy: Sequence[Record]) -> None:
             raise InputError(f"{other.file}: healthy is the record itself, against which nothing has changed: leave it out of --healthy")
         for earlier in healthy[:place]:
             if _same_samples(earlier, other):
-                raise InputError(f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every healthy run once")
+                raise InputError(
+                    f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every healthy run once"
+                )
 
 
 def _same_samples(one: Record, other: Record) -> bool:
@@ -231,7 +258,9 @@ def _check_signals(record: Record, other: Record) -> None:
     for name in (name for name in CHANNELS if record.channel(name) is not None and other.channel(name) is not None):
         size, its = float(np.std(record.recorded(name))), float(np.std(other.recorded(name)))
         if size > 0.0 and not its > 0.0:
-            raise InputError(f"{other.file}: {name} does not change, while that of {record.file} does: check that the sensor was connected, or leave the file out of --healthy")
+            raise InputError(
+                f"{other.file}: {name} does not change, while that of {record.file} does: check that the sensor was connected, or leave the file out of --healthy"
+            )
         if size > 0.0 and not 1.0 / _SIZES < its / size < _SIZES:
             raise InputError(f"{other.file}: {name} is {its / size:.3g} times that of {record.file}: give both in the same unit")
 
@@ -246,7 +275,9 @@ def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) ->
     return gate
 
 
-def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None) -> Answer:
+def answer(
+    actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None
+) -> Answer:
     """Diagnoses a record. `healthy` records of the record's command are its repeats, those of the hold-out's command are the hold-out's.
 
     Raises InputError for a record that cannot answer, and for healthy records that belong to neither.
@@ -271,7 +302,9 @@ def answer(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), h
     errors, steps = walk(found, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     wrong = refuted(steps) if found.verdict == "missing" else ()
     found = found.refuted(wrong) if wrong else found
-    kept: Mapping[str, float] = {name: value for name, value in best.values.items() if effect_of(name) not in wrong} if best is not None else {}
+    kept: Mapping[str, float] = (
+        {name: value for name, value in best.values.items() if effect_of(name) not in wrong} if best is not None else {}
+    )
     improved = known.changed(kept if found.verdict == "missing" else {})
     left: tuple[unknowns.Unknown, ...] = ()
     table = None

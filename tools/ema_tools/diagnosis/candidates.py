@@ -29,7 +29,15 @@ _SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
     "inverter_dead_time": {"width_A": (0.05, 0.3)},
 }
 # Shapes that are as good as independent of each other: among so many the best one explains some noise.
-_TRIED: Mapping[str, int] = {"cogging_torque": 150, "torque_ripple": 90, "pitch_ripple": 4, "stribeck_friction": 6, "jam_spot": 60, "transmission_compliance": 3, "presliding": 2}
+_TRIED: Mapping[str, int] = {
+    "cogging_torque": 150,
+    "torque_ripple": 90,
+    "pitch_ripple": 4,
+    "stribeck_friction": 6,
+    "jam_spot": 60,
+    "transmission_compliance": 3,
+    "presliding": 2,
+}
 # First size tried, as a share of an effect's range; then it is scaled by what the residual asks for.
 _FIRST_SHARE = 0.002
 _SCALINGS = 4
@@ -46,7 +54,9 @@ _FINE_KEPT = 3
 # A limit acts only below what the signal reaches: shares of the largest current that are tried.
 _LIMIT_SHARES = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.4, 0.35, 0.3)
 # First sizes of effects that are far from proportional to their size, and the power with which they grow.
-_FIRST: Mapping[str, Sequence[float]] = {"transmission_compliance": (0.0022, 0.0028, 0.0035, 0.0045, 0.006, 0.008, 0.011, 0.015, 0.02, 0.03, 0.05)}
+_FIRST: Mapping[str, Sequence[float]] = {
+    "transmission_compliance": (0.0022, 0.0028, 0.0035, 0.0045, 0.006, 0.008, 0.011, 0.015, 0.02, 0.03, 0.05)
+}
 _POWER: Mapping[str, float] = {"transmission_compliance": 2.0}
 _FACTORS = (1e-3, 1e3)
 _POWERS = (0.5, 3.0)
@@ -115,13 +125,20 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
         return [one(*_turned(effect, actuator, shaped)) for shaped in suggested if _same_periods(effect, actuator, shaped.shape)]
     if effect.is_own and not present:
         # nothing suggests its further values: they are fitted from where they stand, except one at zero, which has no scale
-        stands = {f"effects.{value.name}": actuator[value.name] for value in effect.parameters[1:] if actuator[value.name] != 0.0 or value.field == "phase_rad"}
+        stands = {
+            f"effects.{value.name}": actuator[value.name]
+            for value in effect.parameters[1:]
+            if actuator[value.name] != 0.0 or value.field == "phase_rad"
+        }
         return [one(stands, _ladder(size.lower, size.upper, size.nominal, _LADDER))]
     grid = {} if present else _SHAPES.get(effect.name, {})
     names = [f"effects.{effect.name}.{field}" for field in grid]
     zero = actuator[size.name]
     first = () if present else tuple(_FIRST.get(effect.name, ()))
-    return [one(dict(zip(names, values, strict=True)), first or _ladder(size.lower, size.upper, zero, _LADDER), zero) for values in itertools.product(*grid.values())]
+    return [
+        one(dict(zip(names, values, strict=True)), first or _ladder(size.lower, size.upper, zero, _LADDER), zero)
+        for values in itertools.product(*grid.values())
+    ]
 
 
 def _by_simulation(effect: Effect, view: View) -> list[Shaped]:
@@ -129,7 +146,11 @@ def _by_simulation(effect: Effect, view: View) -> list[Shaped]:
     numbers, share = _FINE[effect.name]
     first = share * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
     phases = np.linspace(-np.pi, np.pi, _FINE_PHASES, endpoint=False)
-    shapes = [{f"effects.{effect.name}.periods": float(number), f"effects.{effect.name}.phase_rad": float(phase)} for number in numbers for phase in phases]
+    shapes = [
+        {f"effects.{effect.name}.periods": float(number), f"effects.{effect.name}.phase_rad": float(phase)}
+        for number in numbers
+        for phase in phases
+    ]
 
     def tried(shape: Mapping[str, float]) -> Shaped:
         wanted, gain = _gain(view.signature({f"effects.{effect.size.name}": first, **shape}), view.residual)
@@ -158,7 +179,9 @@ def candidates(view: View, without: Collection[str] = (), only: Collection[str] 
     for fault, value in FAULTS.items():
         nominal = evidence.actuator[value]
         if fault not in without and (only is None or fault in only) and nominal > 0.0 and value not in scattering:
-            found.append(Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal))
+            found.append(
+                Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal)
+            )
     screen = Screen(view)
     for effect in load_definitions().effects:
         if effect.name not in without and (only is None or effect.name in only) and not effect.is_learned:

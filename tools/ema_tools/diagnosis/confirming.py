@@ -96,7 +96,9 @@ def error_of(evidence: Evidence, values: Mapping[str, float]) -> float:
     return weighted(settled(evidence, values, rounds=_SETTLE_ROUNDS).cost, evidence)
 
 
-def walk(diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None, healthy: Sequence[Record] = ()) -> tuple[Errors, tuple[Step, ...]]:
+def walk(
+    diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None, healthy: Sequence[Record] = ()
+) -> tuple[Errors, tuple[Step, ...]]:
     """The fall of the error from the first model over every accepted set of effects, with its twin on `holdout`, a record that nothing was fitted to.
 
     `healthy`: repeats of the command of `holdout`, where there are any.
@@ -117,4 +119,11 @@ def walk(diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None
         known = fit.effects
     last = steps[-1]
     floor = weighted(diagnosis.cost_floor, evidence)
-    return Errors(steps[0].error, last.error, floor, steps[0].holdout, last.holdout, weighted(first.expected_cost(), first) if first is not None else None), tuple(steps)
+    return Errors(
+        steps[0].error,
+        last.error,
+        floor,
+        steps[0].holdout,
+        last.holdout,
+        weighted(first.expected_cost(), first) if first is not None else None,
+    ), tuple(steps)

@@ -170,7 +170,9 @@ class View:
             found = np.zeros(self.residual.size - none.size)
             for low, high in around[name]:
                 try:
-                    moved = self.evidence.whiten(self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own))
+                    moved = self.evidence.whiten(
+                        self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own)
+                    )
                 except InputError:
                     break
                 found = moved / (high - low)
@@ -243,7 +245,9 @@ def raw_cost(evidence: Evidence) -> float:
     return float(np.sum(evidence.whiten(evidence.target - evidence.simulate({}, own)) ** 2))
 
 
-def settled(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = _CREDIBLE) -> View:
+def settled(
+    evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = _CREDIBLE
+) -> View:
     """The view after what scatters has moved to where it is best, as far as `rounds` of linear steps bring it, no farther than `reach`."""
     here = view(evidence, values, deviations)
     if not evidence.spread:

@@ -121,7 +121,9 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
     upper = np.array([row.upper for row in rows]) / scale
 
     def vector(point: Reals) -> Reals:
-        changes = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)} | kept
+        changes = {
+            name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)
+        } | kept
         try:
             return view.signature(changes)
         except InputError:
@@ -152,7 +154,9 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
     columns = np.asarray(found.jac, dtype=float)
     covariance = np.asarray(np.linalg.pinv(columns.T @ columns) * np.outer(scale, scale), dtype=float)
     values = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, found.x * scale, rows, strict=True)}
-    at_bound = tuple(name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
+    at_bound = tuple(
+        name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal)
+    )
     values |= kept
     return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, covariance, at_bound, view, 2.0 * float(found.cost))
 

@@ -75,7 +75,11 @@ HINTS: Sequence[Hint] = (
         "a weight changes its sign against the rod and an asymmetry of friction does not, an asymmetry follows the level of friction and a load does not, "
         "and an offset of the current sensor, the third that looks like them, stays when the drive is off",
     ),
-    _hint("feedback_delay actuation_delay", "record what the controller itself sees, with its own clock", "a late feedback is late there, a late output is not"),
+    _hint(
+        "feedback_delay actuation_delay",
+        "record what the controller itself sees, with its own clock",
+        "a late feedback is late there, a late output is not",
+    ),
     _hint(
         "winding_heating source_resistance supply_sag magnet_weakening gain_drift",
         "measure the bus voltage under load, and the winding at standstill with an ohmmeter",
@@ -86,21 +90,39 @@ HINTS: Sequence[Hint] = (
         "turn the motor from outside and measure its voltage, or lift a known weight",
         "the back-EMF without current shows the magnet alone, and a known weight the torque",
     ),
-    _hint("pitch_ripple spring_load cogging_torque", "let the stroke pass several leads of the screw", "a spring grows all the way, a ripple repeats every lead or turn"),
+    _hint(
+        "pitch_ripple spring_load cogging_torque",
+        "let the stroke pass several leads of the screw",
+        "a spring grows all the way, a ripple repeats every lead or turn",
+    ),
     _hint(
         "blk transmission_compliance presliding stribeck_friction",
         "record both positions while a known outside force pushes the rod to and fro, motor held",
         "play moves freely, a spring in proportion, a contact in micrometres",
     ),
-    _hint("sensor_gain sensor_offset transmission_compliance blk", "hold a gauge or a second sensor against the rod at a few positions", "a sensor's error is in the reading alone, not in the rod"),
-    _hint("csj stribeck_friction presliding jam_spot", "raise the drive slowly from rest at several places and note where the rod breaks away", "the static level shows before any motion"),
-    _hint("viscous_rise concave_viscous quadratic_viscous viscous_asymmetry", "hold several constant speeds in both directions", "torque against speed then shows its curve without any acceleration"),
+    _hint(
+        "sensor_gain sensor_offset transmission_compliance blk",
+        "hold a gauge or a second sensor against the rod at a few positions",
+        "a sensor's error is in the reading alone, not in the rod",
+    ),
+    _hint(
+        "csj stribeck_friction presliding jam_spot",
+        "raise the drive slowly from rest at several places and note where the rod breaks away",
+        "the static level shows before any motion",
+    ),
+    _hint(
+        "viscous_rise concave_viscous quadratic_viscous viscous_asymmetry",
+        "hold several constant speeds in both directions",
+        "torque against speed then shows its curve without any acceleration",
+    ),
     _hint(
         "inertia_change feedback_delay actuation_delay transmission_compliance",
         "tap the rod with the drive off, or fasten a known mass to it",
         "inertia and spring act without the loop, a delay only in it",
     ),
-    _hint("gain_drift supply_sag", "record the controller's own output", "a drifting gain changes it for the same error, a supply does not"),
+    _hint(
+        "gain_drift supply_sag", "record the controller's own output", "a drifting gain changes it for the same error, a supply does not"
+    ),
 )
 
 
@@ -165,7 +187,9 @@ class Next:
             size = f", at sizes {self.larger:g} times the usual lower end" if self.larger > 1.0 else ""
             return f"Next: {first.title}, --command {first.command}: it separates {names} by {first.separation:.3g} standard deviations{size} ({SEPARATE:g} tell them apart)."
         if not self.confused:
-            each_pair = "; ".join(f"{' and '.join(pair)}: --command {best.command} ({best.pairs[pair]:.3g})" for pair, best in self._best_of_each().items())
+            each_pair = "; ".join(
+                f"{' and '.join(pair)}: --command {best.command} ({best.pairs[pair]:.3g})" for pair, best in self._best_of_each().items()
+            )
             return f"No single command separates {names}, but each pair has one: {each_pair}."
         most = max(option.separation for option in self.options)
         pairs = "; ".join(" and ".join(pair) for pair in self.confused)
@@ -186,10 +210,14 @@ class Next:
             return ()
         found = []
         if self.hidden:
-            found.append(f"At these sizes no command shows {' or '.join(self.hidden)} plainly: ask again with larger sizes (--set), or with less noise.")
+            found.append(
+                f"At these sizes no command shows {' or '.join(self.hidden)} plainly: ask again with larger sizes (--set), or with less noise."
+            )
         if self.with_channels is not None:
             names, option = self.with_channels
-            found.append(f"Record {' and '.join(name for name in names if name not in self.channels)} too: --command {option.command} then separates them by {option.separation:.3g}.")
+            found.append(
+                f"Record {' and '.join(name for name in names if name not in self.channels)} too: --command {option.command} then separates them by {option.separation:.3g}."
+            )
         count = self.repeats()
         if count is not None:
             found.append(f"The mean of {count} repeats of --command {self.options[0].command} would.")
@@ -243,7 +271,9 @@ def check_effects(effects: Sequence[str]) -> tuple[str, ...]:
     known = [effect.name for effect in load_definitions().effects if not effect.is_learned]
     for name in effects:
         if name not in known and name not in FAULTS:
-            raise InputError(f"--between {name}: no such effect{nearest(name, [*known, *FAULTS])}: ema effects lists the library; csj and blk are taken too")
+            raise InputError(
+                f"--between {name}: no such effect{nearest(name, [*known, *FAULTS])}: ema effects lists the library; csj and blk are taken too"
+            )
     found = tuple(dict.fromkeys(effects))
     if len(found) < 2:
         raise InputError(f"--between {' '.join(effects)}: one effect is confused with nothing: name two or more")
@@ -296,7 +326,18 @@ def _evidence(actuator: Actuator, one: _Run, channels: Sequence[str], noise: Map
     level = np.maximum(white, least_noise(base))
     power = np.broadcast_to((level**2)[:, None], (len(channels), one.record.rows // 2 + 1))
     # a healthy repeat with nothing new stands behind it: what scatters is what differs from run to run
-    return Evidence(actuator, one.record, tuple(channels), base, spreads.from_run_to_run(), Whitener.of(power, one.record.rows), power, np.empty((0, *base.shape)), 0.0, (base,))
+    return Evidence(
+        actuator,
+        one.record,
+        tuple(channels),
+        base,
+        spreads.from_run_to_run(),
+        Whitener.of(power, one.record.rows),
+        power,
+        np.empty((0, *base.shape)),
+        0.0,
+        (base,),
+    )
 
 
 def _seen(evidence: Evidence, changes: Mapping[str, float]) -> View:
@@ -314,7 +355,14 @@ def _left(seen: View, other: str) -> float:
     return math.sqrt(max(least, 0.0) / (1.0 + _MODEL_ERROR**2 * seen.cost))
 
 
-def _option(actuator: Actuator, one: _Run, effects: Sequence[str], values: Mapping[str, Mapping[str, float]], channels: Sequence[str], noise: Mapping[str, float]) -> Option:
+def _option(
+    actuator: Actuator,
+    one: _Run,
+    effects: Sequence[str],
+    values: Mapping[str, Mapping[str, float]],
+    channels: Sequence[str],
+    noise: Mapping[str, float],
+) -> Option:
     evidence = _evidence(actuator, one, channels, noise)
     seen = {effect: _seen(evidence, values[effect]) for effect in effects}
     pairs = {(first, second): min(_left(seen[first], second), _left(seen[second], first)) for first, second in combinations(effects, 2)}
@@ -359,21 +407,27 @@ def sizes_for(actuator: Actuator, effects: Sequence[str], evidence: Evidence, gi
     return found
 
 
-def _safe(runs: Sequence[_Run], actuator: Actuator, values: Mapping[str, Mapping[str, float]], limits: Limits) -> tuple[list[_Run], dict[str, str]]:
+def _safe(
+    runs: Sequence[_Run], actuator: Actuator, values: Mapping[str, Mapping[str, float]], limits: Limits
+) -> tuple[list[_Run], dict[str, str]]:
     """The commands that are safe on the machine as known and with each of the effects, and why the others are not."""
 
     def why(one: _Run) -> str:
         reason = limits.offence(one.run, one.record.command_mm, actuator, one.record.period_s)
         for effect, changes in values.items():
             if not reason:
-                reason = limits.offence(_simulated(actuator.changed(changes), one.record.command_mm), one.record.command_mm, actuator, one.record.period_s)
+                reason = limits.offence(
+                    _simulated(actuator.changed(changes), one.record.command_mm), one.record.command_mm, actuator, one.record.period_s
+                )
                 reason = f"with {effect} it {reason}" if reason else ""
             else:
                 break
         return reason
 
     reasons = each(why, runs)
-    return [one for one, reason in zip(runs, reasons, strict=True) if not reason], {f"{one.title} ({one.text})": reason for one, reason in zip(runs, reasons, strict=True) if reason}
+    return [one for one, reason in zip(runs, reasons, strict=True) if not reason], {
+        f"{one.title} ({one.text})": reason for one, reason in zip(runs, reasons, strict=True) if reason
+    }
 
 
 def next_experiment(
@@ -408,7 +462,11 @@ def next_experiment(
     def ranked(some: Sequence[_Run], at: Mapping[str, Mapping[str, float]], seen: Sequence[str], share: float) -> tuple[Option, ...]:
         nonlocal done
         begun, done = done, done + share
-        options = each(lambda one: _option(actuator, one, names, at, seen, rms), some, lambda count: tell(begun + share * count / max(len(some), 1), some[min(count, len(some) - 1)].title))
+        options = each(
+            lambda one: _option(actuator, one, names, at, seen, rms),
+            some,
+            lambda count: tell(begun + share * count / max(len(some), 1), some[min(count, len(some) - 1)].title),
+        )
         return tuple(sorted(options, key=lambda option: -option.separation))
 
     found = Next(names, recorded, sizes, ranked(safe, sizes, recorded, 0.5), unsafe, limits)
@@ -456,13 +514,24 @@ def print_next(console: Console, found: Next) -> None:
     console.print()
     many = len(found.effects) > 2
     heads = ("worst pair",) if many else ()
-    rows = table("Separation, standard deviations", "command", "numbers", *heads, "apart", *(() if many else (f"shows {effect}" for effect in found.effects)), text_columns=3 if many else 2)
+    rows = table(
+        "Separation, standard deviations",
+        "command",
+        "numbers",
+        *heads,
+        "apart",
+        *(() if many else (f"shows {effect}" for effect in found.effects)),
+        text_columns=3 if many else 2,
+    )
     for option in found.options:
         worst = (" / ".join(min(option.pairs.items(), key=lambda pair: pair[1])[0]),) if many else ()
         visible = () if many else (number(option.shown[effect], 3) for effect in found.effects)
         rows.add_row(option.title, _numbers(option.command), *worst, number(option.separation, 3), *visible)
     console.print(rows)
-    sizes = "; ".join(f"{effect} {', '.join(f'{row_of(name).field} = {value:.4g}' for name, value in values.items())}" for effect, values in found.values.items())
+    sizes = "; ".join(
+        f"{effect} {', '.join(f'{row_of(name).field} = {value:.4g}' for name, value in values.items())}"
+        for effect, values in found.values.items()
+    )
     console.print(Text(f"Sizes: {sizes}. Recorded: {', '.join(found.channels)}."))
     console.print(Text(f"Safe is {found.limits.text()}."))
     for command, reason in found.unsafe.items():

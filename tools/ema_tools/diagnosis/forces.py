@@ -88,7 +88,9 @@ class ForceStep:
             "effects": [self.effect],
             "added": self.effect,
             "class": [self.effect, *self.alike],
-            "parameters": {name: {"value": value, "std": self.std.get(name), "unit": row_of(name).unit} for name, value in self.values.items()},
+            "parameters": {
+                name: {"value": value, "std": self.std.get(name), "unit": row_of(name).unit} for name, value in self.values.items()
+            },
             **self.errors.result(),
             "elsewhere": {by: {"before_percent": before, "after_percent": after} for by, (before, after) in self.elsewhere.items()},
             "recommended": True,
@@ -111,7 +113,9 @@ class Refusal:
         return {
             "effect": self.effect,
             "reason": self.reason,
-            "parameters": {name: {"value": value, "std": self.std.get(name), "unit": row_of(name).unit} for name, value in self.values.items()},
+            "parameters": {
+                name: {"value": value, "std": self.std.get(name), "unit": row_of(name).unit} for name, value in self.values.items()
+            },
             **(self.errors.result() if self.errors is not None else {}),
             "recommended": False,
         }
@@ -135,11 +139,26 @@ class ForceSteps:
     def result(self) -> dict[str, Any]:
         """For JSON."""
         return {
-            "error": {"given": self.given.result(), "refitted": self.refitted.result(), "floor_percent": self.floor_percent if math.isfinite(self.floor_percent) else None},
+            "error": {
+                "given": self.given.result(),
+                "refitted": self.refitted.result(),
+                "floor_percent": self.floor_percent if math.isfinite(self.floor_percent) else None,
+            },
             "steps": [{**step.result(), "kept": step.effect in self.actuator.active_effects} for step in self.steps],
             "refused": [refusal.result() for refusal in self.refused],
-            "values": {name: self.actuator[name] for name in (*MECHANICAL_PARAMETERS, *(row.name for row in load_definitions().effect_values if row.effect in self.actuator.active_effects))},
-            "laps": {"count": self.laps.count, "period_s": self.laps.period_rows * self.period_s or None, "parts": self.laps.folds, "held_out_part": self.laps.folds},
+            "values": {
+                name: self.actuator[name]
+                for name in (
+                    *MECHANICAL_PARAMETERS,
+                    *(row.name for row in load_definitions().effect_values if row.effect in self.actuator.active_effects),
+                )
+            },
+            "laps": {
+                "count": self.laps.count,
+                "period_s": self.laps.period_rows * self.period_s or None,
+                "parts": self.laps.folds,
+                "held_out_part": self.laps.folds,
+            },
             "curves": {name: values.tolist() for name, values in self.curves.items()},
         }
 
@@ -200,12 +219,18 @@ class Bench:
 
     def decimated(self, columns: Reals) -> Reals:
         """Columns [rows, k] on the samples, [samples, k]."""
-        return np.column_stack([self.smoother.decimated(column) for column in columns.T]) if columns.shape[1] else np.zeros((self.fold.size, 0))
+        return (
+            np.column_stack([self.smoother.decimated(column) for column in columns.T])
+            if columns.shape[1]
+            else np.zeros((self.fold.size, 0))
+        )
 
     def sampled(self, setting: Setting) -> Samples:
         """A setting on the samples."""
         model, decimated = setting.model, self.smoother.decimated
-        return Samples(setting, decimated(model.drive_Nm), decimated(model.drive_Nm - model.load_Nm - model.added_Nm), self.decimated(model.columns))
+        return Samples(
+            setting, decimated(model.drive_Nm), decimated(model.drive_Nm - model.load_Nm - model.added_Nm), self.decimated(model.columns)
+        )
 
     def changed(self, changes: Mapping[str, float]) -> Samples:
         """The start with some values changed."""
@@ -238,7 +263,9 @@ class Bench:
         """The base values with the constant torque left as it was given."""
         start, known = self.start, adjusted(self.start.setting.actuator)[LOAD]
         base = start.base * (1.0, 1.0, 1.0, 0.0)
-        fit = self.fit(Samples(start.setting, start.drive, start.target - known * start.base[:, 3], base), (), np.zeros((self.fold.size, 0)))
+        fit = self.fit(
+            Samples(start.setting, start.drive, start.target - known * start.base[:, 3], base), (), np.zeros((self.fold.size, 0))
+        )
         return replace(fit, values={**fit.values, LOAD: start.setting.actuator[LOAD]})
 
     def judged(self, fit: Fitted) -> Fitted:
@@ -285,7 +312,12 @@ class Bench:
             return np.array([found[name] for name in values])
 
         steps = np.maximum(1e-3 * np.sqrt(np.maximum(np.diag(covariance), 0.0)), 1e-12 * np.maximum(np.abs(point), 1e-12))
-        slope = np.column_stack([(at(point + step * unit) - at(point - step * unit)) / (2.0 * step) for step, unit in zip(steps, np.eye(point.size), strict=True)])
+        slope = np.column_stack(
+            [
+                (at(point + step * unit) - at(point - step * unit)) / (2.0 * step)
+                for step, unit in zip(steps, np.eye(point.size), strict=True)
+            ]
+        )
         spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slope, covariance, slope), 0.0))
         # what stands still is a shape that was chosen from a few
         return {name: float(value) for name, value in zip(values, spread, strict=True) if value > 0.0}
@@ -309,7 +341,9 @@ class Bench:
             fits.append(at(size, self._bent[changes]))
         place = min(range(len(fits)), key=lambda k: fits[k].square(self.training))
         ends = (sizes[place - 1] if place else max(row.lower, 1e-3 * sizes[0]), sizes[place + 1] if place + 1 < len(sizes) else row.upper)
-        found = minimize_scalar(lambda size: at(float(size)).square(self.training), bounds=ends, method="bounded", options={"xatol": 5e-3 * sizes[place]})
+        found = minimize_scalar(
+            lambda size: at(float(size)).square(self.training), bounds=ends, method="bounded", options={"xatol": 5e-3 * sizes[place]}
+        )
         refined = at(float(found.x))
         return min(refined, fits[place], key=lambda fit: fit.square(self.training))
 
@@ -331,7 +365,9 @@ def values_of(setting: Setting, patterns: Sequence[Pattern], coefficients: Reals
     """Base and effects' values by name for coefficients [4 + k]."""
     actuator = setting.actuator
     here = adjusted(actuator)
-    effective = dict(zip(MECHANICAL_PARAMETERS, (coefficients[:4] / (1.0, 1.0, here["screw.dynamic_ratio"] or 1.0, 1.0)).tolist(), strict=True))
+    effective = dict(
+        zip(MECHANICAL_PARAMETERS, (coefficients[:4] / (1.0, 1.0, here["screw.dynamic_ratio"] or 1.0, 1.0)).tolist(), strict=True)
+    )
     found = {}
     for name, value in effective.items():
         # effects on parameters are linear
@@ -371,7 +407,9 @@ class _Search:
     def __init__(self, actuator: Actuator, record: Record, report: Report) -> None:
         self.bench = Bench(actuator, record)
         self.report = report
-        self.effects = [effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.is_learned]
+        self.effects = [
+            effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.is_learned
+        ]
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
@@ -415,7 +453,10 @@ class _Search:
         ranges = [(row_of(name).lower, row_of(name).upper) for name in names]
 
         def shape_at(point: Reals) -> Shape:
-            return {**last.shape, **{name: float(np.clip(value, *limits)) for name, value, limits in zip(names, point * scale, ranges, strict=True)}}
+            return {
+                **last.shape,
+                **{name: float(np.clip(value, *limits)) for name, value, limits in zip(names, point * scale, ranges, strict=True)},
+            }
 
         def at(point: Reals) -> Fitted:
             pattern = pattern_of(fit.samples.setting, last.effect, shape_at(point))
@@ -487,7 +528,14 @@ class _Search:
     def same_as_load(self) -> tuple[str, ...]:
         """Effects that nothing but a constant torque is seen of."""
         load = self.bench.start.base[:, 3:]
-        return tuple(effect for effect in self.effects if effect != CONSTANT and len(self.columns[effect]) == 1 and np.any(self.columns[effect][0]) and _like(self.columns[effect][0][:, 0], load))
+        return tuple(
+            effect
+            for effect in self.effects
+            if effect != CONSTANT
+            and len(self.columns[effect]) == 1
+            and np.any(self.columns[effect][0])
+            and _like(self.columns[effect][0][:, 0], load)
+        )
 
     def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> _Tried:
         rows = self.bench.training
@@ -583,7 +631,10 @@ class _Search:
             seen = smoother.kept(values)
             low, high = np.quantile(seen[self.bench.sliding], (1.0 / 3.0, 2.0 / 3.0))
             told = self.bench.sliding & (seen >= low) & (seen < high)
-            found[by] = (self.bench.foretold(before, self.bench.sliding & ~told, told), self.bench.foretold(after, self.bench.sliding & ~told, told))
+            found[by] = (
+                self.bench.foretold(before, self.bench.sliding & ~told, told),
+                self.bench.foretold(after, self.bench.sliding & ~told, told),
+            )
         return found
 
 
@@ -620,7 +671,10 @@ def floor_of(bench: Bench, fit: Fitted) -> float:
         return math.nan
     # laps need not be a whole number of samples long
     places = np.arange(int(samples))
-    laps, drive = (np.array([np.interp(places + lap * samples, np.arange(values.size), values) for lap in range(count)]) for values in (fit.residual, fit.samples.drive))
+    laps, drive = (
+        np.array([np.interp(places + lap * samples, np.arange(values.size), values) for lap in range(count)])
+        for values in (fit.residual, fit.samples.drive)
+    )
     return 100.0 * math.sqrt(count / (count - 1.0)) * float(np.linalg.norm(laps - laps.mean(axis=0))) / float(np.linalg.norm(drive))
 
 
@@ -631,7 +685,11 @@ def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
         cosine = abs(float(best.part @ other.part)) / float(np.linalg.norm(best.part) * np.linalg.norm(other.part))
         if other is not best and other.gain > _CLASS_GAIN * best.gain and cosine > _CLASS_COSINE:
             found.append(other.effect)
-    declared = [name for name in load_definitions().effect(best.effect).look_alikes if any(other.effect == name and other.gain > _CLASS_GAIN * best.gain for other in tried)]
+    declared = [
+        name
+        for name in load_definitions().effect(best.effect).look_alikes
+        if any(other.effect == name and other.gain > _CLASS_GAIN * best.gain for other in tried)
+    ]
     return tuple(dict.fromkeys([*found, *declared]))
 
 
@@ -654,18 +712,26 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         first = accepted = bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0))))
     else:
         accepted = constant.fit
-        steps.append(ForceStep(CONSTANT, accepted.values, accepted.std, search.same_as_load(), accepted.errors, search.elsewhere(first, accepted)))
+        steps.append(
+            ForceStep(CONSTANT, accepted.values, accepted.std, search.same_as_load(), accepted.errors, search.elsewhere(first, accepted))
+        )
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
         if not added:
             break
         if len(steps) == EFFECTS_MAX:
-            refused += [Refusal(one.effect, MANY, _of(one.effect, one.fit.values), _of(one.effect, one.fit.std), one.fit.errors) for one in added]
+            refused += [
+                Refusal(one.effect, MANY, _of(one.effect, one.fit.values), _of(one.effect, one.fit.std), one.fit.errors) for one in added
+            ]
             break
         best = added[0]
         before, accepted = accepted, best.fit
         accepted = bench.judged(search.settled(best.fit) if best.fit.patterns[-1].bends else search.refined(best.fit))
-        steps.append(ForceStep(best.effect, accepted.values, accepted.std, _class_of(best, added), accepted.errors, search.elsewhere(before, accepted)))
+        steps.append(
+            ForceStep(
+                best.effect, accepted.values, accepted.std, _class_of(best, added), accepted.errors, search.elsewhere(before, accepted)
+            )
+        )
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {best.effect}, which came later") for name in dropped]
     report(1.0, "done")
@@ -678,7 +744,17 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         "residual_after_Nm": accepted.residual,
     }
     refusals = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}))
-    return ForceSteps(actuator.changed(accepted.values), given, first.errors, tuple(steps), refusals, floor_of(bench, accepted), bench.laps, record.period_s, curves)
+    return ForceSteps(
+        actuator.changed(accepted.values),
+        given,
+        first.errors,
+        tuple(steps),
+        refusals,
+        floor_of(bench, accepted),
+        bench.laps,
+        record.period_s,
+        curves,
+    )
 
 
 def _given(actuator: Actuator, bench: Bench) -> Errors:

@@ -118,7 +118,12 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     smoother = Smoother.of(record.period_s)
     if record.rows < 4 * smoother.edge_rows:
         wanted = 4 * smoother.edge_rows * record.period_s
-        short = Remark("coverage", "blocks", f"{record.file} has {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter", f"record {wanted:g} s or more, best a chirp of ten")
+        short = Remark(
+            "coverage",
+            "blocks",
+            f"{record.file} has {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter",
+            f"record {wanted:g} s or more, best a chirp of ten",
+        )
         return Gate(present, (short,), {})
     smoother = filter_of(actuator, record)
     motion = motion_of(actuator, record, smoother)
@@ -127,7 +132,13 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
     if coverage["stroke_mm"] > 0.0 and not any(remark.severity == "blocks" for remark in remarks):
         remarks += [*_units(actuator, record, run), *_clock(actuator, record, run, smoother), *_sampling(actuator, record, coverage)]
-        remarks += [*_saturation(actuator, record), *_clipping(record), *_spikes(record), *_stuck(actuator, record, run), *_start(actuator, record, motion)]
+        remarks += [
+            *_saturation(actuator, record),
+            *_clipping(record),
+            *_spikes(record),
+            *_stuck(actuator, record, run),
+            *_start(actuator, record, motion),
+        ]
     rank = {"blocks": 0, "weakens": 1, "fine": 2}
     return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
 
@@ -161,18 +172,36 @@ def _instead(actuator: Actuator, record: Record, name: str) -> str:
 def _repeats(record: Record, healthy: Sequence[Record]) -> list[Remark]:
     if not healthy:
         text = "there are no healthy repeats, so what is smaller than the model's own standing error cannot be seen"
-        return [Remark("repeats", "weakens", text, "record the same command five times on the healthy machine and give them with --healthy")]
+        return [
+            Remark("repeats", "weakens", text, "record the same command five times on the healthy machine and give them with --healthy")
+        ]
     found = []
     for other in healthy:
         if other.rows != record.rows or not np.allclose(other.command_mm, record.command_mm, atol=1e-6):
-            found.append(Remark("repeats", "blocks", f"{other.file} holds another command than {record.file}", "give healthy records of the same command"))
+            found.append(
+                Remark(
+                    "repeats",
+                    "blocks",
+                    f"{other.file} holds another command than {record.file}",
+                    "give healthy records of the same command",
+                )
+            )
         elif other.period_s != record.period_s:
-            found.append(Remark("repeats", "blocks", f"{other.file} is sampled at another rate than {record.file}", "record both at one rate"))
+            found.append(
+                Remark("repeats", "blocks", f"{other.file} is sampled at another rate than {record.file}", "record both at one rate")
+            )
         elif float(np.max(np.abs(other.position_mm - record.position_mm))) <= _IDENTICAL:
             found.append(Remark("repeats", "blocks", f"{other.file} is the record itself", "leave the record out of its healthy repeats"))
         lost = [name for name in record.present if name not in other.present]
         if lost:
-            found.append(Remark("repeats", "weakens", f"{other.file} lacks {', '.join(lost)}, which is then of no use in {record.file} either", "give repeats with the same signals"))
+            found.append(
+                Remark(
+                    "repeats",
+                    "weakens",
+                    f"{other.file} lacks {', '.join(lost)}, which is then of no use in {record.file} either",
+                    "give repeats with the same signals",
+                )
+            )
     if len(healthy) < 3:
         found.append(Remark("repeats", "weakens", f"{len(healthy)} healthy repeats show little of how the machine scatters", "record five"))
     return found or [Remark("repeats", "fine", f"{len(healthy)} healthy repeats of the same command")]
@@ -240,9 +269,23 @@ def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Re
         text = f"{reversals:.0f} reversal{'' if reversals == 1.0 else 's'} show little of play, presliding and friction near standstill"
         found.append(Remark("coverage", "weakens", text, "record a command that turns back ten times or more"))
     if not 10.0 < coverage["forward_percent"] < 90.0:
-        found.append(Remark("coverage", "weakens", "the rod moves in one direction only, so that friction, load and asymmetry look alike", "record both directions"))
+        found.append(
+            Remark(
+                "coverage",
+                "weakens",
+                "the rod moves in one direction only, so that friction, load and asymmetry look alike",
+                "record both directions",
+            )
+        )
     if turns < 1.0:
-        found.append(Remark("coverage", "weakens", f"the motor turns {turns:.2g} of a turn, so that cogging and ripple look like a load", "record a stroke of several motor turns"))
+        found.append(
+            Remark(
+                "coverage",
+                "weakens",
+                f"the motor turns {turns:.2g} of a turn, so that cogging and ripple look like a load",
+                "record a stroke of several motor turns",
+            )
+        )
     elif leads < 1.0:
         text = f"the stroke is {leads:.2g} of a screw lead, so that what repeats with the lead looks like what depends on position"
         found.append(Remark("coverage", "weakens", text, f"record a stroke above {actuator['screw.lead_mm']:g} mm"))
@@ -282,21 +325,42 @@ def _units(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
         model = record.command_mm if name.endswith("position_mm") else getattr(run, name)
         correlation, scale = _alike(measured, model)
         if correlation == 0.0:
-            found.append(Remark("units", "blocks", f"{name} does not change while the command does", f"check that the {title} is connected"))
+            found.append(
+                Remark("units", "blocks", f"{name} does not change while the command does", f"check that the {title} is connected")
+            )
         elif correlation < _OPPOSITE:
             found.append(Remark("units", "blocks", f"the {title} runs opposite to the model", f"change the sign of {name}"))
         elif not 1.0 / _SCALE_WRONG < scale < _SCALE_WRONG:
             guess = _unit_guess(name, scale, actuator)
             found.append(Remark("units", "blocks", f"the {title} is {scale:.3g} times the model's{guess}", f"give {name} in {unit}"))
         elif correlation < _ALIKE:
-            found.append(Remark("units", "weakens", f"the {title} hardly follows the model (correlation {correlation:.2f})", f"check that {name} belongs to this command and actuator"))
+            found.append(
+                Remark(
+                    "units",
+                    "weakens",
+                    f"the {title} hardly follows the model (correlation {correlation:.2f})",
+                    f"check that {name} belongs to this command and actuator",
+                )
+            )
         elif not 1.0 / _SCALE_DOUBTFUL < scale < _SCALE_DOUBTFUL:
-            found.append(Remark("units", "weakens", f"the {title} is {scale:.3g} times the model's", f"check unit and scale of {name} and the actuator's data"))
+            found.append(
+                Remark(
+                    "units",
+                    "weakens",
+                    f"the {title} is {scale:.3g} times the model's",
+                    f"check unit and scale of {name} and the actuator's data",
+                )
+            )
     return found or [Remark("units", "fine", "signs and scales agree with the model")]
 
 
 def _unit_guess(name: str, scale: float, actuator: Actuator) -> str:
-    for factor, text in ((1e3, "a thousandth of the unit"), (1e-3, "a thousand times the unit"), (1e6, "a millionth of the unit"), (1.0 / actuator["drive.supply_V"], "a share of the supply")):
+    for factor, text in (
+        (1e3, "a thousandth of the unit"),
+        (1e-3, "a thousand times the unit"),
+        (1e6, "a millionth of the unit"),
+        (1.0 / actuator["drive.supply_V"], "a share of the supply"),
+    ):
         if name != "voltage_V" and text == "a share of the supply":
             continue
         if 0.5 < scale / factor < 2.0:
@@ -362,11 +426,21 @@ def _saturation(actuator: Actuator, record: Record) -> list[Remark]:
         return []
     share = float(np.mean(np.abs(voltage) >= _LIMIT_SHARE * most))
     if share > _SATURATED_BLOCKS:
-        return [Remark("saturation", "blocks", f"the drive is at its limit {100.0 * share:.0f} % of the time", "record a smaller or slower command")]
+        return [
+            Remark(
+                "saturation", "blocks", f"the drive is at its limit {100.0 * share:.0f} % of the time", "record a smaller or slower command"
+            )
+        ]
     if share > _SATURATED_WEAKENS:
         text = f"the drive is at its limit {100.0 * share:.0f} % of the time, where the loop is open and the controller does not show"
         return [Remark("saturation", "weakens", text, "record a smaller or slower command")]
-    return [Remark("saturation", "fine", f"the drive is at its limit {100.0 * share:.1f} % of the time, its largest output {100.0 * float(np.max(np.abs(voltage))) / most:.0f} %")]
+    return [
+        Remark(
+            "saturation",
+            "fine",
+            f"the drive is at its limit {100.0 * share:.1f} % of the time, its largest output {100.0 * float(np.max(np.abs(voltage))) / most:.0f} %",
+        )
+    ]
 
 
 def _clipping(record: Record) -> list[Remark]:
@@ -381,7 +455,9 @@ def _clipping(record: Record) -> list[Remark]:
             longest, start = _longest(flat)
             if longest >= _CLIPPED_ROWS and abs(extreme) > 0.2 * float(np.max(np.abs(values))):
                 text = f"{name} stands at its {side} value {extreme:.4g} {UNITS[name]} for {longest} rows from row {start + 1}: its sensor clips, or the drive limits it"
-                found.append(Remark("clipping", "weakens", text, f"check the range of the {TITLES[name]}'s sensor against the drive's limit"))
+                found.append(
+                    Remark("clipping", "weakens", text, f"check the range of the {TITLES[name]}'s sensor against the drive's limit")
+                )
     return found
 
 
@@ -408,12 +484,16 @@ def _spikes(record: Record) -> list[Remark]:
         away = np.abs(values - calm)
         # the widest step of the calm signal nearby: an edge of a command is no spike
         step = ndimage.maximum_filter1d(np.abs(np.diff(calm, prepend=calm[0])), _SPIKE_WINDOW)
-        rows = np.flatnonzero(away > np.maximum(np.maximum(_SPIKE_NOISE * noise_of(values), 2.0 * step), _SPIKE_SHARE * float(np.ptp(calm))))
+        rows = np.flatnonzero(
+            away > np.maximum(np.maximum(_SPIKE_NOISE * noise_of(values), 2.0 * step), _SPIKE_SHARE * float(np.ptp(calm)))
+        )
         if rows.size:
             first = int(rows[0])
             more = f", and so do {rows.size - 1} other rows" if rows.size > 1 else ""
             text = f"{name} jumps by {values[first] - calm[first]:+.3g} {UNITS[name]} in row {first + 1} and back{more}: no machine does"
-            found.append(Remark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again"))
+            found.append(
+                Remark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again")
+            )
     return found
 
 
@@ -436,10 +516,21 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
             text = f"{name} repeats one value for {longest + 1} rows from row {start + 1}, where the "
             motor = record.motor_position_mm
             lost = name == "position_mm" and longest > _STUCK_BLOCKS * record.rows
-            if lost and motor is not None and np.ptp(motor[start : start + longest + 1]) > _PLAYS * actuator["screw.blk_mm"] + _STUCK_MOVES * np.ptp(motor):
+            if (
+                lost
+                and motor is not None
+                and np.ptp(motor[start : start + longest + 1]) > _PLAYS * actuator["screw.blk_mm"] + _STUCK_MOVES * np.ptp(motor)
+            ):
                 found.append(Remark("stuck", "blocks", f"{text}motor turns on", "check the rod's sensor, and what joins it to the motor"))
             else:
-                found.append(Remark("stuck", "weakens", f"{text}model moves on", "check the recording for lost samples, and the machine for a seized rod"))
+                found.append(
+                    Remark(
+                        "stuck",
+                        "weakens",
+                        f"{text}model moves on",
+                        "check the recording for lost samples, and the machine for a seized rod",
+                    )
+                )
     return found
 
 

@@ -37,6 +37,7 @@ def same_command(record: Record, other: Record) -> bool:
     """Whether two records run the same command."""
     return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
 
+
 # Days differ by a factor of three at most from one another (benchmark's machines); one that is faulty, by dozens.
 _ODD = 8.0
 
@@ -46,11 +47,15 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
         if not same_command(record, other):
             raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
     if len(healthy) < 2:
-        raise InputError(f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none")
+        raise InputError(
+            f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none"
+        )
     apart = _apart(healthy)
     odd = int(np.argmax(apart))
     if apart[odd] > _ODD:
-        raise InputError(f"{healthy[odd].file}: {apart[odd]:.3g} times as far from the healthy records' median as the others are: leave it out, or diagnose it by itself")
+        raise InputError(
+            f"{healthy[odd].file}: {apart[odd]:.3g} times as far from the healthy records' median as the others are: leave it out, or diagnose it by itself"
+        )
 
 
 def _apart(healthy: Sequence[Record]) -> Reals:
@@ -84,7 +89,9 @@ def _gains_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
     return np.array(found).reshape(-1, *signals.shape)
 
 
-def _slight_effects(actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float, wanted: Sequence[Mapping[str, float]]) -> Reals:
+def _slight_effects(
+    actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float, wanted: Sequence[Mapping[str, float]]
+) -> Reals:
     """What the effects that every machine has a little of make of the signals, [k, channels, rows]."""
     here = simulate_channels(actuator, record, channels, start_mm)
     found = each(lambda changes: simulate_channels(actuator.changed(changes), record, channels, start_mm) - here, wanted)
@@ -102,10 +109,22 @@ def _still_slight(wanted: Sequence[Mapping[str, float]], deviations: Reals) -> l
     return [changes for changes, effect in zip(wanted, effects, strict=True) if size[effect] <= spreads.SLIGHT_REACH]
 
 
-def healthy_model(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Report | None = None) -> Actuator:
+def healthy_model(
+    actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Report | None = None
+) -> Actuator:
     """The actuator fitted to the mean [channels, rows] of healthy repeats, whose noise power by line is `power`, with the standing effects that it shows."""
     start = start_of(actuator, record)
-    found = Evidence(actuator, record, channels, mean, spreads.of_healthy_machine(actuator, channels), Whitener.of(power, record.rows), power, _zeros_of_sensors(channels, mean), start)
+    found = Evidence(
+        actuator,
+        record,
+        channels,
+        mean,
+        spreads.of_healthy_machine(actuator, channels),
+        Whitener.of(power, record.rows),
+        power,
+        _zeros_of_sensors(channels, mean),
+        start,
+    )
     standing = standing_effects(found, report)
     deviations = standing.deviations() if standing is not None else settled(found, {}).deviations
     effects = dict(standing.values) if standing is not None else {}
@@ -134,7 +153,9 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
         return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start) - here) / step
 
     directions = np.array(each(moved, usual))
-    shares = np.linalg.lstsq((directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None)[0]
+    shares = np.linalg.lstsq(
+        (directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
+    )[0]
     widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
     power = smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
@@ -144,7 +165,18 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
     shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
     repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
     target = here + measured_channels(record, channels) - mean
-    return Evidence(known, record, channels, target, spread, Whitener.of(widen * power, record.rows), power, np.empty((0, *target.shape)), start, repeats)
+    return Evidence(
+        known,
+        record,
+        channels,
+        target,
+        spread,
+        Whitener.of(widen * power, record.rows),
+        power,
+        np.empty((0, *target.shape)),
+        start,
+        repeats,
+    )
 
 
 def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> Evidence:
@@ -158,17 +190,32 @@ def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> 
     level = np.array([noise_of(signal) for signal in measured])
     floor = float(np.sum(np.minimum(1.0, (level**2)[:, None] / power))) * record.rows / lines
     additive = _zeros_of_sensors(names, measured)
-    return Evidence(known, record, names, measured, spreads.from_run_to_run(), Whitener.of(power, record.rows), power, additive, start_of(known, record), floor=floor)
+    return Evidence(
+        known,
+        record,
+        names,
+        measured,
+        spreads.from_run_to_run(),
+        Whitener.of(power, record.rows),
+        power,
+        additive,
+        start_of(known, record),
+        floor=floor,
+    )
 
 
-def _against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...], report: Report | None) -> Evidence:
+def _against_repeats(
+    actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...], report: Report | None
+) -> Evidence:
     _, mean, level = _mean_and_level(healthy, channels)
     flat = np.broadcast_to((level**2)[:, None], (len(channels), record.rows // 2 + 1)) / len(healthy)
     known = healthy_model(actuator, record, mean, flat, channels, report)
     return against_known(known, record, healthy, channels)
 
 
-def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None, report: Report | None = None) -> Evidence:
+def gather(
+    actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None, report: Report | None = None
+) -> Evidence:
     """Evidence of a record, against two or more healthy repeats of its command where there are any, in the signals that all have or in `channels`.
 
     Raises InputError for repeats of another command or too few of them.
@@ -187,7 +234,18 @@ def gather(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), c
     def with_slight(unit: Actuator, wanted: Sequence[Mapping[str, float]]) -> Evidence:
         gains = _gains_of_sensors(names, simulate_channels(unit, record, names, start))
         additive = np.concatenate([_zeros_of_sensors(names, measured), gains, _slight_effects(unit, record, names, start, wanted)])
-        return Evidence(actuator, record, names, measured, spreads.of_unit(actuator), Whitener.of(power, record.rows), power, additive, start, floor=floor)
+        return Evidence(
+            actuator,
+            record,
+            names,
+            measured,
+            spreads.of_unit(actuator),
+            Whitener.of(power, record.rows),
+            power,
+            additive,
+            start,
+            floor=floor,
+        )
 
     # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it
     slight = [changes for changes in spreads.SLIGHT if _effect_of(changes) not in actuator.active_effects]

@@ -119,7 +119,11 @@ class _Known:
         self.scatter = tuple(name for name in _SCATTER if self.actuator[name] > 0.0)
         self._level = np.sqrt(evidence.noise[:, :1])  # [channels, 1]: white without repeats
         count = len(evidence.additive)
-        added = np.array([self._weighted(signal) for signal in evidence.additive]).reshape(count, -1) if count else np.empty((0, self._weighted(evidence.target).size))
+        added = (
+            np.array([self._weighted(signal) for signal in evidence.additive]).reshape(count, -1)
+            if count
+            else np.empty((0, self._weighted(evidence.target).size))
+        )
         self._basis, _ = np.linalg.qr(np.vstack([added.T, -np.eye(count)]))
         costs = [float(repeat @ repeat) for repeat in repeat_residuals(evidence)]
         self.floor = float(np.mean(costs)) if costs else evidence.floor
@@ -218,8 +222,15 @@ class _Known:
         """Where the fit of each effect, or of `only` one, begins, one start for each sign: the shape and size whose signature at the base explains most."""
         machine = self.actuator.changed(base.values)
         free = tuple(Spread((name,), _FREE, True) for name in self.faults if machine[name] > 0.0)
-        here = view(replace(self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run({name: _SCATTER[name] for name in self.scatter}))), {})
-        tasks = [(candidate, first) for candidate in candidates(here, only=only) if candidate.effect not in FAULTS for first in candidate.first]
+        here = view(
+            replace(
+                self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run({name: _SCATTER[name] for name in self.scatter}))
+            ),
+            {},
+        )
+        tasks = [
+            (candidate, first) for candidate in candidates(here, only=only) if candidate.effect not in FAULTS for first in candidate.first
+        ]
 
         def scored(task: tuple[Any, float]) -> tuple[float, float]:
             candidate, first = task
@@ -246,7 +257,9 @@ def _beside(known: _Known, base: _Fit, only: str | None = None) -> list[_Fit]:
     sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
     healthy = {name: known.actuator[name] for name in known.faults}
     beside = (*known.faults, *known.scatter)
-    tasks: list[tuple[str, Mapping[str, float]]] = [(effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base, only)]
+    tasks: list[tuple[str, Mapping[str, float]]] = [
+        (effect, {**start, **{name: base.values[name] for name in known.faults}}) for effect, start in known.starts(base, only)
+    ]
     first = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _FIRST_STEPS), tasks))[:_SECOND]
     tasks = [(one.effect, values) for one in first for values in (one.values, {**one.values, **healthy})]
     second = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _SECOND_STEPS), tasks))[:_LAST]
@@ -332,7 +345,12 @@ def _on_unit(unit: Evidence, named: _Fit) -> _Fit:
     if not fit.determined(named.effect):
         return named
     machine = spreads.moved(unit.actuator, unit.spread, fit.deviations())
-    return _Fit(named.effect, {**named.values, **{name: machine[name] for name in named.values if name in machine}, **fit.values}, {**named.std, **fit.std}, named.cost)
+    return _Fit(
+        named.effect,
+        {**named.values, **{name: machine[name] for name in named.values if name in machine}, **fit.values},
+        {**named.std, **fit.std},
+        named.cost,
+    )
 
 
 def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimates: Mapping[str, float], doubted: bool) -> Guarded:
@@ -362,4 +380,14 @@ def guard(actuator: Actuator, record: Record, healthy: Sequence[Record], estimat
     own = {name: value for name, value in best.values.items() if name.startswith(f"effects.{best.effect}.")}
     beside = {name: best.values[name] for name in known.faults}
     std = {name: best.std[name] for name in own if name in best.std}
-    return Guarded(verdict, (best.effect, *alike), own, std, beside, len(repeats), "", time.perf_counter() - begun, best.effect in actuator.active_effects)
+    return Guarded(
+        verdict,
+        (best.effect, *alike),
+        own,
+        std,
+        beside,
+        len(repeats),
+        "",
+        time.perf_counter() - begun,
+        best.effect in actuator.active_effects,
+    )

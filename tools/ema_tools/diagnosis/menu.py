@@ -138,7 +138,9 @@ def menu(actuator: Actuator, limits: Limits) -> dict[str, str]:
         "slow triangle": wave("triangle", amplitude, 0.05 * hz),
         "fast triangle": wave("triangle", amplitude, 0.4 * hz),
         "trapezoid that rests at its ends": wave("trapezoid", amplitude, 0.1 * hz, ",share=0.5"),
-        "slow triangle over several leads": wave("triangle", long, 0.1 * speed_hz if 0.1 * speed_hz * _DURATION_S >= 1.0 else 1.0 / _DURATION_S),
+        "slow triangle over several leads": wave(
+            "triangle", long, 0.1 * speed_hz if 0.1 * speed_hz * _DURATION_S >= 1.0 else 1.0 / _DURATION_S
+        ),
         "fast triangle over several leads": wave("triangle", long, 0.8 * speed_hz),
         "chirp over several leads": chirp(long, end_hz(long)),
         "step": f"step:amplitude_mm={_two_digits(0.5 * amplitude):g},time_s=0.5,duration_s={_DURATION_S:g}",

@@ -92,7 +92,9 @@ class Setting:
     @staticmethod
     def of(actuator: Actuator, record: Record, smoother: Smoother) -> Setting:
         """Raises MissingSignal."""
-        return Setting(actuator, record, mechanical_model(actuator, record, smoother, held=True), motion_of(actuator, record, smoother, held=True))
+        return Setting(
+            actuator, record, mechanical_model(actuator, record, smoother, held=True), motion_of(actuator, record, smoother, held=True)
+        )
 
 
 def _pair(angle: Reals) -> Reals:
@@ -140,14 +142,20 @@ def _stribeck_shapes(setting: Setting) -> list[Shape]:
     fastest = float(np.max(np.abs(setting.motion.speed_rad_s), initial=0.0))
     row = load_definitions().by_name["stribeck_friction.speed_rad_s"]
     speeds = sorted({float(np.clip(share * fastest, row.lower, row.upper)) for share in _STRIBECK_SPEED_SHARES})
-    return [{"stribeck_friction.speed_rad_s": speed, "stribeck_friction.shape": power} for speed, power in itertools.product(speeds, _STRIBECK_SHAPES)]
+    return [
+        {"stribeck_friction.speed_rad_s": speed, "stribeck_friction.shape": power}
+        for speed, power in itertools.product(speeds, _STRIBECK_SHAPES)
+    ]
 
 
 def _jam_shapes(setting: Setting) -> list[Shape]:
     first, last = float(setting.motion.motor_mm.min()), float(setting.motion.motor_mm.max())
     least = load_definitions().by_name["jam_spot.width_mm"].lower
     places = np.linspace(first, last, _JAM_PLACES).tolist()
-    return [{"jam_spot.place_mm": place, "jam_spot.width_mm": max(share * (last - first), least)} for place, share in itertools.product(places, _JAM_WIDTH_SHARES)]
+    return [
+        {"jam_spot.place_mm": place, "jam_spot.width_mm": max(share * (last - first), least)}
+        for place, share in itertools.product(places, _JAM_WIDTH_SHARES)
+    ]
 
 
 def _delay_shapes(setting: Setting) -> list[Shape]:
@@ -167,8 +175,12 @@ class _Written:
 
 
 _WRITTEN: Mapping[str, _Written] = {
-    "cogging_torque": _Written(lambda setting: [{"cogging_torque.periods": float(periods)} for periods in _periods_in_band(setting)], _cogging),
-    "torque_ripple": _Written(lambda setting: [{"torque_ripple.periods": float(periods)} for periods in _periods_in_band(setting)], _torque_ripple),
+    "cogging_torque": _Written(
+        lambda setting: [{"cogging_torque.periods": float(periods)} for periods in _periods_in_band(setting)], _cogging
+    ),
+    "torque_ripple": _Written(
+        lambda setting: [{"torque_ripple.periods": float(periods)} for periods in _periods_in_band(setting)], _torque_ripple
+    ),
     "pitch_ripple": _Written(lambda setting: [{}], _pitch_ripple),
     "stribeck_friction": _Written(_stribeck_shapes, _stribeck, ("stribeck_friction.speed_rad_s", "stribeck_friction.shape")),
     "jam_spot": _Written(_jam_shapes, _jam, ("jam_spot.place_mm", "jam_spot.width_mm")),

@@ -39,7 +39,9 @@ class LapsAnswer:
     @property
     def accepted(self) -> tuple[ForceStep, ...]:
         """The steps whose effects are in the last model."""
-        return tuple(step for step in self.forces.steps if step.effect in self.forces.actuator.active_effects or step.effect == "constant_load")
+        return tuple(
+            step for step in self.forces.steps if step.effect in self.forces.actuator.active_effects or step.effect == "constant_load"
+        )
 
     @property
     def actuator(self) -> Actuator:
@@ -59,7 +61,11 @@ class LapsAnswer:
         given = self.forces.given
         floor = f"the laps repeat to {self.forces.floor_percent:.2f} %" if math.isfinite(self.forces.floor_percent) else "no floor is known"
         if not self.accepted:
-            said = "no effect of the library carries over to the laps held out" if self.verdict == "unknown" else "nothing exceeds what the laps repeat"
+            said = (
+                "no effect of the library carries over to the laps held out"
+                if self.verdict == "unknown"
+                else "nothing exceeds what the laps repeat"
+            )
             return f"{self.record.file}: {said} (force error {given.training:.2f} %, {floor})."
         last = self.forces.steps[-1].errors
         names = ", ".join(step.effect for step in self.accepted)
@@ -71,7 +77,9 @@ class LapsAnswer:
     def next_step(self) -> str:
         """What to do next."""
         if self.accepted:
-            return "Next: --fitted NEW.toml writes the model with these effects; hold it against a record of another motion with ema compare."
+            return (
+                "Next: --fitted NEW.toml writes the model with these effects; hold it against a record of another motion with ema compare."
+            )
         return "Next: record another motion, and the current, so that more of the mechanics is seen."
 
     def result(self) -> dict[str, Any]:
@@ -96,12 +104,19 @@ class LapsAnswer:
         ]
         steps = [
             {"effects": [], "added": "as given", "error_training": found.given.training, "error_holdout": found.given.holdout},
-            {"effects": [], "added": "base values refitted", "error_training": found.refitted.training, "error_holdout": found.refitted.holdout},
+            {
+                "effects": [],
+                "added": "base values refitted",
+                "error_training": found.refitted.training,
+                "error_holdout": found.refitted.holdout,
+            },
         ]
         names: list[str] = []
         for step in found.steps:
             names.append(step.effect)
-            steps.append({"effects": list(names), "added": step.effect, "error_training": step.errors.training, "error_holdout": step.errors.holdout})
+            steps.append(
+                {"effects": list(names), "added": step.effect, "error_training": step.errors.training, "error_holdout": step.errors.holdout}
+            )
         return {
             "verdict": self.verdict,
             "sentence": self.sentence(),
@@ -135,7 +150,9 @@ class LapsAnswer:
             "class": [step.effect, *step.alike],
             "parameters": values,
             "std": std,
-            "interval95": {name: [values[name] - _INTERVAL * doubt, values[name] + _INTERVAL * doubt] for name, doubt in std.items() if name in values},
+            "interval95": {
+                name: [values[name] - _INTERVAL * doubt, values[name] + _INTERVAL * doubt] for name, doubt in std.items() if name in values
+            },
             "score": before.holdout**2 - step.errors.holdout**2,
             "limit": 0.0,
             "accepted": True,
@@ -145,12 +162,19 @@ class LapsAnswer:
 def _numbers(effect: str, values: Any) -> dict[str, float]:
     """Values of one effect by field."""
     load = "screw.load_torque_Nm"
-    return {name.split(".")[-1]: float(value) for name, value in values.items() if f"{effect}." in name or (effect == "constant_load" and name == load)}
+    return {
+        name.split(".")[-1]: float(value)
+        for name, value in values.items()
+        if f"{effect}." in name or (effect == "constant_load" and name == load)
+    }
 
 
 def size_of(step: ForceStep, last: ForceStep) -> str:
     """The size of a step's effect as the last fit has it, with its standard error."""
-    name = next((name for name in last.values if f"{step.effect}." in name or (step.effect == "constant_load" and name == "screw.load_torque_Nm")), None)
+    name = next(
+        (name for name in last.values if f"{step.effect}." in name or (step.effect == "constant_load" and name == "screw.load_torque_Nm")),
+        None,
+    )
     return f"{row_of(name).field} {size_text(name, last.values[name], last.std.get(name))}" if name is not None else ""
 
 

@@ -19,7 +19,13 @@ from ema_tools.errors import InputError
 from ema_tools.native import library
 
 _PROBE_SHARE = 0.02  # of the friction level: far below any saturation
-_SMOOTH: Mapping[str, float] = {"screw.csj_Nm": 0.0, "screw.blk_mm": 0.0, "screw.load_torque_Nm": 0.0, "screw.friction_asymmetry": 0.0, "gearbox.efficiency": 1.0}
+_SMOOTH: Mapping[str, float] = {
+    "screw.csj_Nm": 0.0,
+    "screw.blk_mm": 0.0,
+    "screw.load_torque_Nm": 0.0,
+    "screw.friction_asymmetry": 0.0,
+    "gearbox.efficiency": 1.0,
+}
 COGGING_PERIODS = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
 RIPPLE_PERIODS = tuple(range(1, 49))
 _STRIBECK_SPEEDS = (2.0, 4.0, 7.0, 12.0, 20.0, 32.0, 50.0)
@@ -104,7 +110,16 @@ class Screen:
                 found.append(Shaped(shape, float(sizes[0]), score))
         return sorted(found, key=lambda one: -one.score)[:count]
 
-    def periodic(self, effect: str, periods: tuple[float, ...], angle_rad: Reals, torque: Reals, voltage: Reals | None, sine: bool, count: int = _KEPT) -> list[Shaped]:
+    def periodic(
+        self,
+        effect: str,
+        periods: tuple[float, ...],
+        angle_rad: Reals,
+        torque: Reals,
+        voltage: Reals | None,
+        sine: bool,
+        count: int = _KEPT,
+    ) -> list[Shaped]:
         """The `count` best numbers of periods per turn of `angle_rad`, with amplitude and phase of torque * sin (or cos) (periods * angle + phase), and the same of a voltage."""
         found = []
         turn = np.gradient(angle_rad)
@@ -113,9 +128,13 @@ class Screen:
             # what the ripple leaves of itself over a row
             mean = np.sinc(number * turn / (2.0 * np.pi))
             waves = np.array([mean * np.sin(turned), mean * np.cos(turned)])
-            (in_phase, quadrature), score = self.fits(torque * waves) if voltage is None else self.fits_with_voltage(torque * waves, voltage * waves)
+            (in_phase, quadrature), score = (
+                self.fits(torque * waves) if voltage is None else self.fits_with_voltage(torque * waves, voltage * waves)
+            )
             phase = np.arctan2(quadrature, in_phase) if sine else np.arctan2(-in_phase, quadrature)
-            shape = {f"effects.{effect}.phase_rad": float(phase)} | ({f"effects.{effect}.periods": float(number)} if len(periods) > 1 else {})
+            shape = {f"effects.{effect}.phase_rad": float(phase)} | (
+                {f"effects.{effect}.periods": float(number)} if len(periods) > 1 else {}
+            )
             found.append(Shaped(shape, float(np.hypot(in_phase, quadrature)), score))
         return sorted(found, key=lambda one: -one.score)[:count]
 
@@ -169,7 +188,11 @@ def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
         found = screen.periodic(effect, COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
         # cogging that is large beside the friction holds the motor at rest: then the filter, which knows no rest, is right in the periods and wrong in the phase
         phase = f"effects.{effect}.phase_rad"
-        turned = [replace(one, shape={**one.shape, phase: float(np.angle(np.exp(1j * (one.shape[phase] + quarter))))}) for quarter in _QUARTERS for one in found]
+        turned = [
+            replace(one, shape={**one.shape, phase: float(np.angle(np.exp(1j * (one.shape[phase] + quarter))))})
+            for quarter in _QUARTERS
+            for one in found
+        ]
         return [*found, *turned]
     if effect == "torque_ripple":
         torque = actuator["motor.torque_constant_Nm_per_A"] * states.current_A
@@ -180,7 +203,9 @@ def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
     if effect == "stribeck_friction":
         names = (f"effects.{effect}.speed_rad_s", f"effects.{effect}.shape")
         grid: list[Shape] = [{names[0]: speed, names[1]: power} for speed in _STRIBECK_SPEEDS for power in _STRIBECK_SHAPES]
-        return screen.best(grid, lambda one: -level * states.direction * np.exp(-((np.abs(states.speed_rad_s) / one[names[0]]) ** one[names[1]])), True)
+        return screen.best(
+            grid, lambda one: -level * states.direction * np.exp(-((np.abs(states.speed_rad_s) / one[names[0]]) ** one[names[1]])), True
+        )
     if effect == "jam_spot":
         names = (f"effects.{effect}.place_mm", f"effects.{effect}.width_mm")
         places = np.linspace(float(states.screw_mm.min()), float(states.screw_mm.max()), _JAM_PLACES)

@@ -190,11 +190,22 @@ def _first_look(start: View, free: View) -> list[Signature]:
     Without repeats there are two places to look from: where the machine is still credible, and where it stands in for what is missing as well as it can. An effect that a
     parameter of the machine does as well at first shows from there alone, one that bends from here alone.
     """
-    seen = [replace(one, score=one.score - (view.cost - free.cost)) for view in ((start,) if free is start else (start, free)) for one in signatures(view)]
+    seen = [
+        replace(one, score=one.score - (view.cost - free.cost))
+        for view in ((start,) if free is start else (start, free))
+        for one in signatures(view)
+    ]
     return sorted(seen, key=lambda signature: -signature.score)
 
 
-def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], float], effects_max: int, tell: Report, free: View | None = None, begun: _Path | None = None) -> _Path:
+def _grown(
+    start: View,
+    needed: Callable[[Sequence[Signature], int, float], float],
+    effects_max: int,
+    tell: Report,
+    free: View | None = None,
+    begun: _Path | None = None,
+) -> _Path:
     """Adds the effect that takes off most, as long as it takes off what `needed` says of the signatures, the round and the present cost.
 
     `begun`: what has been added already. `free`: for a record of a unit that is known by its data sheet alone, where the unit's own parameters explain most.
@@ -224,7 +235,11 @@ def _grown(start: View, needed: Callable[[Sequence[Signature], int, float], floa
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
         exact = twins(free) if free is not None and not rounds else []
         known = {fit.effects[0] for fit in exact}
-        finalists = _finalists([one for one in found if one.candidate.effect not in known], free is not None) if not rounds or max(scores.values(), default=0.0) > 0.7 * least else []
+        finalists = (
+            _finalists([one for one in found if one.candidate.effect not in known], free is not None)
+            if not rounds or max(scores.values(), default=0.0) > 0.7 * least
+            else []
+        )
         values = dict(steps[-1].values) if steps else {}
 
         def refitted(one: Signature, values: Mapping[str, float] = values, seen: View | None = here if rounds else None) -> Fit:
@@ -321,7 +336,11 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     named = _named(path.rounds, best, steps, verdict, doubt, before, limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, limit)
     # beside a large misfit a size that could be none says that something else is there
-    vague = [effect for effect in best.effects if not best.determined(effect)] if best is not None and evidence.relative and verdict == "missing" else []
+    vague = (
+        [effect for effect in best.effects if not best.determined(effect)]
+        if best is not None and evidence.relative and verdict == "missing"
+        else []
+    )
     return found.refuted(vague) if vague else found
 
 
@@ -342,7 +361,9 @@ def _polished(fits: tuple[Fit, ...], better: Callable[[Fit], Fit], reach: float)
     return best_of_each([*each(better, near), *rest])
 
 
-def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, doubt: float, before: float, limit: float) -> tuple[Named, ...]:
+def _named(
+    rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verdict: str, doubt: float, before: float, limit: float
+) -> tuple[Named, ...]:
     """Accepted effects in the order in which they came, then the others by what they would take off alone against what they must."""
     found: list[Named] = []
     accepted = best.effects if best is not None else ()
@@ -352,12 +373,28 @@ def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verd
         fits = rounds[place].fits
         own = next((fit for fit in fits if effect in fit.effects), fits[0])
         held = set(steps[place - 1].effects) if place else set()
-        alike = [other for fit in fits if fit.judged - own.judged < tolerance for other in fit.effects if other not in held and other not in own.effects]
+        alike = [
+            other
+            for fit in fits
+            if fit.judged - own.judged < tolerance
+            for other in fit.effects
+            if other not in held and other not in own.effects
+        ]
         alike += [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
         std = {name: value for name, value in best.std.items() if name in best.of_effect(effect)} if best else {}
         earlier = steps[place - 1].cost if place else before
         values = best.of_effect(effect) if best else {}
-        found.append(Named(effect, (effect, *dict.fromkeys(alike)), values, std, earlier - steps[place].cost, rounds[0].limits.get(effect, limit), verdict == "missing"))
+        found.append(
+            Named(
+                effect,
+                (effect, *dict.fromkeys(alike)),
+                values,
+                std,
+                earlier - steps[place].cost,
+                rounds[0].limits.get(effect, limit),
+                verdict == "missing",
+            )
+        )
     first = rounds[0]
     tried = {fit.effects[0]: fit for fit in reversed(first.fits)}
     others = []
@@ -367,5 +404,15 @@ def _named(rounds: Sequence[Round], best: Fit | None, steps: Sequence[Fit], verd
         if fit is not None and not accepted:
             alike += [other.effects[0] for other in first.fits if other.effects[0] != effect and abs(other.judged - fit.judged) < tolerance]
         score = before - fit.judged if fit is not None else first.scores[effect]
-        others.append(Named(effect, (effect, *dict.fromkeys(alike)), fit.values if fit else {}, fit.std if fit else {}, score, first.limits.get(effect, limit), False))
+        others.append(
+            Named(
+                effect,
+                (effect, *dict.fromkeys(alike)),
+                fit.values if fit else {},
+                fit.std if fit else {},
+                score,
+                first.limits.get(effect, limit),
+                False,
+            )
+        )
     return (*found, *sorted(others, key=lambda one: -one.score / one.limit))

@@ -98,7 +98,11 @@ class Spread:
 
 def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Sequence[float] | Reals) -> dict[str, float]:
     """The values of all of `spread` at their `deviations`; what else is free stands behind those and is left out."""
-    return {name: value for one, at in zip(spread, deviations[: len(spread)], strict=True) for name, value in one.changes(actuator, float(at)).items()}
+    return {
+        name: value
+        for one, at in zip(spread, deviations[: len(spread)], strict=True)
+        for name, value in one.changes(actuator, float(at)).items()
+    }
 
 
 def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...]:

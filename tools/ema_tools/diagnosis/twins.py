@@ -45,14 +45,18 @@ def twins(free: View) -> list[Fit]:
     evidence = free.evidence
     found = []
     for place, one in enumerate(evidence.spread):
-        names = [name for name, twin in TWINS.items() if twin.parameter == one.title and effect_of(name) not in evidence.actuator.active_effects]
+        names = [
+            name for name, twin in TWINS.items() if twin.parameter == one.title and effect_of(name) not in evidence.actuator.active_effects
+        ]
         if not names:
             continue
         # the parameter as the record alone has it: what else a data sheet leaves open need not make up for it any more
         loose = replace(one, std=_LOOSE * one.std)
         start = free.deviations.copy()
         start[place] /= _LOOSE
-        seen = settled(replace(evidence, spread=tuple(loose if other is one else other for other in evidence.spread)), {}, start, _ROUNDS, FAR)
+        seen = settled(
+            replace(evidence, spread=tuple(loose if other is one else other for other in evidence.spread)), {}, start, _ROUNDS, FAR
+        )
         change = loose.std * float(seen.deviations[place])
         for name in names:
             size, row = TWINS[name].per_change * change, row_of(name)

@@ -85,5 +85,9 @@ def scaled(actuator: Actuator, effect: str, values: Mapping[str, float], factor:
     """The same effect, its distance from what the actuator has of it `factor` times as large, inside its range. A limit goes further below the peak."""
     name, present = zero_of(actuator, effect)
     row = row_of(name)
-    moved = values[name] * (1.0 - (1.0 - _LIMIT_SHARE) * (factor - 1.0)) if effect == "current_limit" else present + factor * (values[name] - present)
+    moved = (
+        values[name] * (1.0 - (1.0 - _LIMIT_SHARE) * (factor - 1.0))
+        if effect == "current_limit"
+        else present + factor * (values[name] - present)
+    )
     return {**values, name: float(np.clip(moved, row.lower, row.upper))}

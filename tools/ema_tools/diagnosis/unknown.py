@@ -113,7 +113,15 @@ class Unknown:
             "rms": self.rms,
             "floor_rms": self.floor_rms,
             "sentence": self.sentence,
-            "ranking": [{"axis": one.axis, "friction": one.friction, "explained_percent": 100.0 * max(0.0, one.explained), "of_excess_percent": 100.0 * one.of_excess} for one in self.ranked],
+            "ranking": [
+                {
+                    "axis": one.axis,
+                    "friction": one.friction,
+                    "explained_percent": 100.0 * max(0.0, one.explained),
+                    "of_excess_percent": 100.0 * one.of_excess,
+                }
+                for one in self.ranked
+            ],
             "pictures": list(self.pictures),
         }
 
@@ -156,7 +164,11 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
     `actuator` holds the effects that are known by now; `found` is where the model without them failed on the same record, from which the healthy repeats are taken.
     """
     motion = motion_of(actuator, record, found.smoother)
-    here = {name: coarse(one, found.smoother) for name, one in all_balances(actuator, record, found.smoother).items() if name in KINDS and isinstance(one, Balance)}
+    here = {
+        name: coarse(one, found.smoother)
+        for name, one in all_balances(actuator, record, found.smoother).items()
+        if name in KINDS and isinstance(one, Balance)
+    }
     unknowns = []
     for name, own in here.items():
         reference = found.references.get(name)
@@ -184,10 +196,15 @@ def unknown_of(balance: Balance, motion: Motion, reference: Reference | None = N
     size, floor, chance = float(np.sqrt(np.mean(values**2))), 0.0, 0.0
     if reference is not None:
         floor = reference.floor_rms
-        others = (_ranked(sign * one[seen], at, half, turns, rod)[0].explained * float(one[seen] @ one[seen]) for one in reference.deviations)
+        others = (
+            _ranked(sign * one[seen], at, half, turns, rod)[0].explained * float(one[seen] @ one[seen]) for one in reference.deviations
+        )
         chance = _CHANCE_MARGIN * max([0.0, *others]) / max(float(values @ values), 1e-300)
     beyond = max(1.0 - (floor / size) ** 2, ranked[0].explained, 1e-9) if size > 0.0 else 1.0
-    ranked = tuple(replace(one, of_excess=min(1.0, max(one.explained, 0.0) / beyond) if one.explained > max(chance, _LEAST_SHARE) else 0.0) for one in ranked)
+    ranked = tuple(
+        replace(one, of_excess=min(1.0, max(one.explained, 0.0) / beyond) if one.explained > max(chance, _LEAST_SHARE) else 0.0)
+        for one in ranked
+    )
     foretold = ranked[0].explained if ranked[0].of_excess > 0.0 else 0.0
     merit = max((size / floor) ** 2 - 1.0, foretold * (size / floor) ** 2) if floor > 0.0 else foretold * _squared_share(balance)
     pictures: list[dict[str, Any]] = []
@@ -196,7 +213,13 @@ def unknown_of(balance: Balance, motion: Motion, reference: Reference | None = N
         if drawn is not None:
             best = max((one for one in ranked if one.axis == axis.name), key=lambda one: one.explained, default=None)
             share = 100.0 * max(best.explained, 0.0) if best else 0.0
-            picture: dict[str, Any] = {"by": axis.name, "axis_unit": axis.unit, "unit": balance.unit, "explained_percent": share, "friction": bool(best and best.friction)}
+            picture: dict[str, Any] = {
+                "by": axis.name,
+                "axis_unit": axis.unit,
+                "unit": balance.unit,
+                "explained_percent": share,
+                "friction": bool(best and best.friction),
+            }
             side = binned(axis, values * -at.direction) if picture["friction"] else None
             pictures.append({**picture, **(side or drawn).result()})
     pictures.sort(key=lambda one: -float(one["explained_percent"]))
@@ -219,7 +242,11 @@ def _ranked(values: Reals, at: Motion, half: Halves, turns: bool, rod: bool) -> 
         found.append(Ranked("constant", "", -1, friction, share, share, 0.0, 0.0, np.full(NODES, flat)))
         for axis in at.axes(rod):
             # below a whole turn an angle says no more than the position
-            if not np.ptp(axis.values) > 0.0 or (axis.name == "place in the lead" and leads < 1.0) or (axis.name == "motor angle" and np.ptp(at.angle_rad) < axis.period):
+            if (
+                not np.ptp(axis.values) > 0.0
+                or (axis.name == "place in the lead" and leads < 1.0)
+                or (axis.name == "motor angle" and np.ptp(at.angle_rad) < axis.period)
+            ):
                 continue
             first, last = (0.0, axis.period) if axis.period > 0.0 else (float(np.min(axis.values)), float(np.max(axis.values)))
             share, nodes = _table_share(values, axis, side, half, first, last, NODES)
@@ -241,7 +268,11 @@ def _table_share(values: Reals, axis: Axis, side: Reals, half: Halves, first: fl
 
     def fitted(rows: Halves) -> Reals:
         tall = np.vstack([columns[rows], stiff])
-        return np.asarray(np.linalg.solve(tall.T @ tall + 1e-9 * np.trace(tall.T @ tall) * np.eye(tall.shape[1]), tall.T @ np.concatenate([values[rows], smooth])))
+        return np.asarray(
+            np.linalg.solve(
+                tall.T @ tall + 1e-9 * np.trace(tall.T @ tall) * np.eye(tall.shape[1]), tall.T @ np.concatenate([values[rows], smooth])
+            )
+        )
 
     total = float(values @ values)
     left = sum(float(np.sum((values[~rows] - columns[~rows] @ fitted(rows)) ** 2)) for rows in (half, ~half))
@@ -287,7 +318,10 @@ def _sentence(what: str, ranked: Sequence[Ranked], at: Motion) -> str:
     elif rival is not None:
         alike = best.explained - rival.explained < _RICHER
         text += f"; {'as well' if alike else 'not'} {_WORDS[rival.axis]} ({100.0 * rival.of_excess:.0f} %)"
-    second = next((one for one in ranked[1:] if one.axis not in (best.axis, rival_name, "constant") and best.explained - one.explained < _RICHER), None)
+    second = next(
+        (one for one in ranked[1:] if one.axis not in (best.axis, rival_name, "constant") and best.explained - one.explained < _RICHER),
+        None,
+    )
     if second is not None and best.axis != "constant":
         text += f"; nearly as well {second.words} ({100.0 * second.of_excess:.0f} %)"
     return text
@@ -310,8 +344,23 @@ def learned(unknown: Unknown) -> Learned | None:
 
 
 def _table(effect: str, one: Ranked) -> Learned:
-    values = {"gain": 1.0, "axis": float(one.kind), "first": one.first, "last": one.last, **{f"node_{place:02d}": float(node) for place, node in enumerate(one.nodes)}}
-    return Learned(effect, one.axis, one.unit, one.first, one.last, one.nodes, one.tabled, {f"effects.{effect}.{name}": value for name, value in values.items()})
+    values = {
+        "gain": 1.0,
+        "axis": float(one.kind),
+        "first": one.first,
+        "last": one.last,
+        **{f"node_{place:02d}": float(node) for place, node in enumerate(one.nodes)},
+    }
+    return Learned(
+        effect,
+        one.axis,
+        one.unit,
+        one.first,
+        one.last,
+        one.nodes,
+        one.tabled,
+        {f"effects.{effect}.{name}": value for name, value in values.items()},
+    )
 
 
 def result(unknowns: Sequence[Unknown], table: Learned | None = None) -> dict[str, Any]:

@@ -138,16 +138,34 @@ class Where:
                     "relative_percent": _number(block.relative_percent),
                     "share_percent": 100.0 * block.share,
                     "telling": block.telling,
-                    "terms": [{"words": term.words, "explained_percent": 100.0 * block.of_excess(term), "coefficient": term.coefficient} for term in block.terms[:5]],
+                    "terms": [
+                        {"words": term.words, "explained_percent": 100.0 * block.of_excess(term), "coefficient": term.coefficient}
+                        for term in block.terms[:5]
+                    ],
                     "reason": block.reason or None,
                 }
                 for block in self.blocks
             ],
             "channels": [
-                {"name": one.name, "unit": UNITS[one.name], "rms": _number(one.rms), "floor_rms": _number(one.floor_rms), "share_percent": 100.0 * one.share} for one in self.channels
+                {
+                    "name": one.name,
+                    "unit": UNITS[one.name],
+                    "rms": _number(one.rms),
+                    "floor_rms": _number(one.floor_rms),
+                    "share_percent": 100.0 * one.share,
+                }
+                for one in self.channels
             ],
             "places": [
-                {"name": place.name, "source": place.source, "by": place.by, "part": place.part, "share_percent": 100.0 * place.share, "time_share": place.time_share} for place in self.places
+                {
+                    "name": place.name,
+                    "source": place.source,
+                    "by": place.by,
+                    "part": place.part,
+                    "share_percent": 100.0 * place.share,
+                    "time_share": place.time_share,
+                }
+                for place in self.places
             ],
             "pictures": self.pictures,
         }
@@ -192,7 +210,13 @@ def terms_of(balance: str, motion: Motion) -> dict[str, list[Reals]]:
     one, sign = np.ones_like(w), motion.direction
     turn = 2.0 * math.pi * motion.motor_mm / motion.lead_mm
     wave = [np.sin(turn), np.cos(turn)]
-    terms = {"constant": [one], "proportional to speed": [w], "with the sign of the motion": [sign], "proportional to acceleration": [a], "proportional to position": [x]}
+    terms = {
+        "constant": [one],
+        "proportional to speed": [w],
+        "with the sign of the motion": [sign],
+        "proportional to acceleration": [a],
+        "proportional to position": [x],
+    }
     if motion.current_A is not None:
         i = motion.current_A
         size = max(float(np.max(np.abs(i))), 1e-9)
@@ -268,7 +292,9 @@ class Lines:
 
 def lines_of(motion: Motion, smoother: Smoother) -> tuple[Lines, Lines]:
     """Orders per motor turn and per screw lead."""
-    return Lines.of("motor turn", motion.angle_rad, _MOTOR_ORDERS, smoother), Lines.of("screw lead", 2.0 * math.pi / motion.lead_mm * motion.motor_mm, _LEAD_ORDERS, smoother)
+    return Lines.of("motor turn", motion.angle_rad, _MOTOR_ORDERS, smoother), Lines.of(
+        "screw lead", 2.0 * math.pi / motion.lead_mm * motion.motor_mm, _LEAD_ORDERS, smoother
+    )
 
 
 def _terms(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> tuple[Term, ...]:
@@ -306,7 +332,9 @@ def _usual(actuator: Actuator, name: str, at: Motion) -> list[Reals]:
 _Judged = tuple[list[Block], dict[str, Balance], dict[str, Reference]]
 
 
-def _blocks_against_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, motion: Motion, lines: Sequence[Lines]) -> _Judged:
+def _blocks_against_repeats(
+    actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, motion: Motion, lines: Sequence[Lines]
+) -> _Judged:
     """Blocks with share 0 yet, and their judged residuals. The mean is taken of the balances, not of the signals: a play takes noise to one side."""
     count = len(healthy)
     here, *repeats = (_coarsened(all_balances(actuator, like, smoother), smoother) for like in (record, *healthy))
@@ -328,7 +356,9 @@ def _blocks_against_repeats(actuator: Actuator, record: Record, healthy: Sequenc
         deviations = np.vstack([deviations, *usual])
         wide = math.sqrt(floor**2 + sum(float(np.mean(one**2)) for one in usual))
         terms = _terms(judged, motion, lines)
-        limit = _TERM_MARGIN * max((term.energy for one in deviations for term in _terms(replace(mine, residual=one), motion, lines)), default=0.0)
+        limit = _TERM_MARGIN * max(
+            (term.energy for one in deviations for term in _terms(replace(mine, residual=one), motion, lines)), default=0.0
+        )
         limit = max(limit, _TERM_VARIANCES * floor**2)
         loud = judged.rms > FLOOR_MARGIN * wide
         telling = loud or any(term.energy > limit and term.explained > _TERM_LEAST for term in terms)
@@ -351,7 +381,9 @@ def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother
         terms = _terms(one, motion, lines)
         floor = math.hypot(fine.noise_rms, fine.method_rms)
         noise = one.residual.size * (floor * one.rms / fine.rms if fine.rms > 0.0 else floor) ** 2
-        telling = fine.rms > FLOOR_MARGIN * floor or any(term.explained > _TERM_SHARE and term.energy > 0.5 * noise and fine.rms > 1.05 * floor for term in terms)
+        telling = fine.rms > FLOOR_MARGIN * floor or any(
+            term.explained > _TERM_SHARE and term.energy > 0.5 * noise and fine.rms > 1.05 * floor for term in terms
+        )
         blocks.append(Block(name, one.unit, fine.rms, floor, fine.relative_percent, 0.0, telling, terms))
         residuals[name] = one
     return blocks, residuals, {}
@@ -391,7 +423,14 @@ def _channel_residuals(actuator: Actuator, record: Record, mean: Record | None) 
     return {name: record.recorded(name) - getattr(run, name) for name in CHANNELS if name in record.present}
 
 
-def _channels(record: Record, healthy: Sequence[Record], mean: Record | None, residuals: dict[str, Reals], whiten: Whitener | None, names: Sequence[str]) -> tuple[list[Channel], dict[str, Reals]]:
+def _channels(
+    record: Record,
+    healthy: Sequence[Record],
+    mean: Record | None,
+    residuals: dict[str, Reals],
+    whiten: Whitener | None,
+    names: Sequence[str],
+) -> tuple[list[Channel], dict[str, Reals]]:
     """Every signal's error and its residual in units of the floor [rows]; `whiten` of the signals `names` where there is one, else the rms of floor or signal."""
     units: dict[str, Reals] = {}
     floors: dict[str, float] = {}
@@ -412,12 +451,15 @@ def _channels(record: Record, healthy: Sequence[Record], mean: Record | None, re
             units[name] = residual / scale if scale > 0.0 else np.zeros_like(residual)
     total = sum(float(values @ values) for values in units.values())
     channels = [
-        Channel(name, float(np.sqrt(np.mean(residual**2))), floors[name], float(units[name] @ units[name]) / total if total > 0.0 else 0.0) for name, residual in residuals.items()
+        Channel(name, float(np.sqrt(np.mean(residual**2))), floors[name], float(units[name] @ units[name]) / total if total > 0.0 else 0.0)
+        for name, residual in residuals.items()
     ]
     return sorted(channels, key=lambda one: -one.share), units
 
 
-def where(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), whiten: Whitener | None = None, whitened: Sequence[str] = ()) -> Where:
+def where(
+    actuator: Actuator, record: Record, healthy: Sequence[Record] = (), whiten: Whitener | None = None, whitened: Sequence[str] = ()
+) -> Where:
     """Where the model fails on a record; with healthy repeats of its command, where the record differs from them. `whiten` of the signals `whitened`: the noise's own filter, where it is known.
 
     Raises InputError when the model refuses the actuator.
@@ -435,10 +477,22 @@ def where(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), wh
     channels, units = _channels(record, healthy, mean, errors, whiten, whitened)
     places = _places(actuator, record, blocks, residuals, units, smoother)
     pictures = _pictures(actuator, record, smoother, motion, lines, residuals, mean)
-    return Where(mean is not None, _sentence(blocks, channels, places, mean is not None, record), blocks, tuple(channels), places, pictures, residuals, references, smoother)
+    return Where(
+        mean is not None,
+        _sentence(blocks, channels, places, mean is not None, record),
+        blocks,
+        tuple(channels),
+        places,
+        pictures,
+        residuals,
+        references,
+        smoother,
+    )
 
 
-def _places(actuator: Actuator, record: Record, blocks: Sequence[Block], residuals: dict[str, Balance], units: dict[str, Reals], smoother: Smoother) -> tuple[Place, ...]:
+def _places(
+    actuator: Actuator, record: Record, blocks: Sequence[Block], residuals: dict[str, Balance], units: dict[str, Reals], smoother: Smoother
+) -> tuple[Place, ...]:
     """Parts of every telling balance and of every signal, the most telling first."""
     states = states_of(actuator, record)
     places: list[Place] = []
@@ -472,7 +526,9 @@ def _sentence(blocks: Sequence[Block], channels: Sequence[Channel], places: Sequ
         text += f"; {100.0 * place.share:.0f} % of it at {place.by} {place.part}, {100.0 * place.time_share:.0f} % of the time"
     if len(telling) > 1 and telling[1].share > 0.05:
         second = telling[1]
-        text += f"; then the {second.name} balance with {100.0 * second.share:.0f} %" + (f", {second.winner.words}" if second.winner is not None else "")
+        text += f"; then the {second.name} balance with {100.0 * second.share:.0f} %" + (
+            f", {second.winner.words}" if second.winner is not None else ""
+        )
     return text + "."
 
 
@@ -516,7 +572,13 @@ def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:
 
 
 def _pictures(
-    actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, lines: Sequence[Lines], residuals: dict[str, Balance], mean: Record | None
+    actuator: Actuator,
+    record: Record,
+    smoother: Smoother,
+    motion: Motion,
+    lines: Sequence[Lines],
+    residuals: dict[str, Balance],
+    mean: Record | None,
 ) -> dict[str, Any]:
     pictures: dict[str, Any] = {"bins": [], "orders": {}}
     for name, balance in residuals.items():
@@ -529,7 +591,9 @@ def _pictures(
                 friction = found is not None and turned is not None and turned.steady > found.steady
                 found = turned if friction else found
             if found is not None:
-                pictures["bins"].append({"source": name, "unit": balance.unit, "by": axis.name, "axis_unit": axis.unit, "friction": friction, **found.result()})
+                pictures["bins"].append(
+                    {"source": name, "unit": balance.unit, "by": axis.name, "axis_unit": axis.unit, "friction": friction, **found.result()}
+                )
     if "mechanical" in residuals:
         pictures["torque_speed"] = _torque_speed(actuator, residuals["mechanical"], mean is not None, motion)
     for name in ("mechanical", "kinematic"):
@@ -576,7 +640,9 @@ def _thin(*columns: Reals) -> list[list[float]]:
     return [short(values[::every]) for values in columns]
 
 
-def _hysteresis(actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, mechanical: Balance | None, mean: Record | None) -> dict[str, Any]:
+def _hysteresis(
+    actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, mechanical: Balance | None, mean: Record | None
+) -> dict[str, Any]:
     """Loops at reversals: rod minus motor position over motor position in um, of record, repeats and model; torque without inertia over position."""
     found: dict[str, Any] = {}
     if record.motor_position_mm is not None:
@@ -595,5 +661,10 @@ def _hysteresis(actuator: Actuator, record: Record, smoother: Smoother, motion: 
         at = motion.at(mechanical.time_s)
         torque = mechanical.measured - actuator["screw.inertia_kgm2"] * at.acceleration_rad_s2
         x, y, expected = _thin(at.position_mm, torque, torque - mechanical.residual)
-        found["torque"] = {"unit": "Nm", "axis_unit": "mm", "measured": {"x": x, "y": y}, ("healthy" if mean is not None else "model"): {"x": x, "y": expected}}
+        found["torque"] = {
+            "unit": "Nm",
+            "axis_unit": "mm",
+            "measured": {"x": x, "y": y},
+            ("healthy" if mean is not None else "model"): {"x": x, "y": expected},
+        }
     return found

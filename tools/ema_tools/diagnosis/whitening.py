@@ -61,4 +61,3 @@ def smoothed(power: Reals) -> Reals:
     half = np.maximum(_SMOOTH_LINES, (_SMOOTH_SHARE * index).astype(int))
     low, high = np.maximum(index - half, 0), np.minimum(index + half + 1, lines)
     return np.asarray((total[:, high] - total[:, low]) / (high - low))
-

@@ -63,11 +63,6 @@ def build(values: Mapping[str, float]) -> Any:
     sections = []
     for section in _BLOCK_SECTIONS:
         rows = _DEFINITIONS.sections[section]
-        sections.append(
-            _structure({row.field: int(values[row.name]) if row.is_option else float(values[row.name]) for row in rows})
-        )
-    effects = [
-        _structure({value.field: float(values[value.name]) for value in effect.parameters})
-        for effect in _DEFINITIONS.effects
-    ]
+        sections.append(_structure({row.field: int(values[row.name]) if row.is_option else float(values[row.name]) for row in rows}))
+    effects = [_structure({value.field: float(values[value.name]) for value in effect.parameters}) for effect in _DEFINITIONS.effects]
     return Actuator(*sections, _Effects(*effects))

@@ -33,9 +33,7 @@ def feedback_mm(encoder: Any, step_s: float, history_mm: np.ndarray, step: int) 
     if part > 0.0:
         older = history_mm[max(newest - 1, 0)]
         oldest = history_mm[max(newest - 2, 0)]
-        value = (
-            0.5 * (1.0 - part) * (2.0 - part) * value + part * (2.0 - part) * older - 0.5 * part * (1.0 - part) * oldest
-        )
+        value = 0.5 * (1.0 - part) * (2.0 - part) * value + part * (2.0 - part) * older - 0.5 * part * (1.0 - part) * oldest
     if encoder.resolution_mm > 0.0:
         value = encoder.resolution_mm * math.floor(value / encoder.resolution_mm + 0.5)
     return value

@@ -185,15 +185,11 @@ def prepared(values: Mapping[str, float]) -> plant.Plant:
     inertia = sites.shaft_inertia_kgm2(whole.effects, whole.screw.inertia_kgm2, 1e-3 * lead)
     if not inertia > 0.0:
         raise ValueError(f"screw.inertia_kgm2 = {whole.screw.inertia_kgm2:g}: a mass of the transmission takes all of it: lower the mass")
-    data = Data(
-        whole.motor.torque_constant_Nm_per_A, whole.screw.viscous_Nm_s_per_rad, whole.screw.lead_mm, whole.drive.supply_V
-    )
+    data = Data(whole.motor.torque_constant_Nm_per_A, whole.screw.viscous_Nm_s_per_rad, whole.screw.lead_mm, whole.drive.supply_V)
     return plant.Plant(whole, lead, inertia, data)
 
 
-def simulate(
-    values: Mapping[str, float], command_mm: np.ndarray, start_mm: float = 0.0, oversample: int = 100
-) -> Recording:
+def simulate(values: Mapping[str, float], command_mm: np.ndarray, start_mm: float = 0.0, oversample: int = 100) -> Recording:
     """Simulate an actuator.
 
     `values`: numbers by `section.field` and `effect.field`; missing ones are nominal. `command_mm` [steps]: one command per

@@ -156,9 +156,7 @@ def rates(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray, out
         share = _friction_share(plant, mode, state)
         friction = _sliding_level_Nm(plant, point, load, share)
         active = _active_torque_Nm(plant, mode, point, state, load)
-        out[SPEED] = screw.acceleration_rad_s2(
-            part.screw, plant.inertia_kgm2, active, point.speed_rad_s, friction, share
-        )
+        out[SPEED] = screw.acceleration_rad_s2(part.screw, plant.inertia_kgm2, active, point.speed_rad_s, friction, share)
         out[ANGLE] = point.speed_rad_s
         sites.contact_rates(part.effects, state, point.speed_rad_s, mode.motion, out)
     play_mm, play_mm_s = play_output(plant, mode, point)

@@ -17,9 +17,7 @@ def level_Nm(screw: Any, level_Nm: float, direction: int) -> float:
 
 
 @compiled
-def acceleration_rad_s2(
-    screw: Any, inertia_kgm2: float, active_Nm: float, speed_rad_s: float, friction_Nm: float, share: float
-) -> float:
+def acceleration_rad_s2(screw: Any, inertia_kgm2: float, active_Nm: float, speed_rad_s: float, friction_Nm: float, share: float) -> float:
     """Acceleration of a shaft that moves; `active_Nm` is every torque but viscous and dry friction.
 
     `share`: part of the level of dry friction that acts against extension: -1 or 1 while the contact slides.

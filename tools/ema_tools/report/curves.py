@@ -53,7 +53,10 @@ def pack(curves: Curves, thin: int = ROWS_MAX) -> dict[str, Any]:
 def _packed(values: Series) -> dict[str, Any]:
     """`values` as whole multiples of `scale`: a picture is never finer than a part in 32767 of its largest value."""
     scale = float(np.max(np.abs(values))) / 32767.0 or 1.0
-    return {"scale": float(f"{scale:.9g}"), "int16": base64.b64encode(np.rint(values / scale).clip(-32767, 32767).astype("<i2").tobytes()).decode("ascii")}
+    return {
+        "scale": float(f"{scale:.9g}"),
+        "int16": base64.b64encode(np.rint(values / scale).clip(-32767, 32767).astype("<i2").tobytes()).decode("ascii"),
+    }
 
 
 def _kept_rows(curves: Curves, names: tuple[str, ...], limit: int) -> np.ndarray:

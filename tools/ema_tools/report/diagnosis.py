@@ -135,7 +135,14 @@ def _gate(page: Sheet, result: Diagnosed) -> None:
         for one in result.remarks
     ]
     if rows:
-        page.add(_table("what was looked at in the record", "What was looked at before anything was concluded.", _heads("Looked at", "", "Found", "What to do", left=4), rows))
+        page.add(
+            _table(
+                "what was looked at in the record",
+                "What was looked at before anything was concluded.",
+                _heads("Looked at", "", "Found", "What to do", left=4),
+                rows,
+            )
+        )
 
 
 def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
@@ -152,23 +159,41 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
         floor = "–" if block.floor_rms is None else f"{words.number(block.floor_rms)} {escape(block.unit)}"
         told = f"{escape(block.words)} ({words.number(block.words_percent, 2)} %)" if block.words_percent >= 25.0 else "no simple term"
         term = told if block.telling else "nothing beyond the floor"
-        rows.append(f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="reason">{term}</td></tr>')
+        rows.append(
+            f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="reason">{term}</td></tr>'
+        )
     if rows:
         beneath = "repeats" if result.relative else "noise and method"
         caption = f"Each balance uses measured signals and one group of blocks; the excess is the record minus {against}. The floor is what {beneath} leave."
-        page.add(_table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as", texts=(4,)), rows))
+        page.add(
+            _table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as", texts=(4,)), rows)
+        )
     rows = [
         f'<tr><th scope="row">{escape(CHANNEL_TITLES.get(name, name))}</th><td>{words.number(rms)} {escape(unit)}</td><td>{"–" if floor is None else f"{words.number(floor)} {escape(unit)}"}</td>'
         f"<td>{words.number(share, 2)} %</td></tr>"
         for name, unit, rms, floor, share in result.signals
     ]
     if rows:
-        page.add(_table("residual of the signals", f"Closed loop: record minus {against}, signal by signal; shares of the weighted square.", _heads("Signal", "Residual, rms", "Floor", "Share"), rows))
+        page.add(
+            _table(
+                "residual of the signals",
+                f"Closed loop: record minus {against}, signal by signal; shares of the weighted square.",
+                _heads("Signal", "Residual, rms", "Floor", "Share"),
+                rows,
+            )
+        )
     telling = sorted((place for place in result.places if place.surprise > 0.0), key=lambda place: -place.surprise)
     if telling:
-        page.add('<figure><div class="figure-head"><h3>Places</h3><ul class="legend"><li><span class="key dot before"></span>share of the squared excess</li>')
-        page.add('<li><span class="key ring"></span>share of the time</li></ul></div>', page.figure(f"{identity}-places", figures.shares(telling)))
-        page.add("<figcaption>Parts of the record that hold more of the excess than of the time, the most telling first.</figcaption></figure>")
+        page.add(
+            '<figure><div class="figure-head"><h3>Places</h3><ul class="legend"><li><span class="key dot before"></span>share of the squared excess</li>'
+        )
+        page.add(
+            '<li><span class="key ring"></span>share of the time</li></ul></div>',
+            page.figure(f"{identity}-places", figures.shares(telling)),
+        )
+        page.add(
+            "<figcaption>Parts of the record that hold more of the excess than of the time, the most telling first.</figcaption></figure>"
+        )
     _pictures(page, result, identity)
 
 
@@ -241,7 +266,11 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
     for one in result.suspects:
         alike = ", ".join(name for name in one.alike if name != one.name) or "–"
         values = "<br>".join(_shown(value).removeprefix(f"{escape(one.name)}.") for value in one.values) or "–"
-        state = '<span class="verdict fine">accepted</span>' if one.accepted else escape(one.reason) or '<span class="whole">not accepted</span>'
+        state = (
+            '<span class="verdict fine">accepted</span>'
+            if one.accepted
+            else escape(one.reason) or '<span class="whole">not accepted</span>'
+        )
         rows.append(
             f'<tr><th scope="row">{escape(one.name)}</th><td class="reason">{escape(alike)}</td><td class="left">{values}</td>'
             f'<td>{words.number(one.score)}</td><td>{words.number(one.limit)}</td><td class="reason">{state}</td></tr>'
@@ -250,8 +279,14 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
     if any(not one.accepted and one.score > one.limit for one in result.suspects):
         caption += " What is not accepted shows what it would take off alone: beside the accepted ones, which explain the record better, it adds too little."
     page.add(_table("effects", caption, _heads("Effect", "Looks alike", "Size", "Score", "Limit", "", left=3), rows))
-    page.add('<figure><div class="figure-head"><h3>Scores</h3><ul class="legend"><li><span class="key dot"></span>accepted</li><li><span class="key dot candidate"></span>not accepted</li>')
-    page.add('<li><span class="key dashed"></span>limit</li></ul></div>', page.figure(f"{identity}-ranking", diagnosis_figures.ranking(result)), "</figure>")
+    page.add(
+        '<figure><div class="figure-head"><h3>Scores</h3><ul class="legend"><li><span class="key dot"></span>accepted</li><li><span class="key dot candidate"></span>not accepted</li>'
+    )
+    page.add(
+        '<li><span class="key dashed"></span>limit</li></ul></div>',
+        page.figure(f"{identity}-ranking", diagnosis_figures.ranking(result)),
+        "</figure>",
+    )
 
 
 def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> None:
@@ -260,17 +295,39 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
         page.add("<h3>Does the error fall?</h3>")
         held = any(step.holdout is not None for step in result.steps)
         first = result.errors.get("holdout_before")
-        rows = [f'<tr><th scope="row">first model</th><td>{words.number(result.errors["before"])}</td><td>{"–" if first is None else words.number(first)}</td><td></td><td></td></tr>']
+        rows = [
+            f'<tr><th scope="row">first model</th><td>{words.number(result.errors["before"])}</td><td>{"–" if first is None else words.number(first)}</td><td></td><td></td></tr>'
+        ]
         for step in result.steps:
             values = "<br>".join(map(_shown, step.values)) or "–"
-            state = "" if step.recommended is None else '<span class="verdict fine">recommended</span>' if step.recommended else '<span class="verdict blocks">not recommended</span>'
+            state = (
+                ""
+                if step.recommended is None
+                else '<span class="verdict fine">recommended</span>'
+                if step.recommended
+                else '<span class="verdict blocks">not recommended</span>'
+            )
             why = (": " if state else "") + escape(step.reason) if step.reason else ""
             holdout = "–" if step.holdout is None else words.number(step.holdout)
             name = escape(step.added or " + ".join(step.effects))
-            rows.append(f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="left">{values}</td><td class="reason">{state}{why}</td></tr>')
-        page.add(_table("steps", "Weighted rms error after each addition, all values refitted together.", _heads("Step", "This record", "Held-out record", "Values", "", texts=(3,)), rows))
-        page.add('<figure><div class="figure-head"><h3>From the first model to the floor</h3><ul class="legend"><li><span class="key dot"></span>left on this record</li>')
-        page.add('<li><span class="key join"></span>taken off</li>' + ('<li><span class="key before"></span>held-out record</li>' if held else ""))
+            rows.append(
+                f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="left">{values}</td><td class="reason">{state}{why}</td></tr>'
+            )
+        page.add(
+            _table(
+                "steps",
+                "Weighted rms error after each addition, all values refitted together.",
+                _heads("Step", "This record", "Held-out record", "Values", "", texts=(3,)),
+                rows,
+            )
+        )
+        page.add(
+            '<figure><div class="figure-head"><h3>From the first model to the floor</h3><ul class="legend"><li><span class="key dot"></span>left on this record</li>'
+        )
+        page.add(
+            '<li><span class="key join"></span>taken off</li>'
+            + ('<li><span class="key before"></span>held-out record</li>' if held else "")
+        )
         page.add('<li><span class="key dashed"></span>floor</li></ul></div>' if "floor" in result.errors else "</ul></div>")
         page.add(page.figure(f"{identity}-waterfall", diagnosis_figures.waterfall(result)), "</figure>")
     if result.curves is not None:
@@ -282,7 +339,10 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
 def _unknown(page: Sheet, result: Diagnosed, identity: str) -> None:
     if result.verdict != "unknown" or not (result.unknown_sentence or result.unknown_pictures):
         return
-    page.add("<h3>What is it that the library does not hold?</h3>", f"<p>{escape(result.unknown_sentence[:1].upper() + result.unknown_sentence[1:])}.</p>")
+    page.add(
+        "<h3>What is it that the library does not hold?</h3>",
+        f"<p>{escape(result.unknown_sentence[:1].upper() + result.unknown_sentence[1:])}.</p>",
+    )
     if result.unknown_pictures:
         page.add('<div class="thirds">')
         for place, one in enumerate(result.unknown_pictures[:_UNKNOWN_PICTURES_MAX]):

@@ -15,8 +15,24 @@ from ema_tools.report.words import number
 
 _SUSPECTS_MAX = 12
 _MARGIN = {"l": 62, "r": 14, "t": 8, "b": 44}
-_ROLES = {"measured": "before", "model": "after", "healthy": "after", "points": "measured", "excess": "before", "order": "before", "chance": "undecided"}
-_NAMES = {"measured": "measured", "model": "model", "healthy": "healthy repeats", "points": "sample", "excess": "mean", "order": "amplitude", "chance": "what noise makes"}
+_ROLES = {
+    "measured": "before",
+    "model": "after",
+    "healthy": "after",
+    "points": "measured",
+    "excess": "before",
+    "order": "before",
+    "chance": "undecided",
+}
+_NAMES = {
+    "measured": "measured",
+    "model": "model",
+    "healthy": "healthy repeats",
+    "points": "sample",
+    "excess": "mean",
+    "order": "amplitude",
+    "chance": "what noise makes",
+}
 # A scale on which the scores of weak and strong effects are both seen.
 _LEAST_RATIO = 0.01
 
@@ -35,7 +51,16 @@ def ranking(result: Diagnosed) -> Figure:
         "line": {"width": 3},
         "hoverinfo": "skip",
     }
-    limit = {"type": "scatter", "mode": "lines", "x": [1.0] * len(names), "y": names, "name": "limit", "meta": {"role": "undecided"}, "line": {"width": 1.5, "dash": "dash"}, "hoverinfo": "skip"}
+    limit = {
+        "type": "scatter",
+        "mode": "lines",
+        "x": [1.0] * len(names),
+        "y": names,
+        "name": "limit",
+        "meta": {"role": "undecided"},
+        "line": {"width": 1.5, "dash": "dash"},
+        "hoverinfo": "skip",
+    }
     traces = [stems, limit]
     for accepted, role, title in ((True, "after", "accepted"), (False, "candidate", "not accepted")):
         chosen = [place for place, one in enumerate(shown) if one.accepted == accepted]
@@ -53,11 +78,18 @@ def ranking(result: Diagnosed) -> Figure:
             }
         )
     layout = {
-        "xaxis": {"title": {"text": "Score over the limit"}, "type": "log", "dtick": 1, "range": [float(np.log10(_LEAST_RATIO)), float(np.log10(2.0 * max([*ratios, 1.0])))]},
+        "xaxis": {
+            "title": {"text": "Score over the limit"},
+            "type": "log",
+            "dtick": 1,
+            "range": [float(np.log10(_LEAST_RATIO)), float(np.log10(2.0 * max([*ratios, 1.0])))],
+        },
         "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "showgrid": False, "automargin": True, "ticklabelstandoff": 6},
         "margin": {"l": 20, "r": 14, "t": 8, "b": 44},
     }
-    label = "Score over limit: " + "; ".join(f"{one.name} {number(ratio)}{' accepted' if one.accepted else ''}" for one, ratio in zip(shown, ratios, strict=True))
+    label = "Score over limit: " + "; ".join(
+        f"{one.name} {number(ratio)}{' accepted' if one.accepted else ''}" for one, ratio in zip(shown, ratios, strict=True)
+    )
     return {"data": traces, "layout": layout, "height": 80 + 26 * len(shown), "label": label}
 
 
@@ -89,7 +121,15 @@ def waterfall(result: Diagnosed) -> Figure:
         )
     floor = result.errors.get("floor")
     if floor is not None:
-        line: Figure = {"type": "scatter", "mode": "lines", "x": names, "y": [floor] * len(names), "name": "floor", "meta": {"role": "undecided"}, "line": {"width": 1.5, "dash": "dash"}}
+        line: Figure = {
+            "type": "scatter",
+            "mode": "lines",
+            "x": names,
+            "y": [floor] * len(names),
+            "name": "floor",
+            "meta": {"role": "undecided"},
+            "line": {"width": 1.5, "dash": "dash"},
+        }
         traces.append({**line, "hovertemplate": "floor of the repeats %{y:.3~g}<extra></extra>"})
     layout = {
         "xaxis": {"type": "category", "categoryorder": "array", "categoryarray": names, "showgrid": False, "automargin": True},
@@ -105,7 +145,16 @@ def waterfall(result: Diagnosed) -> Figure:
 
 def _bar(names: list[str], values: list[float], base: list[float], title: str, role: str) -> Figure:
     hover = f"%{{x}}: {title} %{{customdata:.3~g}}<extra></extra>"
-    return {"type": "bar", "x": names, "y": values, "base": base, "customdata": values, "name": title, "meta": {"role": role}, "hovertemplate": hover}
+    return {
+        "type": "bar",
+        "x": names,
+        "y": values,
+        "base": base,
+        "customdata": values,
+        "name": title,
+        "meta": {"role": role},
+        "hovertemplate": hover,
+    }
 
 
 def _short(values: Series | list[float]) -> list[float]:
@@ -130,7 +179,14 @@ def picture(shown: Picture) -> Figure:
         hover = f"{title} %{{y:.3~g}} {_unit(shown.unit)} at %{{x:.4~g}} {_unit(shown.axis_unit)}<extra></extra>"
         if line.low is not None and line.high is not None:
             traces += _band(line, role)
-        trace: Figure = {"type": "scatter", "x": _short(line.x), "y": _short(line.y), "name": title, "meta": {"role": role}, "hovertemplate": hover}
+        trace: Figure = {
+            "type": "scatter",
+            "x": _short(line.x),
+            "y": _short(line.y),
+            "name": title,
+            "meta": {"role": role},
+            "hovertemplate": hover,
+        }
         if name == "points":
             trace |= {"mode": "markers", "marker": {"size": 3, "opacity": 0.45}}
         elif name == "order":
@@ -158,14 +214,25 @@ def _readable(shown: Picture) -> Picture:
     largest = max(float(np.max(np.abs(line.y))) for line in shown.lines.values())
     if shown.unit != "mm" or largest > 0.1:
         return shown
-    lines = {name: Line(line.x, 1e3 * line.y, *(None if edge is None else 1e3 * edge for edge in (line.low, line.high))) for name, line in shown.lines.items()}
+    lines = {
+        name: Line(line.x, 1e3 * line.y, *(None if edge is None else 1e3 * edge for edge in (line.low, line.high)))
+        for name, line in shown.lines.items()
+    }
     return replace(shown, unit="um", lines=lines)
 
 
 def _band(line: Line, role: str) -> list[Figure]:
     """The band of one standard deviation."""
     assert line.low is not None and line.high is not None
-    edge: Figure = {"type": "scatter", "mode": "lines", "x": _short(line.x), "meta": {"role": role}, "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False}
+    edge: Figure = {
+        "type": "scatter",
+        "mode": "lines",
+        "x": _short(line.x),
+        "meta": {"role": role},
+        "line": {"width": 0},
+        "hoverinfo": "skip",
+        "showlegend": False,
+    }
     return [{**edge, "y": _short(line.low)}, {**edge, "y": _short(line.high), "fill": "tonexty"}]
 
 

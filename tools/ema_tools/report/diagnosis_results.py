@@ -149,16 +149,25 @@ def diagnosed(reader: Reader, stem: str) -> Diagnosed:
         verdict=verdict,
         sentence=reader.text("sentence", ""),
         suspects=suspects,
-        errors={key: value for key in ("before", "after", "floor", "holdout_before", "holdout_after") if (value := error.optional(key)) is not None},
+        errors={
+            key: value
+            for key in ("before", "after", "floor", "holdout_before", "holdout_after")
+            if (value := error.optional(key)) is not None
+        },
         next_experiment=_said(reader, "next_experiment"),
         gate_sentence=gate.text("sentence", ""),
         remarks=tuple(_remark(part) for part in gate.tables("remarks")),
         where_sentence=where.text("sentence", ""),
         relative=bool(where.data.get("relative_to_healthy", False)),
         blocks=tuple(_block(part) for part in where.tables("blocks")),
-        signals=tuple((part.text("name", ""), part.text("unit", ""), part.number("rms"), part.optional("floor_rms"), part.number("share_percent")) for part in where.tables("channels")),
+        signals=tuple(
+            (part.text("name", ""), part.text("unit", ""), part.number("rms"), part.optional("floor_rms"), part.number("share_percent"))
+            for part in where.tables("channels")
+        ),
         places=tuple(
-            Place(part.text("name", "unnamed"), part.number("share_percent"), 100.0 * part.number("time_share")) for part in where.tables("places") if part.data.get("time_share") is not None
+            Place(part.text("name", "unnamed"), part.number("share_percent"), 100.0 * part.number("time_share"))
+            for part in where.tables("places")
+            if part.data.get("time_share") is not None
         ),
         pictures=tuple(_pictures(pictures)),
         unknown_sentence=unknown.text("sentence", ""),
@@ -200,13 +209,29 @@ def _values(reader: Reader) -> tuple[Value, ...]:
 
 def _suspect(part: Reader) -> Suspect:
     name = part.text("name", "unnamed")
-    return Suspect(name, part.texts("class") or (name,), _own_values(part), part.number("score"), part.number("limit"), bool(part.data.get("accepted", False)), _said(part, "reason"))
+    return Suspect(
+        name,
+        part.texts("class") or (name,),
+        _own_values(part),
+        part.number("score"),
+        part.number("limit"),
+        bool(part.data.get("accepted", False)),
+        _said(part, "reason"),
+    )
 
 
 def _steps(reader: Reader, error: Reader, added: str, suspects: tuple[Suspect, ...]) -> tuple[Step, ...]:
     """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
     steps = [
-        Step(part.texts("effects"), part.text("added", ""), part.number("error_training"), part.optional("error_holdout"), _values(part), _judged(part), _said(part, "reason"))
+        Step(
+            part.texts("effects"),
+            part.text("added", ""),
+            part.number("error_training"),
+            part.optional("error_holdout"),
+            _values(part),
+            _judged(part),
+            _said(part, "reason"),
+        )
         for part in reader.tables("steps")
     ]
     # the model as it was given is the first model, which the page shows anyhow
@@ -245,7 +270,13 @@ def _own_values(part: Reader) -> tuple[Value, ...]:
 
 def _full_name(effect: str, field_name: str) -> str:
     """The name in the actuator's file of a value that is stated by its last word."""
-    return field_name if "." in field_name else f"screw.{field_name}" if field_name.startswith(f"{effect}_") else f"effects.{effect}.{field_name}"
+    return (
+        field_name
+        if "." in field_name
+        else f"screw.{field_name}"
+        if field_name.startswith(f"{effect}_")
+        else f"effects.{effect}.{field_name}"
+    )
 
 
 def _remark(part: Reader) -> Remark:
@@ -282,7 +313,13 @@ def _pictures(pictures: Reader) -> Iterator[Picture]:
     """Bins by balance and axis, torque against speed, orders, hysteresis."""
     for part in pictures.tables("bins"):
         heads = (part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""))
-        yield Picture(*heads, {"excess": _binned(part)}, part.series("share_percent"), part.series("time_percent"), friction=bool(part.data.get("friction", False)))
+        yield Picture(
+            *heads,
+            {"excess": _binned(part)},
+            part.series("share_percent"),
+            part.series("time_percent"),
+            friction=bool(part.data.get("friction", False)),
+        )
     if pictures.data.get("torque_speed") is not None:
         part = pictures.table("torque_speed")
         lines = {"points": _points(part.table("points"))}
@@ -315,5 +352,9 @@ def _unknown_pictures(unknown: Reader) -> Iterator[Picture]:
         return
     what = first.text("what", "unknown")
     for part in first.tables("pictures"):
-        share: dict[str, Any] = {"share": part.series("share_percent"), "explained_percent": part.number("explained_percent"), "friction": bool(part.data.get("friction", False))}
+        share: dict[str, Any] = {
+            "share": part.series("share_percent"),
+            "explained_percent": part.number("explained_percent"),
+            "friction": bool(part.data.get("friction", False)),
+        }
         yield Picture(what, part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""), {"excess": _binned(part)}, **share)

@@ -79,7 +79,17 @@ def _reading(result: Identified, name: str, place: int) -> Figure:
         text += f"   actual {shift(result.case.shift_percent(name), 2)}".removesuffix(" %")
     if result.paper is not None:
         text += f"   paper {shift(result.paper.paper_shift_percent(name), 2)}".removesuffix(" %")
-    return {"text": text, "x": 0.0, "xref": "paper", "xanchor": "left", "xshift": 4, "y": place + 0.3, "yref": "y", "yanchor": "bottom", "showarrow": False}
+    return {
+        "text": text,
+        "x": 0.0,
+        "xref": "paper",
+        "xanchor": "left",
+        "xshift": 4,
+        "y": place + 0.3,
+        "yref": "y",
+        "yanchor": "bottom",
+        "showarrow": False,
+    }
 
 
 def _marker(x: list[float], y: list[str], name: str, role: str, symbol: str, size: int, line: float) -> Figure:
@@ -140,7 +150,13 @@ def search(result: Identified) -> Figure:
     ]
     layout = {
         "xaxis": {"title": {"text": "Model run"}, "rangemode": "tozero"},
-        "yaxis": {"title": {"text": "E<sub>int</sub>, mm² s"}, "type": "log", "exponentformat": "power", "tickfont": {"size": 9}, "dtick": _decades(cost)},
+        "yaxis": {
+            "title": {"text": "E<sub>int</sub>, mm² s"},
+            "type": "log",
+            "exponentformat": "power",
+            "tickfont": {"size": 9},
+            "dtick": _decades(cost),
+        },
         "margin": {"l": 62, "r": 14, "t": 8, "b": 44},
     }
     label = f"Objective against model run: {len(runs)} candidates, best {best[-1]:.2e} mm2 s"
@@ -188,7 +204,12 @@ def accuracy(results: list[Identified]) -> Figure:
         "yaxis": {"categoryorder": "array", "categoryarray": rows[::-1], "showgrid": False},
         "margin": {"l": 92, "r": 14, "t": 8, "b": 44},
     }
-    return {"data": traces, "layout": layout, "height": 60 + 30 * len(rows), "label": "Error of the estimates here and in the paper; the table holds the numbers"}
+    return {
+        "data": traces,
+        "layout": layout,
+        "height": 60 + 30 * len(rows),
+        "label": "Error of the estimates here and in the paper; the table holds the numbers",
+    }
 
 
 def _error(x: list[float], y: list[str], name: str, role: str, symbol: str) -> Figure:
@@ -213,7 +234,10 @@ def shares(where: Sequence[Place]) -> Figure:
         "line": {"width": 2},
         "hoverinfo": "skip",
     }
-    time, error = _marker(times, names, "of the time", "measured", "circle-open", 11, 2), _marker(shares, names, "of the squared error", "before", "circle", 10, 0)
+    time, error = (
+        _marker(times, names, "of the time", "measured", "circle-open", 11, 2),
+        _marker(shares, names, "of the squared error", "before", "circle", 10, 0),
+    )
     for trace in (time, error):
         trace["hovertemplate"] = "%{y}: %{x:.1f} % " + trace["name"] + "<extra></extra>"
     layout = {
@@ -221,5 +245,7 @@ def shares(where: Sequence[Place]) -> Figure:
         "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "showgrid": False, "automargin": True, "ticklabelstandoff": 6},
         "margin": {"l": 20, "r": 14, "t": 8, "b": 44},
     }
-    label = "Parts that hold more of the squared error than of the time: " + "; ".join(f"{p.name} {p.share_percent:.0f} % in {p.time_percent:.0f} % of the time" for p in places)
+    label = "Parts that hold more of the squared error than of the time: " + "; ".join(
+        f"{p.name} {p.share_percent:.0f} % in {p.time_percent:.0f} % of the time" for p in places
+    )
     return {"data": [joins, time, error], "layout": layout, "height": 70 + 38 * len(places), "label": label}

@@ -124,14 +124,20 @@ def _worst(result: Compared) -> str:
 def _short_title(result: Result) -> str:
     if not isinstance(result, Identified):
         return result.title
-    return ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults) + f": {result.verdict}"
+    return (
+        ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults) + f": {result.verdict}"
+    )
 
 
 def _head(page: _Page, results: list[Result]) -> None:
     first = results[0]
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
     if isinstance(first, Identified):
-        made = " The record was made by an independent model of this actuator in double precision; the module saw the record alone." if first.case else ""
+        made = (
+            " The record was made by an independent model of this actuator in double precision; the module saw the record alone."
+            if first.case
+            else ""
+        )
         doubt = f"Because {verdict(first)} " if first.verdict == "undecided" else ""
         page.add(f'<p class="lead">{_text(doubt + finding(first) + made)}</p>')
     elif first.sentence:
@@ -191,12 +197,16 @@ def _identified(page: _Page, result: Identified, identity: str) -> None:
     if result.paper is not None:
         page.add('<li><span class="key diamond"></span>paper</li>')
     page.add("</ul></div>", page.figure(f"{identity}-scalars", figures.scalars(result)))
-    page.add("<figcaption>Estimated shift of each fault parameter, with its 95 % interval where that is wider than the dot.</figcaption></figure>")
+    page.add(
+        "<figcaption>Estimated shift of each fault parameter, with its 95 % interval where that is wider than the dot.</figcaption></figure>"
+    )
     if result.search is not None:
         page.add('<figure><div class="figure-head"><h3>The search</h3><ul class="legend">')
         page.add('<li><span class="key dot candidate"></span>candidate</li><li><span class="key after"></span>best so far</li></ul></div>')
         page.add(page.figure(f"{identity}-search", figures.search(result)))
-        page.add("<figcaption>A candidate that could no longer be accepted was given up early; its dot is the error that had come together by then.</figcaption></figure>")
+        page.add(
+            "<figcaption>A candidate that could no longer be accepted was given up early; its dot is the error that had come together by then.</figcaption></figure>"
+        )
     page.add("</div>")
 
 
@@ -219,7 +229,9 @@ def _curves(page: _Page, curves: Curves, identity: str, models: dict[str, str]) 
             f"{channel['title']} residual rms {channel['rms_text'][key]}" for channel in packed["channels"]
         )
         page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>')
-        page.add(f'<div class="plot" data-curves="{identity}" data-model="{key}" role="img" aria-label="{escape(label)}" style="height:{height}px"></div></figure>')
+        page.add(
+            f'<div class="plot" data-curves="{identity}" data-model="{key}" role="img" aria-label="{escape(label)}" style="height:{height}px"></div></figure>'
+        )
     page.add("</div>")
     scale, follow = (", on the same scale before and after", "; all follow") if len(models) > 1 else ("", "")
     derived = " Speed is the slope of the position over 9 rows, the same for every curve." if curves.derived else ""
@@ -237,7 +249,9 @@ def _paper(page: _Page, results: list[Identified]) -> None:
         "sweep, so the reference actuator here is an estimate that agrees with all they do print.</p>"
     )
     page.add(beside_paper(results))
-    page.add('<figure><div class="figure-head"><h3>Error of the estimates</h3><ul class="legend"><li><span class="key dot"></span>here</li>')
+    page.add(
+        '<figure><div class="figure-head"><h3>Error of the estimates</h3><ul class="legend"><li><span class="key dot"></span>here</li>'
+    )
     page.add('<li><span class="key diamond full"></span>paper</li></ul></div>', page.figure("paper-accuracy", figures.accuracy(results)))
     page.add(
         "<figcaption>Logarithmic: each step is ten times; an error below 0.0001 % is drawn at 0.0001 %. "
@@ -253,9 +267,16 @@ def _compared(page: _Page, result: Compared, identity: str) -> None:
         _curves(page, result.curves, identity, {"model": "Measured and simulated"})
     page.add(compared_tables(result))
     if result.where:
-        page.add('<figure><div class="figure-head"><h3>Where the error sits</h3><ul class="legend"><li><span class="key dot before"></span>share of the squared error</li>')
-        page.add('<li><span class="key ring"></span>share of the time</li></ul></div>', page.figure(f"{identity}-where", figures.shares(result.where)))
-        page.add("<figcaption>Parts of the record that hold more of a residual than of the time, the most telling first.</figcaption></figure>")
+        page.add(
+            '<figure><div class="figure-head"><h3>Where the error sits</h3><ul class="legend"><li><span class="key dot before"></span>share of the squared error</li>'
+        )
+        page.add(
+            '<li><span class="key ring"></span>share of the time</li></ul></div>',
+            page.figure(f"{identity}-where", figures.shares(result.where)),
+        )
+        page.add(
+            "<figcaption>Parts of the record that hold more of a residual than of the time, the most telling first.</figcaption></figure>"
+        )
 
 
 def _next(page: _Page, identified: list[Identified], compared: list[Compared], diagnosed: bool) -> None:
@@ -289,7 +310,9 @@ def _code(text: str) -> str:
 
 
 def _origin(page: _Page, results: list[Result], command: str) -> None:
-    page.add('<section id="origin" aria-labelledby="origin-title"><div class="wrap"><h2 id="origin-title">Where this comes from</h2><dl class="origin">')
+    page.add(
+        '<section id="origin" aria-labelledby="origin-title"><div class="wrap"><h2 id="origin-title">Where this comes from</h2><dl class="origin">'
+    )
     page.add(f"<dt>page</dt><dd><code>{escape(command)}</code></dd>")
     shared = _shared([result.provenance for result in results])
     for key, value in shared.items():
@@ -297,7 +320,9 @@ def _origin(page: _Page, results: list[Result], command: str) -> None:
     for result in results:
         own = {key: value for key, value in result.provenance.items() if key not in shared}
         if own:
-            page.add(f"<dt>{escape(result.title)}</dt><dd>{'<br>'.join(f'{escape(key)}: {escape(value)}' for key, value in own.items())}</dd>")
+            page.add(
+                f"<dt>{escape(result.title)}</dt><dd>{'<br>'.join(f'{escape(key)}: {escape(value)}' for key, value in own.items())}</dd>"
+            )
     page.add("</dl></div></section>")
 
 

@@ -52,16 +52,23 @@ class _Panel:
     def line(self, x: Series, y: Series, colour: str, width: float = 1.0, dash: str = "") -> None:
         """A polyline."""
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
-        self.parts.append(f'<polyline points="{self.at(x, y)}" fill="none" stroke="{colour}" stroke-width="{width:g}" stroke-linejoin="round"{dashed}/>')
+        self.parts.append(
+            f'<polyline points="{self.at(x, y)}" fill="none" stroke="{colour}" stroke-width="{width:g}" stroke-linejoin="round"{dashed}/>'
+        )
 
     def dots(self, x: Series, y: Series, colour: str, radius: float, opacity: float = 1.0) -> None:
         """Points."""
-        self.parts += [f'<circle cx="{place.split(",")[0]}" cy="{place.split(",")[1]}" r="{radius:g}" fill="{colour}" fill-opacity="{opacity:g}"/>' for place in self.at(x, y).split()]
+        self.parts += [
+            f'<circle cx="{place.split(",")[0]}" cy="{place.split(",")[1]}" r="{radius:g}" fill="{colour}" fill-opacity="{opacity:g}"/>'
+            for place in self.at(x, y).split()
+        ]
 
     def band(self, line: Line, colour: str) -> None:
         """The area between the edges of a line."""
         assert line.low is not None and line.high is not None
-        self.parts.append(f'<polygon points="{self.at(line.x, line.low)} {self.at(line.x[::-1], line.high[::-1])}" fill="{colour}" fill-opacity="0.18"/>')
+        self.parts.append(
+            f'<polygon points="{self.at(line.x, line.low)} {self.at(line.x[::-1], line.high[::-1])}" fill="{colour}" fill-opacity="0.18"/>'
+        )
 
     def axes(self, title: str, below: bool, unit: str = "") -> None:
         """Grid and ticks; the scale of x only where `below`."""
@@ -95,14 +102,19 @@ def _decades(ends: tuple[float, float]) -> list[float]:
 
 def _svg(width: float, height: float, parts: Sequence[str], title: str) -> str:
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" font-family="sans-serif" font-size="11" fill="{_INK}" role="img">'
-    return "\n".join([head, f"<title>{escape(title)}</title>", f'<rect width="{width:g}" height="{height:g}" fill="white"/>', *parts, "</svg>", ""])
+    return "\n".join(
+        [head, f"<title>{escape(title)}</title>", f'<rect width="{width:g}" height="{height:g}" fill="white"/>', *parts, "</svg>", ""]
+    )
 
 
 def _legend(x: float, y: float, entries: dict[str, str]) -> list[str]:
     """A row of coloured names."""
     parts = []
     for name, colour in entries.items():
-        parts += [f'<line x1="{x:g}" x2="{x + 18.0:g}" y1="{y - 4.0:g}" y2="{y - 4.0:g}" stroke="{colour}" stroke-width="3"/>', _text(x + 23.0, y, name, "start")]
+        parts += [
+            f'<line x1="{x:g}" x2="{x + 18.0:g}" y1="{y - 4.0:g}" y2="{y - 4.0:g}" stroke="{colour}" stroke-width="3"/>',
+            _text(x + 23.0, y, name, "start"),
+        ]
         x += 40.0 + 6.0 * len(name)
     return parts
 
@@ -150,7 +162,9 @@ def of_torque(result: Diagnosed) -> str:
     """Torque without inertia against speed, of the record and of the healthy repeats or the model."""
     drawn = next((one for one in result.pictures if one.source == "torque without inertia"), None)
     if drawn is None or "measured" not in drawn.lines:
-        raise InputError(f"{result.name}: no torque against speed in the result: the record needs motor_position_mm or speed, and current_A")
+        raise InputError(
+            f"{result.name}: no torque against speed in the result: the record needs motor_position_mm or speed, and current_A"
+        )
     points, measured = drawn.lines["points"], drawn.lines["measured"]
     other = next(name for name in drawn.lines if name not in ("points", "measured"))
     panel = _Panel(60.0, 55.0, 500.0, 230.0, _around(points.x, 0.03), _around(points.y))
@@ -160,13 +174,23 @@ def of_torque(result: Diagnosed) -> str:
     for line, colour in ((drawn.lines[other], _COLOURS["after"]), (measured, _COLOURS["before"])):
         panel.band(line, colour)
         panel.line(line.x, line.y, colour, 2.0)
-    return _svg(590.0, 325.0, [*_legend(60.0, 20.0, {"today": _COLOURS["before"], names[other]: _COLOURS["after"], "samples of today": _COLOURS["measured"]}), *panel.parts], "Torque against speed")
+    return _svg(
+        590.0,
+        325.0,
+        [
+            *_legend(60.0, 20.0, {"today": _COLOURS["before"], names[other]: _COLOURS["after"], "samples of today": _COLOURS["measured"]}),
+            *panel.parts,
+        ],
+        "Torque against speed",
+    )
 
 
 def of_error(result: Diagnosed) -> str:
     """The weighted error from the first model to the last, on the record and on the one held out, over the floor."""
     if "before" not in result.errors or "floor" not in result.errors or not result.steps:
-        raise InputError(f"{result.name}: no fall of an error in the result: give the --json result of an `ema diagnose` that found something")
+        raise InputError(
+            f"{result.name}: no fall of an error in the result: give the --json result of an `ema diagnose` that found something"
+        )
     names = ["as given", *(f"+ {_name(step.added)}" for step in result.steps)]
     training = np.array([result.errors["before"], *(step.training for step in result.steps)])
     held = [result.errors.get("holdout_before"), *(step.holdout for step in result.steps)]
@@ -201,7 +225,9 @@ def write_pictures(result: Path, folder: Path, name: str) -> list[Path]:
     """Writes the three pictures of a result into `folder`, which must exist; returns their paths. Raises InputError for a result that does not hold what is drawn."""
     found = read_result(result)
     if not isinstance(found, Diagnosed) or found.curves is None or "after" not in found.curves.models:
-        raise InputError(f"{result}: no diagnosis with curves before and after: give the --json result of an `ema diagnose` that found something")
+        raise InputError(
+            f"{result}: no diagnosis with curves before and after: give the --json result of an `ema diagnose` that found something"
+        )
     added = " and ".join(map(_name, found.steps[-1].effects)) if found.steps else "the effect"
     texts = {"record": of_record(found.curves, added), "torque": of_torque(found), "error": of_error(found)}
     paths = []

@@ -172,7 +172,9 @@ def parse_result(data: dict[str, Any], source: str, stem: str) -> Result:
         return _identified(reader, stem)
     if "balances" in data:
         return _compared(reader, stem)
-    raise InputError(f"{source}: holds none of `csj_Nm`, `blk_mm` and `balances`, nor a diagnosis: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`")
+    raise InputError(
+        f"{source}: holds none of `csj_Nm`, `blk_mm` and `balances`, nor a diagnosis: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`"
+    )
 
 
 def _identified(reader: Reader, stem: str) -> Identified:
@@ -190,7 +192,9 @@ def _identified(reader: Reader, stem: str) -> Identified:
         undetermined = "std" in part.data and part.data["std"] is None
         faults[name] = Estimate(estimate, math.nan if undetermined else part.number("std"), shift, healthy)
     if not faults:
-        raise Reader({}, reader.source, f"{next(iter(left_out))}.").fail("estimate", "is null for every parameter, which leaves nothing to show")
+        raise Reader({}, reader.source, f"{next(iter(left_out))}.").fail(
+            "estimate", "is null for every parameter, which leaves nothing to show"
+        )
     letter = reader.text("case", "")
     if letter and len(faults) < len(FAULTS):
         raise reader.fail(next(name for name in FAULTS if name not in faults), "is missing, which a case needs")

@@ -62,9 +62,7 @@ def beside_paper(results: list[Identified]) -> str:
         '<thead><tr class="groups"><th rowspan="2" class="left" scope="col">Case</th><th rowspan="2" class="left" scope="col">Fault</th><th rowspan="2" scope="col">Truth</th>'
         '<th colspan="2" scope="colgroup">Found</th><th colspan="2" scope="colgroup">Error</th>'
         '<th colspan="2" scope="colgroup">Runs, time</th><th colspan="2" scope="colgroup">Reduction</th></tr>'
-        f"<tr>{_PAPER_HERE * 4}</tr></thead><tbody>"
-        + "".join(rows)
-        + "</tbody></table></div>"
+        f"<tr>{_PAPER_HERE * 4}</tr></thead><tbody>" + "".join(rows) + "</tbody></table></div>"
     )
 
 
@@ -83,7 +81,9 @@ def compared_tables(result: Compared) -> str:
         rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td>{_cell(share)}</tr>')
     channels = (
         '<div class="scroll" role="region" aria-label="Table: error per channel" tabindex="0"><table><caption>Measured minus simulated; a few rows at the ends of the record are left out.</caption>'
-        '<thead><tr><th class="left" scope="col">Channel</th><th scope="col">rms</th><th scope="col">of the measured</th></tr></thead><tbody>' + "".join(rows) + "</tbody></table></div>"
+        '<thead><tr><th class="left" scope="col">Channel</th><th scope="col">rms</th><th scope="col">of the measured</th></tr></thead><tbody>'
+        + "".join(rows)
+        + "</tbody></table></div>"
     )
     rows = []
     for name in (*BALANCES, *(extra for extra in result.balances if extra not in BALANCES)):

@@ -18,6 +18,8 @@ _ADVICE = {
     64: "Calibrate the healthy values again, on a record of this very actuator.",
     128: "Use the command that the table was learned from, or learn it from records that reach as far as this one.",
 }
+
+
 def number(value: float, digits: int = 3) -> str:
     """`value` with `digits` significant digits; powers of ten where zeros would have to be counted."""
     if not math.isfinite(value):

@@ -111,9 +111,7 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
 
 
 @compiled
-def _heun(
-    v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, dt: float, k: np.ndarray, out: np.ndarray
-) -> None:
+def _heun(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, dt: float, k: np.ndarray, out: np.ndarray) -> None:
     """State after `dt`; `k` [2, n] is scratch."""
     _slopes(v, s, law, held, moving, push, k[0])
     for j in range(5):
@@ -175,9 +173,7 @@ def _left_branch(v: Any, s: np.ndarray, moving: int) -> bool:
 
 
 @compiled
-def _coulomb(
-    v: Any, s: np.ndarray, law: int, held: float, moving: int, dt: float, k: np.ndarray, trial: np.ndarray
-) -> int:
+def _coulomb(v: Any, s: np.ndarray, law: int, held: float, moving: int, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
     """One integration step with Coulomb friction; reversals and break-away are found by halving the step."""
     left = dt
     if moving == 0:

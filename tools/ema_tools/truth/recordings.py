@@ -100,8 +100,15 @@ def story_runs() -> tuple[Run, ...]:
     """The runs of the story: the healthy ones, then today under the same command and under another one."""
     sweep = np.round(chirp(times_s(ROWS)), STORY_DECIMALS["command_mm"])
     other = np.round(multisine(times_s(ROWS), 2.0, 0.3, 8), STORY_DECIMALS["command_mm"])
-    healthy = tuple(Run(story.healthy_name(run), f"healthy, run {run} of {story.HEALTHY_RUNS}", story.UNIT, sweep, SEED + 10 * run) for run in range(1, story.HEALTHY_RUNS + 1))
-    return (*healthy, Run(story.TODAY, "today", story.today(), sweep, SEED + 60), Run(story.HELD_OUT, "today, another command", story.today(), other, SEED + 70))
+    healthy = tuple(
+        Run(story.healthy_name(run), f"healthy, run {run} of {story.HEALTHY_RUNS}", story.UNIT, sweep, SEED + 10 * run)
+        for run in range(1, story.HEALTHY_RUNS + 1)
+    )
+    return (
+        *healthy,
+        Run(story.TODAY, "today", story.today(), sweep, SEED + 60),
+        Run(story.HELD_OUT, "today, another command", story.today(), other, SEED + 70),
+    )
 
 
 def run_record(run: Run) -> Recording:
@@ -122,7 +129,9 @@ def run_as_text(run: Run, recording: Recording) -> str:
     ]
     channels = [getattr(recording, column) for column in STORY_DECIMALS]
     # Rounding first, then adding zero: no negative zero is left.
-    rows = zip(*(np.round(channel, decimals) + 0.0 for channel, decimals in zip(channels, STORY_DECIMALS.values(), strict=True)), strict=True)
+    rows = zip(
+        *(np.round(channel, decimals) + 0.0 for channel, decimals in zip(channels, STORY_DECIMALS.values(), strict=True)), strict=True
+    )
     form = ",".join(f"{{:.{decimals}f}}" for decimals in STORY_DECIMALS.values())
     lines += [form.format(*row) for row in rows]
     return "\n".join(lines) + "\n"

@@ -56,9 +56,7 @@ def _command_text() -> str:
 
 def _random_text() -> str:
     lines = text.head("The random numbers of a seed and a stream: words, then uniforms and normals of a fresh start")
-    calls = " ".join(
-        f"X({index}, 0x{seed:X}ULL, 0x{stream:X}ULL)" for index, (seed, stream) in enumerate(parts.RANDOM_CASES)
-    )
+    calls = " ".join(f"X({index}, 0x{seed:X}ULL, 0x{stream:X}ULL)" for index, (seed, stream) in enumerate(parts.RANDOM_CASES))
     lines += [f"#define EMA_VEC_RANDOM_CASES(X) {calls}", f"#define EMA_VEC_RANDOM_DRAWS {parts.RANDOM_DRAWS}U"]
     lines += _alone("EMA_VEC_RANDOM_NORMAL_TOLERANCE", parts.NORMAL_TOLERANCE)
     for index, (seed, stream) in enumerate(parts.RANDOM_CASES):

@@ -76,8 +76,6 @@ def pid_rows(case: PidCase) -> np.ndarray:
     return rows
 
 
-
-
 @dataclass(frozen=True)
 class CommandCase:
     """A command read at every `every`-th step; `tolerance64` and `tolerance32` are shares of the amplitude."""
@@ -134,6 +132,4 @@ def uniform_draws(seed: int, stream: int) -> list[float]:
 def normal_draws(seed: int, stream: int) -> list[float]:
     """The first normals: the sum of twelve uniforms minus six. Float32 rounds the sum."""
     random = Pcg32(seed, stream)
-    return [
-        float(sum(Fraction(2 * (random.u32() >> 9) + 1, 2**24) for _ in range(12)) - 6) for _ in range(RANDOM_DRAWS)
-    ]
+    return [float(sum(Fraction(2 * (random.u32() >> 9) + 1, 2**24) for _ in range(12)) - 6) for _ in range(RANDOM_DRAWS)]

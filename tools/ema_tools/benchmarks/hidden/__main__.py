@@ -16,7 +16,15 @@ from ema_tools.console import output, run_command
 from ema_tools.files import write_json
 from ema_tools.parallel import workers as cores
 
-_SMALL = Plan(1, severities=("medium",), effects=("winding_heating", "sensor_gain", "bus_hum"), kinds=("library", "outside", "healthy"), healthy=1, outside_seeds=1, first_machine=2)
+_SMALL = Plan(
+    1,
+    severities=("medium",),
+    effects=("winding_heating", "sensor_gain", "bus_hum"),
+    kinds=("library", "outside", "healthy"),
+    healthy=1,
+    outside_seeds=1,
+    first_machine=2,
+)
 
 
 def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ...]:
@@ -40,8 +48,20 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--strangers", type=click.IntRange(0), help="Healthy machines without repeats.")
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
 @click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
-@click.option("-o", "--output", "folder", type=click.Path(path_type=Path, file_okay=False), default=Path("hidden"), show_default=True, help="Folder of the rows; a run that was interrupted goes on.")
-@click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there as Markdown, overwritten, and the pictures beside it.")
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("hidden"),
+    show_default=True,
+    help="Folder of the rows; a run that was interrupted goes on.",
+)
+@click.option(
+    "--document",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the tables there as Markdown, overwritten, and the pictures beside it.",
+)
 def main(
     size: str | None,
     effects: str | None,

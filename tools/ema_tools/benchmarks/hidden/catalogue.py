@@ -50,10 +50,14 @@ LIBRARY: Mapping[str, Hidden] = {
     "load_dependent_friction": Hidden("ratio", 0.02),
     "pitch_ripple": Hidden("ratio", 0.03, shape=lambda r: {"phase_rad": _phase(r)}),
     # 1 % of the stall torque of 1.48 Nm; periods of usual pairs of slots and poles
-    "cogging_torque": Hidden("amplitude_Nm", 0.0148, shape=lambda r: {"periods": float(r.choice([12, 18, 24, 36, 60, 72])), "phase_rad": _phase(r)}),
+    "cogging_torque": Hidden(
+        "amplitude_Nm", 0.0148, shape=lambda r: {"periods": float(r.choice([12, 18, 24, 36, 60, 72])), "phase_rad": _phase(r)}
+    ),
     "torque_ripple": Hidden("ratio", 0.02, shape=lambda r: {"periods": float(r.choice([6, 12, 18, 24, 30])), "phase_rad": _phase(r)}),
     # 100 Hz, the stiff end of 20 .. 100 Hz
-    "transmission_compliance": Hidden("period_s", 0.01, shape=lambda r: {"mass_kg": _log(r, 2.0, 20.0), "damping_ratio": float(r.uniform(0.03, 0.1))}),
+    "transmission_compliance": Hidden(
+        "period_s", 0.01, shape=lambda r: {"mass_kg": _log(r, 2.0, 20.0), "damping_ratio": float(r.uniform(0.03, 0.1))}
+    ),
     # typical 0 to 39 % of resistance: 12 %
     "winding_heating": Hidden("rise_degC", 30.0),
     # typical 0 to 10 %
@@ -84,7 +88,9 @@ OUTSIDE: Mapping[str, Hidden] = {
     "lead_error": Hidden("amplitude_mm", 0.005, shape=lambda r: {"phase_rad": _phase(r)}),
     "bus_hum": Hidden("ratio", 0.03, shape=lambda r: {"frequency_hz": float(r.choice([50.0, 100.0])), "phase_rad": _phase(r)}),
     "friction_fade": Hidden("share", 0.1, shape=lambda r: {"time_s": float(r.uniform(2.0, 5.0))}),
-    "speed_hump": Hidden("drag_Nm", 0.01, shape=lambda r: {"speed_rad_s": float(r.uniform(50.0, 110.0)), "width_rad_s": float(r.uniform(8.0, 20.0))}),
+    "speed_hump": Hidden(
+        "drag_Nm", 0.01, shape=lambda r: {"speed_rad_s": float(r.uniform(50.0, 110.0)), "width_rad_s": float(r.uniform(8.0, 20.0))}
+    ),
     "command_dead_band": Hidden("width_mm", 0.01),
     "magnetic_lag": Hidden("lag_A", 0.1, shape=lambda r: {"swing_A": float(r.uniform(0.5, 1.5))}),
     "integrator_leak": Hidden("rate_per_s", 1.0),

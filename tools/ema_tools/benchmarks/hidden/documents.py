@@ -30,7 +30,18 @@ def write(rows: Sequence[Row], path: Path) -> list[Path]:
     matrix = path.with_name(f"{path.stem.lower()}_confusion.svg")
     write_text(curve, _curve(rows), force=True)
     write_text(matrix, pictures.matrix("first name put forward, four signals, all severities", _counts(rows)), force=True)
-    sections = [_head(rows), _goals(rows), _rates(rows, curve.name), _by_effect(rows), _confusions(rows, matrix.name), _unasked(rows), _pairs(rows), _sizes(rows), _left(rows), _time(rows)]
+    sections = [
+        _head(rows),
+        _goals(rows),
+        _rates(rows, curve.name),
+        _by_effect(rows),
+        _confusions(rows, matrix.name),
+        _unasked(rows),
+        _pairs(rows),
+        _sizes(rows),
+        _left(rows),
+        _time(rows),
+    ]
     write_text(path, "\n".join(section for section in sections if section), force=True)
     return [path, curve, matrix]
 
@@ -38,7 +49,12 @@ def write(rows: Sequence[Row], path: Path) -> list[Path]:
 def _table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: int) -> str:
     """The last `numbers` columns hold numbers."""
     rule = ["---"] * (len(headings) - numbers) + ["---:"] * numbers
-    return "\n".join("| " + " | ".join(cells) + " |" if cells is not rule else "|" + "|".join(cells) + "|" for cells in [headings, rule, *rows]) + "\n"
+    return (
+        "\n".join(
+            "| " + " | ".join(cells) + " |" if cells is not rule else "|" + "|".join(cells) + "|" for cells in [headings, rule, *rows]
+        )
+        + "\n"
+    )
 
 
 def _head(rows: Sequence[Row]) -> str:
@@ -77,11 +93,21 @@ def _curve(rows: Sequence[Row]) -> str:
 
     lines = {
         "ideal observer": percents(lambda severity: of_kind(rows, "library", severity), scoring.observed),
-        "right name or class first": percents(lambda severity: of_kind(rows, "library", severity), lambda some: share_of(some, scoring.first_right)),
-        "put forward for adding, and nothing else": percents(lambda severity: of_kind(rows, "library", severity), lambda some: share_of(some, scoring.exact_set)),
-        "records of the C model itself, right first": percents(lambda severity: of_kind(rows, "same", severity), lambda some: share_of(some, scoring.first_right)),
+        "right name or class first": percents(
+            lambda severity: of_kind(rows, "library", severity), lambda some: share_of(some, scoring.first_right)
+        ),
+        "put forward for adding, and nothing else": percents(
+            lambda severity: of_kind(rows, "library", severity), lambda some: share_of(some, scoring.exact_set)
+        ),
+        "records of the C model itself, right first": percents(
+            lambda severity: of_kind(rows, "same", severity), lambda some: share_of(some, scoring.first_right)
+        ),
     }
-    return pictures.curves("detection against severity, % of trials", tuple(SEVERITIES), {name: values for name, values in lines.items() if any(value is not None for value in values)})
+    return pictures.curves(
+        "detection against severity, % of trials",
+        tuple(SEVERITIES),
+        {name: values for name, values in lines.items() if any(value is not None for value in values)},
+    )
 
 
 def _rates(rows: Sequence[Row], picture: str) -> str:
@@ -90,7 +116,11 @@ def _rates(rows: Sequence[Row], picture: str) -> str:
         for severity in SEVERITIES:
             some = of_kind(rows, kind, severity)
             if some:
-                counted = [share_of(some, scoring.first_right), share_of(some, scoring.exact_set), share_of(some, scoring.accused if kind == "placebo" else scoring.wrongly_accused)]
+                counted = [
+                    share_of(some, scoring.first_right),
+                    share_of(some, scoring.exact_set),
+                    share_of(some, scoring.accused if kind == "placebo" else scoring.wrongly_accused),
+                ]
                 cells.append([title, severity, *map(str, counted), str(scoring.observed(some))])
     by_command = []
     for command in COMMANDS:
@@ -99,7 +129,9 @@ def _rates(rows: Sequence[Row], picture: str) -> str:
             by_command.append([command, str(share_of(some, scoring.first_right)), str(scoring.observed(some))])
     return (
         f"## How often the right name comes first\n\n![Detection against severity]({picture})\n\n"
-        + _table(("set-up", "severity", "right name or class first", "put forward, alone", "a wrong one put forward", "ideal observer"), cells, 4)
+        + _table(
+            ("set-up", "severity", "right name or class first", "put forward, alone", "a wrong one put forward", "ideal observer"), cells, 4
+        )
         + "\nFour signals, all severities, by command:\n\n"
         + _table(("command", "right name or class first", "ideal observer"), by_command, 2)
     )
@@ -117,7 +149,10 @@ def _by_effect(rows: Sequence[Row]) -> str:
             distance = np.median([row["observer"]["size"][0] for row in some]) if some else float("nan")
             line.append(f"{share_of(some, scoring.first_right).count} / {len(some)} ({distance:.0f})" if some else "-")
         cells.append(line)
-    return "## By effect\n\nRight name or class first, of so many; in brackets how many standard deviations lie between the effect and none (median).\n\n" + _table(("hidden", *SEVERITIES), cells, len(SEVERITIES))
+    return (
+        "## By effect\n\nRight name or class first, of so many; in brackets how many standard deviations lie between the effect and none (median).\n\n"
+        + _table(("hidden", *SEVERITIES), cells, len(SEVERITIES))
+    )
 
 
 def _counts(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
@@ -130,7 +165,11 @@ def _counts(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
 def _confusions(rows: Sequence[Row], picture: str) -> str:
     cells = []
     for hidden, said in _counts(rows).items():
-        others = ", ".join(f"{name} {count}" for name, count in sorted(said.items(), key=lambda item: -item[1]) if name not in (hidden, "unknown", "nothing"))
+        others = ", ".join(
+            f"{name} {count}"
+            for name, count in sorted(said.items(), key=lambda item: -item[1])
+            if name not in (hidden, "unknown", "nothing")
+        )
         cells.append([hidden, others or "-", *(str(said.get(name, 0)) for name in (hidden, "unknown", "nothing"))])
     return (
         f"## Confusion matrix\n\n![Confusion matrix]({picture})\n\nFour signals and repeats, all severities: the first name that was put forward for adding; `unknown` and `nothing` are the other verdicts.\n\n"
@@ -166,7 +205,14 @@ def _pairs(rows: Sequence[Row]) -> str:
     for severity in SEVERITIES:
         some = of_kind(rows, "pair", severity)
         if some:
-            cells.append([severity, str(share_of(some, scoring.all_named)), str(share_of(some, scoring.exact_set)), str(share_of(some, scoring.wrongly_accused))])
+            cells.append(
+                [
+                    severity,
+                    str(share_of(some, scoring.all_named)),
+                    str(share_of(some, scoring.exact_set)),
+                    str(share_of(some, scoring.wrongly_accused)),
+                ]
+            )
     return "## Two effects at once\n\n" + _table(("severity", "both named", "the exact set", "a wrong one too"), cells, 3) if cells else ""
 
 
@@ -178,7 +224,12 @@ def _sizes(rows: Sequence[Row]) -> str:
             errors = [scoring.size_error_percent(size) for size in stated]
             held = scoring.Share(sum(size["held"] for size in stated), len(stated))
             cells.append([severity, f"{np.median(errors):.2g}", f"{np.percentile(errors, 95.0):.2g}", str(held)])
-    return "## Sizes\n\nOf effects that were put forward under their own name.\n\n" + _table(("severity", "median error, % of the size", "95th percentile", "95 % interval holds the truth"), cells, 3) if cells else ""
+    return (
+        "## Sizes\n\nOf effects that were put forward under their own name.\n\n"
+        + _table(("severity", "median error, % of the size", "95th percentile", "95 % interval holds the truth"), cells, 3)
+        if cells
+        else ""
+    )
 
 
 def _left(rows: Sequence[Row]) -> str:
@@ -190,10 +241,17 @@ def _left(rows: Sequence[Row]) -> str:
             before = [float(np.sqrt(row["cost_before"] / row["cost_floor"])) for row in some]
             after = [scoring.training_ratio(row) for row in some]
             line = [severity, f"{np.median(before):.2f}", f"{np.median(after):.3f}", f"{max(after):.3f}"]
-            line += [f"{np.median([one[place] for one in held]):.3f}" for place in ("before", "after")] + [f"{max(one['after'] for one in held):.3f}"] if held else ["-"] * 3
+            line += (
+                [f"{np.median([one[place] for one in held]):.3f}" for place in ("before", "after")]
+                + [f"{max(one['after'] for one in held):.3f}"]
+                if held
+                else ["-"] * 3
+            )
             cells.append(line)
     text = "## Error left after adding\n\nWeighted rms over that of the healthy repeats, of what was put forward rightly; held out: the same machine under another command, nothing fitted to it.\n\n"
-    return text + _table(("severity", "before", "after", "worst after", "held out before", "after", "worst after"), cells, 6) if cells else ""
+    return (
+        text + _table(("severity", "before", "after", "worst after", "held out before", "after", "worst after"), cells, 6) if cells else ""
+    )
 
 
 def _time(rows: Sequence[Row]) -> str:
@@ -203,4 +261,9 @@ def _time(rows: Sequence[Row]) -> str:
     if timed:
         seconds = ", ".join(f"{row['run_s']:.1f}" for row in timed)
         text += f"A diagnosis of a 10 s record with {timed[0]['repeats']} repeats on all cores, from records to answer: {seconds} s. "
-    return text + f"In the trials, with the fit to the healthy repeats made once a machine: {np.median(shared):.1f} s of one core (median), {max(shared):.0f} s at most.\n" if shared else ""
+    return (
+        text
+        + f"In the trials, with the fit to the healthy repeats made once a machine: {np.median(shared):.1f} s of one core (median), {max(shared):.0f} s at most.\n"
+        if shared
+        else ""
+    )

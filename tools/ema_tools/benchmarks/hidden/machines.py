@@ -48,7 +48,13 @@ COMMANDS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "triangle": ("triangle", {"amplitude_mm": 2.0, "start_hz": 1.0}),
 }
 # The other command on which an added effect must hold.
-HELD_OUT: Mapping[str, str] = {"chirp": "multisine", "fast chirp": "chirp", "slow chirp": "multisine", "multisine": "chirp", "triangle": "chirp"}
+HELD_OUT: Mapping[str, str] = {
+    "chirp": "multisine",
+    "fast chirp": "chirp",
+    "slow chirp": "multisine",
+    "multisine": "chirp",
+    "triangle": "chirp",
+}
 # Integration steps: errors of 0.1 nm and 0.1 mA against ten times shorter ones; shorter where an effect is fast.
 _STEP_S = 5e-5
 _LUGRE_STEP_S = 1e-5
@@ -119,7 +125,9 @@ def _by_model(values: Mapping[str, float], command: Reals, sensors: Sensors, see
     run = library(32).simulate(*reference_actuator().changed(names).arrays(), command)
     random = np.random.default_rng(seed)
     stds = (sensors.position_noise_mm, sensors.motor_position_noise_mm, sensors.current_noise_A, sensors.voltage_noise_V)
-    seen = {channel: getattr(run, channel) + std * random.standard_normal(command.size) for channel, std in zip(CHANNELS, stds, strict=True)}
+    seen = {
+        channel: getattr(run, channel) + std * random.standard_normal(command.size) for channel, std in zip(CHANNELS, stds, strict=True)
+    }
     return Recording(STEP_S * np.arange(command.size), command, speed_mm_s=run.speed_mm_s, **seen)
 
 
@@ -131,7 +139,9 @@ def simulated(unit: Machine, changes: Mapping[str, float], command: str, sensors
     soft = unit.friction == "lugre" or values.get("presliding.stretch_rad", 0.0) > 0.0
     fast = any(name.startswith(_FAST) for name in changes)
     step_s = _LUGRE_STEP_S if soft else _FAST_STEP_S if fast else _STEP_S
-    return simulate_truth(values, command_mm(command), friction=unit.friction, presliding_rad=unit.presliding_rad, step_s=step_s, sensors=sensors, seed=seed)
+    return simulate_truth(
+        values, command_mm(command), friction=unit.friction, presliding_rad=unit.presliding_rad, step_s=step_s, sensors=sensors, seed=seed
+    )
 
 
 def measured(unit: Machine, changes: Mapping[str, float], command: str, seed: int) -> Recording:
@@ -165,7 +175,10 @@ def unit_errors(unit: Machine, command: str) -> list[tuple[Reals, float]]:
         up, down = (exact(unit, {name: unit.values[name] + sign * step for name, step in changes.items()}, command) for sign in (1.0, -1.0))
         return np.asarray(0.5 * (up - down))
 
-    found = [(either_side({name: std * sheet[name] for name in names}), (unit.values[names[0]] / sheet[names[0]] - 1.0) / std) for names, std in UNITS.items()]
+    found = [
+        (either_side({name: std * sheet[name] for name in names}), (unit.values[names[0]] / sheet[names[0]] - 1.0) / std)
+        for names, std in UNITS.items()
+    ]
     found += [(either_side({name: std}), unit.values[name] / std) for name, std in STANDING.items()]
     healthy = exact(unit, {}, command)
     ripple = unit.values["pitch_ripple.ratio"] * np.exp(1j * unit.values["pitch_ripple.phase_rad"])

@@ -26,7 +26,16 @@ _REPEATS = 24
 # Sizes at which an alternative's signature is taken; in between and beyond it is scaled.
 _SIZES = ("small", "medium", "large")
 # Effects that do what an error of the unit does. Without repeats how a large one bends tells nothing, as a large error of the unit bends alike: they are held as linear.
-_TWINS = ("coulomb_asymmetry", "magnet_weakening", "winding_heating", "supply_sag", "sensor_gain", "sensor_offset", "inertia_change", "gain_drift")
+_TWINS = (
+    "coulomb_asymmetry",
+    "magnet_weakening",
+    "winding_heating",
+    "supply_sag",
+    "sensor_gain",
+    "sensor_offset",
+    "inertia_change",
+    "gain_drift",
+)
 _LINEAR = "edge"
 _SMOOTH_LINES = 12
 _SMOOTH_SHARE = 0.1
@@ -61,7 +70,9 @@ class Bank:
         for name, std in SCATTER.items():
             up, down = (exact(unit, {name: nominal[name] * (1.0 + sign * std)}, command) for sign in (1.0, -1.0))
             directions.append(0.5 * (up - down))
-        runs = np.array([signals(measured(unit, {}, command, seed_of("observer", unit.number, unit.own, command, count))) for count in range(_REPEATS)])
+        runs = np.array(
+            [signals(measured(unit, {}, command, seed_of("observer", unit.number, unit.own, command, count))) for count in range(_REPEATS)]
+        )
         deviations = runs - runs.mean(axis=0)
         level = np.sqrt(np.mean(deviations**2, axis=(0, 2)))[:, None]
         basis = np.array([(direction / level).ravel() for direction in directions]).T
@@ -122,11 +133,19 @@ class _Space:
         own, place = ([], np.empty(0)) if repeats else known.unit_directions()
         columns = np.column_stack([direction[list(chosen)].ravel() for direction in (*known.directions, *own)])
         basis, _ = np.linalg.qr(np.vstack([columns, -np.eye(columns.shape[1])]))
-        return _Space(chosen, 1.0 / np.sqrt(1.0 + 1.0 / repeats) if repeats else 1.0, basis, np.concatenate([np.zeros(len(known.directions)), place]), not repeats)
+        return _Space(
+            chosen,
+            1.0 / np.sqrt(1.0 + 1.0 / repeats) if repeats else 1.0,
+            basis,
+            np.concatenate([np.zeros(len(known.directions)), place]),
+            not repeats,
+        )
 
     def __call__(self, whitened: Reals, place: Reals | None = None) -> Reals:
         """`place`: where the unit lies, for a record; a signature has none."""
-        flat = np.concatenate([self.scale * whitened[list(self.channels)].ravel(), np.zeros(self.basis.shape[1]) if place is None else place])
+        flat = np.concatenate(
+            [self.scale * whitened[list(self.channels)].ravel(), np.zeros(self.basis.shape[1]) if place is None else place]
+        )
         return np.asarray(flat - self.basis @ (self.basis.T @ flat))
 
 
@@ -151,12 +170,23 @@ class _Judge:
 
     def likelihoods(self, vector: Reals, own: str) -> dict[str, float]:
         """By how much each effect at its best size lowers the cost of a vector, sizes near `own` severity included."""
-        products = np.array([self._of_severity(severity) @ vector.astype(np.float32) for severity in sorted({*_SIZES, own})], dtype=np.float64)
+        products = np.array(
+            [self._of_severity(severity) @ vector.astype(np.float32) for severity in sorted({*_SIZES, own})], dtype=np.float64
+        )
         best = np.where(self._signed, np.abs(products), np.maximum(products, 0.0)).max(axis=0)
         return {name: float(value) ** 2 for name, value in zip(self.names, best, strict=True)}
 
 
-def judged(number: int, own: bool, command: str, effects: Sequence[str], severity: str, run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None) -> dict[str, Any]:
+def judged(
+    number: int,
+    own: bool,
+    command: str,
+    effects: Sequence[str],
+    severity: str,
+    run: Recording,
+    healthy: Sequence[Recording],
+    channels: Sequence[str] | None,
+) -> dict[str, Any]:
     """What the observer makes of a run: its pick, whether that is right, how far the hidden effect lies from nothing (`size`) and from others (`apart`), in standard deviations.
 
     Without healthy repeats the unit's own errors stand between the record and the data sheet: they are linear from where the unit is, which the observer does not know.
@@ -179,7 +209,9 @@ def judged(number: int, own: bool, command: str, effects: Sequence[str], severit
     found: dict[str, Any] = {"pick": pick, "size": lengths}
     if len(effects) == 2:
         shared = float(true[0] @ true[1])
-        found["apart"] = {effects[k]: float(np.sqrt(max(lengths[k] ** 2 - (shared / max(lengths[1 - k], 1e-12)) ** 2, 0.0))) for k in range(2)}
+        found["apart"] = {
+            effects[k]: float(np.sqrt(max(lengths[k] ** 2 - (shared / max(lengths[1 - k], 1e-12)) ** 2, 0.0))) for k in range(2)
+        }
         return found
     alone = judge.likelihoods(true[0], severity)
     apart = {name: float(np.sqrt(max(lengths[0] ** 2 - value, 0.0))) for name, value in alone.items() if not same_class(name, effects[0])}

@@ -28,15 +28,23 @@ def curves(title: str, places: Sequence[str], lines: Mapping[str, Sequence[float
     parts = [_label(left, 18.0, title, "start", ' font-weight="bold"')]
     for percent in range(0, 101, 20):
         _, y = at(0, percent)
-        parts += [f'<line x1="{left}" x2="{left + width}" y1="{y:.1f}" y2="{y:.1f}" stroke="#dddddd"/>', _label(left - 6.0, y + 4.0, f"{percent}", "end")]
+        parts += [
+            f'<line x1="{left}" x2="{left + width}" y1="{y:.1f}" y2="{y:.1f}" stroke="#dddddd"/>',
+            _label(left - 6.0, y + 4.0, f"{percent}", "end"),
+        ]
     parts += [_label(at(place, 0.0)[0], top + height + 18.0, name) for place, name in enumerate(places)]
     for order, (name, values) in enumerate(lines.items()):
         colour = _COLOURS[order % len(_COLOURS)]
         points = [at(place, value) for place, value in enumerate(values) if value is not None]
-        parts.append(f'<polyline points="{" ".join(f"{x:.1f},{y:.1f}" for x, y in points)}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        parts.append(
+            f'<polyline points="{" ".join(f"{x:.1f},{y:.1f}" for x, y in points)}" fill="none" stroke="{colour}" stroke-width="2"/>'
+        )
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points]
         row = top + height + 40.0 + 16.0 * order
-        parts += [f'<line x1="{left}" x2="{left + 24.0}" y1="{row - 4.0}" y2="{row - 4.0}" stroke="{colour}" stroke-width="2"/>', _label(left + 30.0, row, name, "start")]
+        parts += [
+            f'<line x1="{left}" x2="{left + 24.0}" y1="{row - 4.0}" y2="{row - 4.0}" stroke="{colour}" stroke-width="2"/>',
+            _label(left + 30.0, row, name, "start"),
+        ]
     return _svg(left + width + 30.0, top + height + 50.0 + 16.0 * len(lines), parts)
 
 

@@ -58,7 +58,10 @@ def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Tri
     parts.mkdir(parents=True, exist_ok=True)
     done = {row["key"] for row in read_rows(folder)}
     wanted = [trial for trial in trials if trial.key not in done]
-    tasks = [(group, parts / f"machine_{group[0].machine}_{group[0].command.replace(' ', '_')}_{group[0].kind == 'same':d}.jsonl") for group in groups(wanted)]
+    tasks = [
+        (group, parts / f"machine_{group[0].machine}_{group[0].command.replace(' ', '_')}_{group[0].kind == 'same':d}.jsonl")
+        for group in groups(wanted)
+    ]
     with progress("trials", len(wanted)) as bar:
         if workers == 0:
             finished = 0

@@ -127,16 +127,29 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
     for severities, percent in ((STRONG, 99.0), (("small",), 97.0), (("edge",), 85.0)):
         some = of_kind(rows, "library", *severities)
         if some:
-            found.append(_at_least(f"right name or class first, {' and '.join(severities)}", share_of(some, first_right), percent, str(observed(some))))
+            found.append(
+                _at_least(
+                    f"right name or class first, {' and '.join(severities)}", share_of(some, first_right), percent, str(observed(some))
+                )
+            )
             found.append(_gap(" and ".join(severities), some))
     some = of_kind(rows, "position", "medium")
     if some:
-        found.append(_at_least("the same with command and rod position alone, medium", share_of(some, first_right), 90.0, str(observed(some))))
+        found.append(
+            _at_least("the same with command and rod position alone, medium", share_of(some, first_right), 90.0, str(observed(some)))
+        )
         found.append(_gap("with command and rod position alone, medium", some))
     for severity, percent in (("large", 90.0), ("medium", 75.0)):
         some = of_kind(rows, "alone", severity)
         if some:
-            found.append(_at_least(f"right name or class first without healthy repeats, {severity}", share_of(some, first_right), percent, str(observed(some))))
+            found.append(
+                _at_least(
+                    f"right name or class first without healthy repeats, {severity}",
+                    share_of(some, first_right),
+                    percent,
+                    str(observed(some)),
+                )
+            )
             found.append(_gap(f"without healthy repeats, {severity}", some))
     for kind, text in zip(HEALTHY, ("healthy records accused", "healthy machines accused without healthy repeats"), strict=True):
         some = of_kind(rows, kind)
@@ -154,14 +167,28 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
         found.append(_at_least("the exact pair", share_of(some, exact_set), 80.0))
     some = [row for row in of_kind(rows, "library", *STRONG) if exact_set(row)]
     if some:
-        found.append(_at_least(f"error after adding at most {_TRAINING_LIMIT:g} x the floor", share_of(some, lambda row: training_ratio(row) <= _TRAINING_LIMIT), 100.0))
+        found.append(
+            _at_least(
+                f"error after adding at most {_TRAINING_LIMIT:g} x the floor",
+                share_of(some, lambda row: training_ratio(row) <= _TRAINING_LIMIT),
+                100.0,
+            )
+        )
         held = [row for row in some if row.get("held_out")]
         if held:
-            found.append(_at_least(f"on a held-out command at most {_HELD_OUT_LIMIT:g} x", share_of(held, lambda row: row["held_out"]["after"] <= _HELD_OUT_LIMIT), 100.0))
+            found.append(
+                _at_least(
+                    f"on a held-out command at most {_HELD_OUT_LIMIT:g} x",
+                    share_of(held, lambda row: row["held_out"]["after"] <= _HELD_OUT_LIMIT),
+                    100.0,
+                )
+            )
     stated = sizes(of_kind(rows, "library"))
     if stated:
         held_share = Share(sum(size["held"] for size in stated), len(stated))
-        found.append(Goal("stated 95 % intervals that hold the true size", str(held_share), "90 .. 99 %", 90.0 <= held_share.percent <= 99.0))
+        found.append(
+            Goal("stated 95 % intervals that hold the true size", str(held_share), "90 .. 99 %", 90.0 <= held_share.percent <= 99.0)
+        )
     timed = of_kind(rows, "time")
     if timed:
         slowest = max(row["run_s"] for row in timed)
@@ -191,7 +218,17 @@ def confusions(rows: Sequence[Row]) -> dict[str, Counter[str]]:
 
 def show(console: Console, rows: Sequence[Row]) -> None:
     """The main figures, and every miss."""
-    main = table("hidden effects", "kind", "severity", "right first", "put forward, alone", "wrongly put forward", "observer", "processor, s", text_columns=2)
+    main = table(
+        "hidden effects",
+        "kind",
+        "severity",
+        "right first",
+        "put forward, alone",
+        "wrongly put forward",
+        "observer",
+        "processor, s",
+        text_columns=2,
+    )
     for kind in ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", *HEALTHY, "time"):
         for severity in ("", *SEVERITIES):
             some = of_kind(rows, kind, severity)
@@ -199,18 +236,24 @@ def show(console: Console, rows: Sequence[Row]) -> None:
                 named = "-" if kind in ("outside", "pair", *HEALTHY) else str(share_of(some, first_right))
                 alone = "-" if kind in ("outside", *HEALTHY) else str(share_of(some, exact_set))
                 wrong = share_of(some, accused if kind in ("placebo", "outside", *HEALTHY) else wrongly_accused)
-                main.add_row(kind, severity, named, alone, str(wrong), str(observed(some)), f"{np.median([row['cpu_s'] for row in some]):.1f}")
+                main.add_row(
+                    kind, severity, named, alone, str(wrong), str(observed(some)), f"{np.median([row['cpu_s'] for row in some]):.1f}"
+                )
     console.print(main)
     for row in filter(missed, rows):
         ranked = " ".join(f"{name}:{score:.0f}" for name, score in row["ranked"][:4])
         apart = " ".join(f"{value:.0f}" for value in row.get("observer", {}).get("size", []))
         hidden, said = "+".join(row["effects"]) or "healthy", "+".join(row["accepted"]) or "nothing"
-        console.print(f"missed: {row['key']}: {hidden} (d' {apart or '-'}): {row['verdict']}, first {row['first']}, put forward {said}; scores {ranked}; left {row['unexplained']:.2f}")
+        console.print(
+            f"missed: {row['key']}: {hidden} (d' {apart or '-'}): {row['verdict']}, first {row['first']}, put forward {said}; scores {ranked}; left {row['unexplained']:.2f}"
+        )
     for row in of_kind(rows, "library"):
         for size in row["sizes"]:
             if not size["held"]:
                 off = (size["estimate"] - size["true"]) / max(size["std"], 1e-30)
-                console.print(f"size: {row['key']}: true {size['true']:.5g}, estimate {size['estimate']:.5g} +- {size['std']:.2g}, {off:+.1f} standard errors off")
+                console.print(
+                    f"size: {row['key']}: true {size['true']:.5g}, estimate {size['estimate']:.5g} +- {size['std']:.2g}, {off:+.1f} standard errors off"
+                )
     judged = table("goals", "goal", "reached", "limit", "beside it", "met", text_columns=5)
     for goal in goals(rows):
         judged.add_row(goal.text, goal.reached, goal.limit, goal.beside, "yes" if goal.met else "NO")

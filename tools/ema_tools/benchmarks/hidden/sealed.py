@@ -27,7 +27,14 @@ def remembering() -> Iterator[None]:
     """Inside, the fit to a machine's healthy repeats is made once and not once a trial: the same repeats have the same fit, and most trials are of one machine."""
     fit = gathering.healthy_model
 
-    def remembered(actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Callable[[float, str], None] | None = None) -> Actuator:
+    def remembered(
+        actuator: Actuator,
+        record: Record,
+        mean: Reals,
+        power: Reals,
+        channels: tuple[str, ...],
+        report: Callable[[float, str], None] | None = None,
+    ) -> Actuator:
         key = hashlib.sha256(mean.tobytes() + power.tobytes() + record.command_mm.tobytes() + repr(channels).encode()).hexdigest()
         if key not in _fitted:
             _fitted[key] = fit(actuator, record, mean, power, channels, report)

@@ -41,7 +41,9 @@ class Trial:
     @property
     def key(self) -> str:
         """A name by which an interrupted run is taken up again."""
-        return "|".join((self.kind, "+".join(self.effects), self.severity, self.command, str(self.machine), str(self.repeats), str(self.day)))
+        return "|".join(
+            (self.kind, "+".join(self.effects), self.severity, self.command, str(self.machine), str(self.repeats), str(self.day))
+        )
 
     @property
     def channels(self) -> tuple[str, ...] | None:
@@ -53,7 +55,9 @@ def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], comman
     possible = [pair for pair in itertools.combinations(names, 2) if not any(set(pair) <= kind for kind in INSEPARABLE)]
     drawn: Sequence[int] = np.random.default_rng(4_711).permutation(len(possible))[:count].tolist() if possible else []
     places = enumerate(possible[k] for k in drawn)
-    return [Trial("pair", pair, severities[place % len(severities)], command, numbers[place % len(numbers)], repeats) for place, pair in places]
+    return [
+        Trial("pair", pair, severities[place % len(severities)], command, numbers[place % len(numbers)], repeats) for place, pair in places
+    ]
 
 
 def _command_of(place: int) -> str:
@@ -91,9 +95,14 @@ class Plan:
         for place, number in enumerate(numbers):
             for order, name in enumerate(library):
                 command = "chirp" if place % 3 != 2 else OTHER_COMMANDS[(order + place) % len(OTHER_COMMANDS)]
-                found += [Trial("library", (name,), severity, command, number, self.repeats, held_out=severity in strong) for severity in self.severities]
+                found += [
+                    Trial("library", (name,), severity, command, number, self.repeats, held_out=severity in strong)
+                    for severity in self.severities
+                ]
                 if place < 2:
-                    found += [Trial("position", (name,), severity, "chirp", number, self.repeats) for severity in strong if severity == "medium"]
+                    found += [
+                        Trial("position", (name,), severity, "chirp", number, self.repeats) for severity in strong if severity == "medium"
+                    ]
                     found += [Trial("alone", (name,), severity, "chirp", number, 0) for severity in strong]
             found += [Trial("fault", (name,), severity, "chirp", number, self.repeats) for name in faults for severity in self.severities]
         first = numbers[0] if len(numbers) else self.first_machine
@@ -177,7 +186,9 @@ def _estimated_change(answer: sealed.Answer, said: sealed.Said, size: str) -> fl
     """From the healthy machine's model, which may hold a little of the effect already; what has a phase changes as a vector."""
     phase = f"{size.rpartition('.')[0]}.phase_rad"
     if phase in said.values:
-        return float(abs(said.values[size] * np.exp(1j * said.values[phase]) - answer.known[_row(size)] * np.exp(1j * answer.known[_row(phase)])))
+        return float(
+            abs(said.values[size] * np.exp(1j * said.values[phase]) - answer.known[_row(size)] * np.exp(1j * answer.known[_row(phase)]))
+        )
     return said.values[size] - answer.known[_row(size)]
 
 
@@ -189,12 +200,20 @@ def perform(trial: Trial) -> dict[str, Any]:
     if trial.kind == "placebo":
         run = _dealt(run, healthy, seed_of(trial.key))
     answer = sealed.answered(run, healthy, trial.channels)
-    row: dict[str, Any] = {"key": trial.key, **asdict(trial), "verdict": answer.verdict, "first": answer.first, "accepted": list(answer.accepted)}
+    row: dict[str, Any] = {
+        "key": trial.key,
+        **asdict(trial),
+        "verdict": answer.verdict,
+        "first": answer.first,
+        "accepted": list(answer.accepted),
+    }
     row["class"] = list(answer.said[0].alike) if answer.said else []
     row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
     row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s", "cpu_s")}
     if trial.effects and trial.kind not in ("placebo", "time"):
-        row["observer"] = observer.judged(trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels)
+        row["observer"] = observer.judged(
+            trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels
+        )
     row["sizes"] = _sizes(answer, hidden, trial.effects)
     if trial.held_out and answer.verdict == "missing":
         row["held_out"] = _held_out(trial, unit, answer)

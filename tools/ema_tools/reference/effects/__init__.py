@@ -74,7 +74,9 @@ def _own_module(name: str, site: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(f"own_effects_{name}", path)
     if spec is None or spec.loader is None or not path.is_file():
         needed = " and ".join(SITE_FUNCTIONS.get(site, ()))
-        raise InputError(f"effects.{name}: its equation in Python is missing, which balances need: write {name}.py with {needed} beside own_effects.def and build again")
+        raise InputError(
+            f"effects.{name}: its equation in Python is missing, which balances need: write {name}.py with {needed} beside own_effects.def and build again"
+        )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     for needed in SITE_FUNCTIONS[site]:

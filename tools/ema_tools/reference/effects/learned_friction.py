@@ -6,7 +6,24 @@ from ema_tools.reference.compiled import compiled
 from ema_tools.reference.point import Point
 from ema_tools.reference.table import value
 
-_NODES = (0.01, 0.01, 0.010001, 0.010012, 0.010095, 0.010549, 0.012319, 0.017108, 0.025819, 0.035564, 0.04, 0.035564, 0.025819, 0.017108, 0.012319, 0.010549)
+_NODES = (
+    0.01,
+    0.01,
+    0.010001,
+    0.010012,
+    0.010095,
+    0.010549,
+    0.012319,
+    0.017108,
+    0.025819,
+    0.035564,
+    0.04,
+    0.035564,
+    0.025819,
+    0.017108,
+    0.012319,
+    0.010549,
+)
 EXAMPLE = {"gain": 1.0, "axis": 1.0, "first": -1.5, "last": 1.5, **{f"node_{k:02d}": node for k, node in enumerate(_NODES)}}
 
 

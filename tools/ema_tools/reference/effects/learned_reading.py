@@ -6,8 +6,32 @@ from ema_tools.reference.compiled import compiled
 from ema_tools.reference.point import Point
 from ema_tools.reference.table import value
 
-_NODES = (0.0, 0.003827, 0.007071, 0.009239, 0.01, 0.009239, 0.007071, 0.003827, 0.0, -0.003827, -0.007071, -0.009239, -0.01, -0.009239, -0.007071, -0.003827)
-EXAMPLE = {"gain": 1.0, "axis": 2.0, "first": 0.0, "last": 4.6875, **{f"node_{k:02d}": node for k, node in enumerate(_NODES)}, "encoder.side": 1}
+_NODES = (
+    0.0,
+    0.003827,
+    0.007071,
+    0.009239,
+    0.01,
+    0.009239,
+    0.007071,
+    0.003827,
+    0.0,
+    -0.003827,
+    -0.007071,
+    -0.009239,
+    -0.01,
+    -0.009239,
+    -0.007071,
+    -0.003827,
+)
+EXAMPLE = {
+    "gain": 1.0,
+    "axis": 2.0,
+    "first": 0.0,
+    "last": 4.6875,
+    **{f"node_{k:02d}": node for k, node in enumerate(_NODES)},
+    "encoder.side": 1,
+}
 
 
 @compiled
