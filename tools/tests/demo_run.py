@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ema_tools import demo
+from ema_tools.cli import demo
 
 # Kept until the tests end.
 _FOLDER = tempfile.TemporaryDirectory(prefix="ema_demo_")

@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.records import Record
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import Record
 from support import chirp_record
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from ema_tools.actuator import Actuator, reference_actuator
-from ema_tools.commands import make_command
-from ema_tools.records import Record
-from ema_tools.simulate import simulate_record
+from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.commands import make_command
+from ema_tools.data.records import Record
+from ema_tools.tasks.simulate import simulate_record
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "actuators" / "reference.toml"

@@ -9,15 +9,15 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ema_tools.actuator import (
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import (
     Actuator,
     read_actuator,
     reference_actuator,
     row_of,
     shown,
 )
-from ema_tools.definitions import EffectParameter, Parameter, load_definitions
-from ema_tools.errors import InputError
+from ema_tools.library.definitions import EffectParameter, Parameter, load_definitions
 from support import REFERENCE
 
 ROWS = (*load_definitions().parameters, *load_definitions().effect_values)

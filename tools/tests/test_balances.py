@@ -7,9 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools import leastsquares
-from ema_tools.actuator import reference_actuator
-from ema_tools.balances import (
+from ema_tools.balances.balances import (
     BALANCES,
     Balance,
     Smoother,
@@ -18,7 +16,9 @@ from ema_tools.balances import (
     played,
     quiet_smoother,
 )
-from ema_tools.errors import InputError
+from ema_tools.base import leastsquares
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import reference_actuator
 from support import chirp_record
 
 # What a balance may leave on a record of its own model, in % of the measured side: what filtering and differences cost.

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from ema_tools.actuator import reference_actuator
+from ema_tools.base.errors import InputError
 from ema_tools.benchmarks import accuracy, document
 from ema_tools.benchmarks.__main__ import run
 from ema_tools.benchmarks.speed import measure
-from ema_tools.cases import CASES
-from ema_tools.errors import InputError
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.cases import CASES
 
 RECORDINGS = Path(__file__).resolve().parents[2] / "recordings"
 ACTUATOR = reference_actuator()

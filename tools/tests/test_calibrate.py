@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import read_actuator, reference_actuator
-from ema_tools.calibrate import calibrate, free_parameters
-from ema_tools.commands import make_command
-from ema_tools.errors import InputError
-from ema_tools.records import Record, read_record, write_record
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.data.commands import make_command
+from ema_tools.data.records import Record, read_record, write_record
+from ema_tools.tasks.calibrate import calibrate, free_parameters
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 WRONG = {

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import ema_tools
-from ema_tools.definitions import load_definitions
+from ema_tools.library.definitions import load_definitions
 from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
 COMMANDS = ("simulate", "compare", "calibrate", "identify", "export", "report", "demo", "import", "effects")

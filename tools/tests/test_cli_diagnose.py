@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ema_tools.actuator import read_actuator, reference_actuator
-from ema_tools.definitions import load_definitions
-from ema_tools.records import Record, write_record
+from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.data.records import Record, write_record
+from ema_tools.library.definitions import load_definitions
 from support import REFERENCE, chirp_record, complaint, run_ema
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}

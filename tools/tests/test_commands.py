@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.commands import DEFAULTS, make_command
-from ema_tools.errors import InputError
-from ema_tools.records import read_record
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.commands import DEFAULTS, make_command
+from ema_tools.data.records import read_record
 from support import RECORDINGS
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.compare import compare
-from ema_tools.records import read_record
+from ema_tools.compare.comparison import compare
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import read_record
 from support import RECORDINGS, chirp_record
 
 

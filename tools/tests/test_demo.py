@@ -13,13 +13,13 @@ import pytest
 from rich.console import Console
 
 from demo_run import demo_run
-from ema_tools import demo, story
-from ema_tools.actuator import read_actuator
+from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.accuracy import TRUTH_LIMIT_PERCENT
-from ema_tools.cases import CASES
-from ema_tools.cli import cli
-from ema_tools.errors import InputError
-from ema_tools.records import read_record
+from ema_tools.cli import cli, demo
+from ema_tools.data import story
+from ema_tools.data.actuator import read_actuator
+from ema_tools.data.cases import CASES
+from ema_tools.data.records import read_record
 from ema_tools.truth import recordings, scattered
 
 pytestmark = pytest.mark.slow

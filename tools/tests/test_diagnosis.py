@@ -7,21 +7,21 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
+from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
-from ema_tools.definitions import load_definitions
-from ema_tools.diagnosis.adding import add
-from ema_tools.diagnosis.answer import Answer, answer
-from ema_tools.diagnosis.candidates import FAULTS, candidates
-from ema_tools.diagnosis.confirming import Step, refuted
-from ema_tools.diagnosis.evidence import repeat_residuals, settled
-from ema_tools.diagnosis.fitting import effect_of
-from ema_tools.diagnosis.gathering import gather
-from ema_tools.diagnosis.whitening import Whitener
-from ema_tools.errors import InputError
-from ema_tools.records import Record
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import Record
+from ema_tools.fit.evidence import repeat_residuals, settled
+from ema_tools.fit.whitening import Whitener
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.reference.compiled import HAS_NUMBA
+from ema_tools.select.baseline import gather
+from ema_tools.select.candidates import candidates
+from ema_tools.select.holdout import Step, refuted
+from ema_tools.tasks.add import add
+from ema_tools.tasks.diagnose import Answer, answer
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 UNIT = 2  # a machine with Coulomb friction

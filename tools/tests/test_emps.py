@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from ema_tools.actuator import read_actuator
-from ema_tools.emps import N_M_PER_RAD, PUBLISHED, PUBLISHED_STD, read_emps
-from ema_tools.linear import ForceModel, at_rod, to_values
-from ema_tools.records import read_record
+from ema_tools.data.actuator import read_actuator
+from ema_tools.data.emps import N_M_PER_RAD, PUBLISHED, PUBLISHED_STD, read_emps
+from ema_tools.data.linear_axis import ForceModel, at_rod, to_values
+from ema_tools.data.records import read_record
 from support import complaint, emps_path, run_ema
 
 

@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ema_tools.actuator import read_actuator, reference_actuator
-from ema_tools.definitions import library_folder, load_definitions
-from ema_tools.export import flat_text, header_text, literal
+from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.library.definitions import library_folder, load_definitions
+from ema_tools.tasks.export import flat_text, header_text, literal
 from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
 PROGRAM = """

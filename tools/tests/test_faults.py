@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ema_tools.benchmarks import faults
-from ema_tools.records import read_record
+from ema_tools.data.records import read_record
 from host_program import PROGRAM
 
 pytestmark = PROGRAM

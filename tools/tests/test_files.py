@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from ema_tools.errors import InputError
-from ema_tools.files import keep_apart, may_write, write_text
+from ema_tools.base.errors import InputError
+from ema_tools.base.files import keep_apart, may_write, write_text
 
 
 def test_link_stays_a_link_and_its_file_is_written(tmp_path: Path) -> None:

@@ -9,19 +9,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import Actuator, reference_actuator
-from ema_tools.commands import make_command
-from ema_tools.definitions import load_definitions
-from ema_tools.diagnosis import following
-from ema_tools.diagnosis.candidates import FAULTS, signatures
-from ema_tools.diagnosis.evidence import view
-from ema_tools.diagnosis.fitting import refit
-from ema_tools.diagnosis.following import HINTS, SEPARATE, Next, Option, next_experiment
-from ema_tools.diagnosis.menu import limits_of, menu
-from ema_tools.diagnosis.typical import scaled, typical_change, zero_of
-from ema_tools.errors import InputError
-from ema_tools.records import simulated
-from ema_tools.simulate import simulate_record
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.commands import make_command
+from ema_tools.data.records import simulated
+from ema_tools.design import next_experiment as following
+from ema_tools.design.menu import limits_of, menu
+from ema_tools.design.next_experiment import HINTS, SEPARATE, Next, Option, next_experiment
+from ema_tools.design.typical import scaled, typical_change, zero_of
+from ema_tools.fit.evidence import view
+from ema_tools.fit.refit import refit
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import FAULTS
+from ema_tools.select.candidates import signatures
+from ema_tools.tasks.simulate import simulate_record
 from support import REFERENCE, complaint, run_ema
 
 

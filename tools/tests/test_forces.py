@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import Actuator, read_actuator, reference_actuator
-from ema_tools.balances import mechanical, quiet_smoother
-from ema_tools.diagnosis.forces import EFFECTS_MAX, SIZE_IN_STD, ForceSteps, improve_by_forces
-from ema_tools.diagnosis.patterns import Setting, pattern_of, patterns_of, required_Nm
-from ema_tools.emps import emps_actuator
-from ema_tools.errors import MissingSignal
-from ema_tools.records import Record, read_record, simulated
+from ema_tools.balances.balances import mechanical, quiet_smoother
+from ema_tools.base.errors import MissingSignal
+from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
+from ema_tools.data.emps import emps_actuator
+from ema_tools.data.records import Record, read_record, simulated
+from ema_tools.select.force_balance import EFFECTS_MAX, SIZE_IN_STD, ForceSteps, improve_by_forces
+from ema_tools.select.torque_patterns import Setting, pattern_of, patterns_of, required_Nm
 from ema_tools.truth.plant import Sensors, simulate_truth
 from support import chirp_record, emps_path, run_ema
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.diagnosis.gate import Gate, Remark, judge, lag_s
-from ema_tools.emps import import_emps
-from ema_tools.records import Record
+from ema_tools.compare.validity import Gate, Remark, judge, lag_s
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.emps import import_emps
+from ema_tools.data.records import Record
 from support import chirp_record, emps_path
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}

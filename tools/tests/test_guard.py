@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
 from ema_tools.benchmarks.hidden.machines import STEP_S, command_mm
-from ema_tools.diagnosis.adding import add, add_to_known
-from ema_tools.diagnosis.guard import Guarded
-from ema_tools.identify import Identified, identify
-from ema_tools.records import Record, write_record
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import Record, write_record
 from ema_tools.reference.compiled import HAS_NUMBA
+from ema_tools.select.beside_fault import Guarded
+from ema_tools.tasks.add import add, add_to_known
+from ema_tools.tasks.identify import Identified, identify
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 from support import REFERENCE, chirp_record, complaint, run_ema
 

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ema_tools.actuator import read_actuator, reference_actuator
-from ema_tools.errors import InputError
-from ema_tools.identify import identify, weight_of
-from ema_tools.native import Search
-from ema_tools.records import Record, read_record, write_record
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.data.records import Record, read_record, write_record
+from ema_tools.plant.native import Search
+from ema_tools.tasks.identify import identify, weight_of
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ema_tools.diagnosis.laps import difference, laps_of, period_of
-from ema_tools.records import Record
+from ema_tools.data.records import Record
+from ema_tools.fit.laps import difference, laps_of, period_of
 from support import chirp_record
 
 

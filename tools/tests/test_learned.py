@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import Actuator, read_actuator, reference_actuator
-from ema_tools.definitions import DefinitionError, load_definitions, read_definitions
-from ema_tools.errors import InputError
-from ema_tools.export import flat_text, header_text
-from ema_tools.native import library
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
+from ema_tools.library.definitions import DefinitionError, load_definitions, read_definitions
+from ema_tools.plant.native import library
 from ema_tools.reference import table
 from ema_tools.reference.actuator import build
 from ema_tools.reference.effects import example_of
 from ema_tools.reference.point import Data, Point
+from ema_tools.tasks.export import flat_text, header_text
 from support import chirp_record, run_ema
 
 LEARNED = tuple(effect.name for effect in load_definitions().effects if effect.is_learned)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.definitions import load_definitions
-from ema_tools.errors import InputError
-from ema_tools.native import Library, LibraryError, Search, library
-from ema_tools.parallel import each
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.library.definitions import load_definitions
+from ema_tools.plant.native import Library, LibraryError, Search, library
 from support import chirp_record
 
 VALUES, OPTIONS = reference_actuator().arrays()

@@ -12,16 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools import onboard
-from ema_tools.actuator import Actuator, reference_actuator
+from ema_tools.base.errors import InputError
 from ema_tools.benchmarks import onboard as benchmark
-from ema_tools.definitions import library_folder
-from ema_tools.errors import InputError
-from ema_tools.export import fingerprint, header_text, signatures_text
-from ema_tools.identify import run as run_search
-from ema_tools.native import Search
-from ema_tools.onboard import Signatures, judge, residual_of, signatures
-from ema_tools.records import Record
+from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.records import Record
+from ema_tools.library.definitions import library_folder
+from ema_tools.plant.native import Search
+from ema_tools.tasks import signature_table as onboard
+from ema_tools.tasks.export import fingerprint, header_text, signatures_text
+from ema_tools.tasks.identify import run as run_search
+from ema_tools.tasks.signature_table import Signatures, judge, residual_of, signatures
 from support import ROOT, chirp_record, complaint, run_ema
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from ema_tools.definitions import DefinitionError, definition_folder, load_definitions, own_folder, read_definitions
+from ema_tools.library.definitions import DefinitionError, definition_folder, load_definitions, own_folder, read_definitions
 from support import REFERENCE, ROOT
 
 EXAMPLE = ROOT / "docs" / "own_effect"

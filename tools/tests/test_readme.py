@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from demo_run import demo_run
-from ema_tools.actuator import reference_actuator
 from ema_tools.cli import cli
-from ema_tools.definitions import library_folder
-from ema_tools.export import header_text
-from ema_tools.records import read_record
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import read_record
+from ema_tools.library.definitions import library_folder
+from ema_tools.tasks.export import header_text
 from shown_output import blocks, missing_from
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.errors import InputError
-from ema_tools.native import CHANNELS
-from ema_tools.records import COLUMNS, Record, read_record, start_of, write_record
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import COLUMNS, Record, read_record, start_of, write_record
+from ema_tools.plant.native import CHANNELS
 from support import RECORDINGS, chirp_record
 
 ROWS = 120

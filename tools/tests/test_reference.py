@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ema_tools.definitions import defaults, load_definitions
+from ema_tools.library.definitions import defaults, load_definitions
 from ema_tools.reference import commands, elementary, encoder, simulate
 from ema_tools.reference.actuator import build
 from ema_tools.reference.commands import chirp, times_s

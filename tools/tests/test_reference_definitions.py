@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ema_tools.definitions import DefinitionError, defaults, definition_folder, load_definitions, read_definitions, unit_of
+from ema_tools.library.definitions import DefinitionError, defaults, definition_folder, load_definitions, read_definitions, unit_of
 
 PARAM = 'EMA_PARAM(motor, resistance_ohm, 0.99, 1.0e-4, 1000.0, "winding, with a comma")\n'
 EFFECT = 'EMA_EFFECT(drag, TORQUE, 0, 1, "eq", "src", "a, b", EMA_P(c_Nm, 0.0, 0.0, 1.0, "x") EMA_P(n, 2.0, 1.0, 3.0, "y"))\n'

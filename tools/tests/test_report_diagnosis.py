@@ -10,17 +10,17 @@ from typing import Any
 import plotly.graph_objects as go
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.diagnosis.gate import judge
-from ema_tools.diagnosis.unknown import learned, left_over, result
-from ema_tools.diagnosis.where import where
-from ema_tools.errors import InputError
-from ema_tools.files import plain
-from ema_tools.records import simulated
-from ema_tools.report import diagnosis, diagnosis_figures, write_report
-from ema_tools.report.diagnosis_results import Diagnosed
-from ema_tools.report.results import parse_result
-from ema_tools.results import curves
+from ema_tools.base.errors import InputError
+from ema_tools.base.files import plain
+from ema_tools.compare.localisation import where
+from ema_tools.compare.unexplained import learned, left_over, result
+from ema_tools.compare.validity import judge
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import simulated
+from ema_tools.results.provenance import curves
+from ema_tools.words.page import diagnosis, diagnosis_figures, write_report
+from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.results import parse_result
 from repeated_runs import WIDE, measured, repeats
 from report_results import identified
 from test_report_page import _structure, _without_scripts

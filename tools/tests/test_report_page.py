@@ -15,11 +15,11 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from ema_tools.cases import CASES
-from ema_tools.errors import InputError
-from ema_tools.report import figures, write_report
-from ema_tools.report.curves import pack
-from ema_tools.report.results import SLOPE_ROWS, Compared, Identified, parse_result, slope
+from ema_tools.base.errors import InputError
+from ema_tools.data.cases import CASES
+from ema_tools.words.page import figures, write_report
+from ema_tools.words.page.curves import pack
+from ema_tools.words.page.results import SLOPE_ROWS, Compared, Identified, parse_result, slope
 from report_results import ROWS, compared, identified
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

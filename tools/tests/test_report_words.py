@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ema_tools.native import REASONS
-from ema_tools.report import words
+from ema_tools.plant.native import REASONS
+from ema_tools.words.page import text as words
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.diagnosis.answer import answer
-from ema_tools.diagnosis.gathering import gather
-from ema_tools.diagnosis.sensors import Suspect, suspect
-from ema_tools.records import Record
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import Record
+from ema_tools.select.baseline import gather
+from ema_tools.select.sensors import Suspect, suspect
+from ema_tools.tasks.diagnose import answer
 from support import chirp_record
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.definitions import load_definitions
+from ema_tools.library.definitions import load_definitions
 from ema_tools.reference import Recording, simulate
 from ema_tools.reference.commands import chirp, times_s, triangle
 from ema_tools.reference.compiled import HAS_NUMBA

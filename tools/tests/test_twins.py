@@ -7,18 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
 from ema_tools.benchmarks.hidden.catalogue import LIBRARY
 from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
-from ema_tools.diagnosis.evidence import settled
-from ema_tools.diagnosis.fitting import effect_of
-from ema_tools.diagnosis.gathering import gather
-from ema_tools.diagnosis.search import diagnose
-from ema_tools.diagnosis.spread import SLIGHT, SLIGHT_REACH, is_slight
-from ema_tools.diagnosis.twins import TWINS, twins
-from ema_tools.records import Record
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import Record
+from ema_tools.fit.confounded import TWINS, twins
+from ema_tools.fit.evidence import settled
+from ema_tools.fit.nuisance import SLIGHT, SLIGHT_REACH, is_slight
+from ema_tools.library.faults import effect_of
 from ema_tools.reference.compiled import HAS_NUMBA
+from ema_tools.select.baseline import gather
+from ema_tools.select.search import diagnose
 from support import chirp_record
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")

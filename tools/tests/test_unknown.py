@@ -8,10 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.diagnosis.unknown import KINDS, NODES, Learned, Unknown, learned, left_over, result
-from ema_tools.diagnosis.where import where
-from ema_tools.records import Record, simulated
+from ema_tools.compare.localisation import where
+from ema_tools.compare.unexplained import KINDS, NODES, Learned, Unknown, learned, left_over, result
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import Record, simulated
 from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
 

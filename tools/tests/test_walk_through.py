@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from demo_run import demo_run
-from ema_tools.definitions import library_folder
-from ema_tools.errors import InputError
-from ema_tools.report.pictures import write_pictures
+from ema_tools.base.errors import InputError
+from ema_tools.library.definitions import library_folder
+from ema_tools.words.page.pictures import write_pictures
 from shown_output import blocks, missing_from
 
 pytestmark = pytest.mark.slow
@@ -69,7 +69,7 @@ def test_pictures_are_those_of_the_demo(tmp_path: Path) -> None:
     assert {path.name for path in made} == set(re.findall(r"\((walk_\w+\.svg)\)", DOCUMENT.read_text(encoding="utf-8")))
     for path in made:
         new, shipped = (file.read_text(encoding="utf-8") for file in (path, DOCUMENT.with_name(path.name)))
-        say = f"{path.name}: run build/venv/bin/python -m ema_tools.report.pictures build/demo/diagnose.json docs walk"
+        say = f"{path.name}: run build/venv/bin/python -m ema_tools.words.page.pictures build/demo/diagnose.json docs walk"
         number = r"-?\d+\.?\d*"
         assert re.sub(number, "#", new) == re.sub(number, "#", shipped), say
         for one, other in zip(re.findall(number, new), re.findall(number, shipped), strict=True):

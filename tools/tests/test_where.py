@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.diagnosis.axes import Axis, explained, foretold, hats, motion_of
-from ema_tools.diagnosis.where import Where, binned, mean_record, where
-from ema_tools.diagnosis.whitening import Whitener
+from ema_tools.compare.axes import Axis, explained, foretold, hats, motion_of
+from ema_tools.compare.localisation import Where, binned, mean_record, where
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.fit.whitening import Whitener
 from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
 
@@ -184,7 +184,7 @@ def test_bins_hold_mean_band_and_share() -> None:
 
 def test_motion_tells_passes_and_halves_hold_both_directions() -> None:
     record = chirp_record()
-    from ema_tools.balances import Smoother
+    from ema_tools.balances.balances import Smoother
 
     motion = motion_of(reference_actuator(), record, Smoother.of(record.period_s))
     half = motion.halves()

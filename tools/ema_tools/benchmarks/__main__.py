@@ -8,13 +8,13 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ema_tools.actuator import reference_actuator
+from ema_tools.base.files import write_text
 from ema_tools.benchmarks import accuracy
 from ema_tools.benchmarks.document import missed, written
 from ema_tools.benchmarks.speed import measure
-from ema_tools.cases import CASES
-from ema_tools.console import complain, progress, run_command
-from ema_tools.files import write_text
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.cases import CASES
+from ema_tools.words.terminal.console import complain, progress, run_command
 
 
 @click.command()

@@ -18,11 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_tools.actuator import Actuator
-from ema_tools.cases import CASES, Case
-from ema_tools.native import CHANNELS, Reals, Search, library
-from ema_tools.parallel import each
-from ema_tools.records import Record, read_record
+from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.cases import CASES, Case
+from ema_tools.data.records import Record, read_record
+from ema_tools.plant.native import CHANNELS, Search, library
 
 IDENTIFIED = ("screw.csj_Nm", "screw.blk_mm")
 NOISE_MM = 0.005

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ema_tools.base.arrays import Reals
 from ema_tools.benchmarks.accuracy import (
     EVALUATION_BUDGET,
     NOISE_LIMIT_RATIO,
@@ -13,8 +14,7 @@ from ema_tools.benchmarks.accuracy import (
     Trial,
 )
 from ema_tools.benchmarks.speed import Measured
-from ema_tools.cases import CASES, Case
-from ema_tools.native import Reals
+from ema_tools.data.cases import CASES, Case
 
 _FAULTS = ("csj_Nm", "blk_mm")
 _NAMES = ("CSJ", "BLK")

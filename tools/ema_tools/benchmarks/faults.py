@@ -19,10 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_tools.cases import HEALTHY_BLK_MM, HEALTHY_CSJ_NM
-from ema_tools.native import Reals
-from ema_tools.parallel import each
-from ema_tools.records import Record, read_record
+from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
+from ema_tools.data.cases import HEALTHY_BLK_MM, HEALTHY_CSJ_NM
+from ema_tools.data.records import Record, read_record
 
 ROOT = Path(__file__).resolve().parents[3]
 DOCUMENT = ROOT / "docs" / "FAULTS.md"

@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.console import progress
+from ema_tools.words.terminal.console import progress
 
 _ROOT = Path(__file__).resolve().parents[3]
 FROZEN = _ROOT / "tools" / "tests" / "frozen" / "diagnose.json.gz"
@@ -38,6 +38,7 @@ _LEFT_OUT = ("provenance", "curves")
 # Another processor rounds sums in another order; a search that goes the same way then ends this near.
 _NEAR = 1e-4
 _LONG = 24
+_SHOWN = 5
 _MEDIUM, _LARGE, _SMALL = "medium", "large", "small"
 
 
@@ -184,8 +185,8 @@ def _emps(folder: Path) -> list[str] | None:
 
 def _called(arguments: Sequence[str]) -> str:
     """Runs the command; the line of its error, empty where there is none."""
+    from ema_tools.base.errors import InputError
     from ema_tools.cli import cli
-    from ema_tools.errors import InputError
 
     with contextlib.redirect_stdout(io.StringIO()):
         try:
@@ -291,8 +292,10 @@ def main() -> int:
     for name, answer in today.items():
         found = list(differences(known.get(name, {}), answer, "", arguments.near))
         changed += bool(found)
-        for line in found[:5]:
-            print(f"{name}: {line.removeprefix('.')}" + (f" (and {len(found) - 5} more)" if line is found[4:5] else ""))
+        for line in found[:_SHOWN]:
+            print(f"{name}: {line.removeprefix('.')}")
+        if len(found) > _SHOWN:
+            print(f"{name}: and {len(found) - _SHOWN} more")
     print(f"{len(today)} answers, {changed} changed")
     return 1 if changed else 0
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.native import library
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.plant.native import library
 from ema_tools.reference import simulate
 from ema_tools.reference.compiled import compiled
 

@@ -1,7 +1,7 @@
 """What the onboard table names, and what its signals and its rate cost: `python -m ema_tools.benchmarks.onboard -o docs/ONBOARD_DIAGNOSIS.md`.
 
 Machines of the hidden trials, simulated by the truth plant, which shares no code with the module; each is known by calibration on five healthy runs, as a user's would be. The search is the
-module's own on the rod position alone; the table is applied as the module does, by `ema_tools.onboard.judge`, which the tests hold against the C code.
+module's own on the rod position alone; the table is applied as the module does, by `ema_tools.tasks.signature_table.judge`, which the tests hold against the C code.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ema_tools.actuator import Actuator, reference_actuator
+from ema_tools.base.errors import InputError
+from ema_tools.base.files import write_text
+from ema_tools.base.parallel import each
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES, change, same_class
 from ema_tools.benchmarks.hidden.machines import Machine, machine, measured, seed_of
 from ema_tools.benchmarks.hidden.sealed import record_of
-from ema_tools.calibrate import calibrate
-from ema_tools.cases import CASES, HEALTHY_BLK_MM, HEALTHY_CSJ_NM
-from ema_tools.console import Bar, progress, run_command
-from ema_tools.errors import InputError
-from ema_tools.files import write_text
-from ema_tools.identify import run
-from ema_tools.native import Identification, Search
-from ema_tools.onboard import RATE_HZ, SIGNALS, Judged, Signatures, judge, residual_of, signatures
-from ema_tools.parallel import each
-from ema_tools.records import Record
+from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.cases import CASES, HEALTHY_BLK_MM, HEALTHY_CSJ_NM
+from ema_tools.data.records import Record
+from ema_tools.plant.native import Identification, Search
+from ema_tools.tasks.calibrate import calibrate
+from ema_tools.tasks.identify import run
+from ema_tools.tasks.signature_table import RATE_HZ, SIGNALS, Judged, Signatures, judge, residual_of, signatures
+from ema_tools.words.terminal.console import Bar, progress, run_command
 
 COMMAND = "chirp"
 REPEATS = 5

@@ -7,7 +7,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from ema_tools.errors import InputError
+from ema_tools.base.errors import InputError
 
 
 @dataclass(frozen=True)

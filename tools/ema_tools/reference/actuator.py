@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.definitions import Definitions, defaults, load_definitions
+from ema_tools.library.definitions import Definitions, defaults, load_definitions
 from ema_tools.reference.compiled import HAS_NUMBA
 
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ema_tools.definitions import defaults, load_definitions
+from ema_tools.library.definitions import defaults, load_definitions
 from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
 from ema_tools.reference.actuator import build, filled, is_active
 from ema_tools.reference.compiled import compiled

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_tools.definitions import defaults, load_definitions
+from ema_tools.library.definitions import defaults, load_definitions
 from ema_tools.reference.recording import Recording
 from ema_tools.truth import effects, kernel, outside
 

@@ -1,6 +1,6 @@
 """The recordings that ship with the project: `python -m ema_tools.truth.recordings OUTDIR` writes them byte for byte.
 
-Those of the paper's cases lie in OUTDIR; OUTDIR/story holds the runs of one unit for the demo, see `ema_tools.story`.
+Those of the paper's cases lie in OUTDIR; OUTDIR/story holds the runs of one unit for the demo, see `ema_tools.data.story`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_tools import story
+from ema_tools.data import story
 from ema_tools.reference.commands import chirp, multisine, times_s
 from ema_tools.reference.recording import Recording
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from ema_tools.definitions import Effect, load_definitions
+from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.reference.effects import example_of
 
 CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ema_tools.definitions import load_definitions
+from ema_tools.library.definitions import load_definitions
 from ema_tools.reference import commands, simulate
 from ema_tools.vectors.cases import CHANNELS, Case, Command
 

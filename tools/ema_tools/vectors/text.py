@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ema_tools.definitions import EffectParameter, load_definitions
+from ema_tools.library.definitions import EffectParameter, load_definitions
 from ema_tools.vectors.cases import Case, Command, Tolerance
 
 

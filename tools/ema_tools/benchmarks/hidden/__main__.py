@@ -9,12 +9,12 @@ from typing import Any
 
 import click
 
+from ema_tools.base.files import write_json
+from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import documents, running, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.trials import FULL, KINDS, Plan
-from ema_tools.console import output, run_command
-from ema_tools.files import write_json
-from ema_tools.parallel import workers as cores
+from ema_tools.words.terminal.console import output, run_command
 
 _SMALL = Plan(
     1,

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ema_tools.actuator import reference_actuator
 from ema_tools.benchmarks.hidden.machines import Machine, exact, seed_of
+from ema_tools.data.actuator import reference_actuator
 
 SEVERITIES: Mapping[str, float] = {"edge": 0.1, "small": 1.0 / 3.0, "medium": 1.0, "large": 3.0}
 Shape = Callable[[np.random.Generator], Mapping[str, float]]

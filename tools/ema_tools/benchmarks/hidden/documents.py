@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ema_tools.base.files import write_text
 from ema_tools.benchmarks.hidden import pictures, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.machines import COMMANDS, SCATTER, UNITS
 from ema_tools.benchmarks.hidden.scoring import Row, of_kind, share_of
 from ema_tools.benchmarks.hidden.trials import FULL
-from ema_tools.files import write_text
 
 _KINDS = {
     "library": "four signals, five healthy repeats",

@@ -14,7 +14,7 @@ from typing import Any
 
 from ema_tools.benchmarks.hidden.sealed import remembering
 from ema_tools.benchmarks.hidden.trials import Trial, groups, perform
-from ema_tools.console import progress
+from ema_tools.words.terminal.console import progress
 
 Row = dict[str, Any]
 _LOOK_S = 2.0

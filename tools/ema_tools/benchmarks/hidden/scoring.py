@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 
 from ema_tools.benchmarks.hidden.catalogue import SEVERITIES, same_class
-from ema_tools.console import table
+from ema_tools.words.terminal.console import table
 
 Row = dict[str, Any]
 # Two effects are told apart when this many standard deviations lie between them.

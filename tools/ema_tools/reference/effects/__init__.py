@@ -27,8 +27,8 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
-from ema_tools.definitions import load_definitions, own_folder
-from ema_tools.errors import InputError
+from ema_tools.base.errors import InputError
+from ema_tools.library.definitions import load_definitions, own_folder
 
 SITE_FUNCTIONS = {
     "PARAMETER": ("change_values",),

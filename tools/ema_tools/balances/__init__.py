@@ -1,0 +1,1 @@
+"""Equations of one group of blocks, each from measured signals alone."""

@@ -1,0 +1,1 @@
+"""What knows no actuator: errors, files, threads, linear least squares."""

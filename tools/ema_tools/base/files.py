@@ -1,0 +1,123 @@
+"""Reading and writing files with one-line complaints; nothing is overwritten unless asked."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import stat
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ema_tools.base.errors import InputError
+
+
+def read_text(path: str | Path) -> str:
+    """The UTF-8 text of a file. Raises InputError when it cannot be read."""
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{path}: {reason(error)}: check the path") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: byte {error.start} is not UTF-8: save the file as UTF-8") from None
+
+
+def reason(error: OSError) -> str:
+    """Why the system refused, in lower case."""
+    text = error.strerror or str(error)
+    return text[:1].lower() + text[1:]
+
+
+def may_write(path: str | Path, force: bool) -> Path:
+    """The file that `path` means, symbolic links followed, when it may be written; its folder is made.
+
+    Raises InputError when it exists and `force` is not set, when it is no regular file (writing would put one in the place of a device or pipe), or
+    when the folder cannot be made.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        mode = None
+    except OSError as error:
+        raise InputError(f"{path}: {reason(error)}: choose another place") from None
+    if mode is not None and stat.S_ISDIR(mode):
+        raise InputError(f"{path}: is a folder: name a file")
+    if mode is not None and not stat.S_ISREG(mode):
+        raise InputError(f"{path}: is a device or pipe, not a file: name a file")
+    if mode is not None and not force:
+        raise InputError(f"{path}: exists already: choose another name or give --force")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: {reason(error)}: choose another place") from None
+    return target
+
+
+def keep_apart(outputs: Iterable[str | Path], inputs: Iterable[str | Path] = ()) -> None:
+    """Raises InputError when an output is also an input, or two outputs are one file; links are followed."""
+    sources = list(inputs)
+    seen: list[str | Path] = []
+    for output in outputs:
+        if any(_same(output, source) for source in sources):
+            raise InputError(f"{output}: is read by this command and would be overwritten: choose another name for the output")
+        if any(_same(output, other) for other in seen):
+            raise InputError(f"{output}: named for two outputs: give each its own name")
+        seen.append(output)
+
+
+def _same(first: str | Path, second: str | Path) -> bool:
+    """Whether two paths lead to one file, which need not exist."""
+    try:
+        return os.path.samefile(first, second)
+    except OSError:
+        return os.path.realpath(first) == os.path.realpath(second)
+
+
+def write_text(path: str | Path, text: str, force: bool = False) -> None:
+    """Write a UTF-8 file in one go: it is whole or not there. Raises InputError as `may_write`."""
+    target = may_write(path, force)
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        part.replace(target)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise InputError(f"{path}: {reason(error)}: choose another place") from None
+
+
+def plain(value: Any) -> Any:
+    """`value` for JSON: arrays become lists, numbers that are not finite null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(inner) for inner in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Path):
+        return str(value)
+    return value
+
+
+def write_json(path: str | Path, result: Mapping[str, Any], force: bool = False) -> None:
+    """Write a result. Raises InputError as `may_write`."""
+    write_text(path, json.dumps(plain(result), indent=1, allow_nan=False) + "\n", force)
+
+
+def read_json(path: str | Path) -> dict[str, Any]:
+    """Read a result. Raises InputError when it is not a JSON object."""
+    try:
+        result = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}, row {error.lineno}: {error.msg}: give a file that --json wrote") from None
+    if not isinstance(result, dict):
+        raise InputError(f"{path}: not a result: give a file that --json wrote")
+    return result

@@ -1,0 +1,738 @@
+"""The command `ema`: words to functions. Exit code 0 when it did its job, 1 on a bad input with one line that names it, 2 on wrong usage.
+
+Modules behind a command are imported by the command, so that help and errors come at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shlex
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+# The cores work on simulations; threads inside a small matrix product would only wait for each other. Read when NumPy is imported.
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+from ema_tools import __version__
+from ema_tools.base.errors import InputError, MissingSignal
+from ema_tools.library.definitions import DefinitionError
+from ema_tools.words.terminal.console import complain, output, progress
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+# Every reader of JSON holds it exactly, and the host program takes no larger one.
+SEED_MAX = 2**53 - 1
+
+_CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
+
+
+def json_option(command: Command) -> Command:
+    """--json FILE and --force."""
+    command = click.option("--force", is_flag=True, help="Overwrite files that exist.")(command)
+    return click.option("--json", "json_path", metavar="FILE", help="Write the full result there.")(command)
+
+
+def precision_option(default: str) -> Callable[[Command], Command]:
+    """--precision 32 or 64."""
+    return click.option(
+        "--precision",
+        type=click.Choice(["32", "64"]),
+        default=default,
+        show_default=True,
+        help="Build of the module: 32 as onboard, 64 for analysis.",
+    )
+
+
+def save(json_path: str | None, result: dict[str, Any], force: bool) -> None:
+    """Write --json when it was asked for."""
+    if json_path:
+        from ema_tools.base.files import write_json
+
+        write_json(json_path, result, force)
+
+
+def writable(*paths: str | Path | None, force: bool, inputs: Iterable[str] = ()) -> None:
+    """Complain before the work, not after it: about outputs that exist, that are one of the inputs, or that are one file."""
+    from ema_tools.base.files import keep_apart, may_write
+
+    outputs = [path for path in paths if path]
+    keep_apart(outputs, inputs)
+    for path in outputs:
+        may_write(path, force)
+
+
+def command_line() -> str:
+    """What the user typed, for a result's provenance."""
+    return shlex.join(["ema", *sys.argv[1:]])
+
+
+@click.group(context_settings=_CONTEXT)
+@click.version_option(__version__, prog_name="ema")
+def cli() -> None:
+    """Model, identify and watch over an electromechanical actuator.
+
+    ACTUATOR is a TOML file, REC a recording (CSV, .mat or .parquet).
+    """
+
+
+@cli.command()
+@click.argument("actuator")
+@click.option(
+    "--command",
+    "command_text",
+    required=True,
+    metavar="CMD",
+    help="A recording, or chirp, multisine, triangle, trapezoid, step with numbers: chirp:amplitude_mm=2,end_hz=4.",
+)
+@click.option("-o", "--output", "out", required=True, metavar="REC.csv", help="The recording to write.")
+@click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a value of the actuator: screw.csj_Nm=0.3. May be repeated."
+)
+@click.option("--noise", metavar="COLUMN=STD,...", help="Add white noise: position_mm=0.005,current_A=0.03.")
+@click.option("--seed", type=click.IntRange(0, SEED_MAX), default=1, show_default=True, help="Seed of the noise.")
+@precision_option("64")
+@json_option
+def simulate(
+    actuator: str,
+    command_text: str,
+    out: str,
+    settings: tuple[str, ...],
+    noise: str | None,
+    seed: int,
+    precision: str,
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Simulate ACTUATOR under a command and write the recording."""
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.commands import make_command
+    from ema_tools.data.records import write_record
+    from ema_tools.tasks import simulate as work
+
+    writable(out, json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
+    model = work.with_settings(read_actuator(actuator), settings)
+    std = work.noise_of(noise)
+    command = make_command(command_text, model)
+    record = work.simulate_record(model, command, int(precision), std, seed)
+    comments = [f"Simulated: {model.name}, {command.text}, {precision} bit."]
+    if settings:
+        comments.append(f"Changed: {', '.join(settings)}.")
+    if std:
+        comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
+    write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
+    told = {
+        "rows": record.rows,
+        "period_s": record.period_s,
+        "settings": list(settings),
+        "noise": std,
+        "seed": seed,
+        "precision": int(precision),
+    }
+    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, **told}, force)
+    output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("record")
+@precision_option("64")
+@json_option
+def compare(actuator: str, record: str, precision: str, json_path: str | None, force: bool) -> None:
+    """Compare ACTUATOR's model with a RECORD, and say where it fails."""
+    from ema_tools.compare.comparison import compare as work
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.records import read_record
+    from ema_tools.results.provenance import curves, provenance
+    from ema_tools.words.terminal import show
+
+    writable(json_path, force=force, inputs=(actuator, record))
+    model = read_actuator(actuator)
+    measured = read_record(record, model)
+    with progress("comparing", 3) as bar:
+        found = work(model, measured, int(precision), bar.update)
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
+    drawn = curves(measured, {"model": found.simulation})
+    result = {"command": "compare", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+    save(json_path, result, force)
+    show.comparison(output(), found, model.name, measured.file)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("records", nargs=-1, required=True, metavar="REC...")
+@click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The calibrated actuator to write.")
+@click.option("--fit", "names", metavar="NAME,...", help="Fit only these values, for example screw.csj_Nm,screw.blk_mm.")
+@click.option(
+    "--closed-loop/--balances-only",
+    "loop",
+    default=None,
+    help="Keep the fit of the simulated loop, or that of the balances; without either, the loop's where it is clearly better.",
+)
+@json_option
+def calibrate(
+    actuator: str, records: tuple[str, ...], out: str, names: str | None, loop: bool | None, json_path: str | None, force: bool
+) -> None:
+    """Fit the base parameters of ACTUATOR on healthy records and write NEW.toml, comments kept."""
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.records import read_record
+    from ema_tools.results.provenance import provenance
+    from ema_tools.tasks.calibrate import calibrate as work
+    from ema_tools.words.terminal import show
+
+    writable(out, json_path, force=force, inputs=(actuator, *records))
+    model = read_actuator(actuator)
+    measured = [read_record(record, model) for record in records]
+    chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
+    with progress("calibrating", 3) as bar:
+        found = work(model, measured, chosen, loop, bar.update)
+    said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
+    found.actuator.changed({}, {"source": said}).write(out, force)
+    origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
+    save(json_path, {"command": "calibrate", "actuator": out, **found.result(), "provenance": origin}, force)
+    show.calibration(output(), found)
+    output().print(f"{out} written", highlight=False)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("record")
+@click.option(
+    "--healthy",
+    multiple=True,
+    metavar="REC",
+    help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.",
+)
+@click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Seed of the search; the actuator's own when absent.")
+@click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
+@click.option(
+    "--weight",
+    "weights",
+    metavar="COLUMN=W,...",
+    help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.",
+)
+@click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
+@click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
+@precision_option("32")
+@json_option
+def identify(
+    actuator: str,
+    record: str,
+    healthy: tuple[str, ...],
+    seed: int | None,
+    seeds: int,
+    weights: str | None,
+    fitted: str | None,
+    no_guard: bool,
+    precision: str,
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Find CSJ and BLK on RECORD with the onboard module's own search.
+
+    Where it finds a fault, or the model does not explain the record, a missing effect is sought behind it.
+    """
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.records import read_record, simulated
+    from ema_tools.plant.native import Search
+    from ema_tools.results.provenance import curves, provenance
+    from ema_tools.tasks.identify import identify as work
+    from ema_tools.tasks.identify import weight_of
+    from ema_tools.words.terminal import show
+
+    writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy))
+    model = read_actuator(actuator)
+    measured = read_record(record, model)
+    references = [read_record(path, model) for path in healthy]
+    weight = weight_of(weights)
+    with progress("identifying", model["search.evaluation_budget"]) as bar:
+        found = work(
+            model,
+            measured,
+            references,
+            Search(seed=seed, weight=weight),
+            seeds,
+            int(precision),
+            lambda run, _, best: bar.update(run, f"best {best:.3g}"),
+            not no_guard,
+        )
+    if fitted:
+        found.actuator.write(fitted, force)
+    if json_path:
+        drawn = curves(measured, {"before": simulated(found.healthy, measured), "after": simulated(found.actuator, measured)})
+        origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
+        result = {
+            "command": "identify",
+            "name": measured.file,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
+        save(json_path, result, force)
+    show.identification(output(), found)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("record")
+@click.option(
+    "--healthy",
+    multiple=True,
+    metavar="REC",
+    help="A record of the healthy machine under the same command; give two or more. Those of the hold-out's command serve the hold-out.",
+)
+@click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
+@click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
+@click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
+@json_option
+def diagnose(
+    actuator: str,
+    record: str,
+    healthy: tuple[str, ...],
+    holdout: str | None,
+    page: str | None,
+    fitted: str | None,
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Say which physical effect ACTUATOR's model lacks on RECORD, or that none is missing, or that the library does not hold it.
+
+    With --healthy the question is what has changed on this machine, without it what the model lacks.
+    """
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.records import read_record, simulated
+    from ema_tools.results.provenance import curves, provenance
+    from ema_tools.tasks.diagnose import answer as work
+    from ema_tools.tasks.diagnose_by_laps import applies
+    from ema_tools.words.terminal import show
+
+    writable(json_path, page, fitted, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
+    model = read_actuator(actuator)
+    measured = read_record(record, model)
+    references = [read_record(path, model) for path in healthy]
+    other = read_record(holdout, model) if holdout else None
+    # the laps' mechanical balance shows neither winding nor supply, and less than all signals together: for a drive of current whose current is not measured
+    if not references and other is None and model["drive.mode"] == 1.0 and measured.current_A is None and applies(model, measured):
+        _diagnose_laps(model, measured, page, fitted, json_path, force)
+        return
+    with progress("diagnosing", 100) as bar:
+        found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+    if json_path or page:
+        drawn = curves(
+            measured,
+            {"before": simulated(found.known, measured), **({"after": simulated(found.fitted, measured)} if found.diagnosis.fit else {})},
+        )
+        origin = provenance(
+            command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
+        )
+        result = {
+            "command": "diagnose",
+            "name": measured.file,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
+        save(json_path, result, force)
+        _page(page, result, force)
+    if fitted and found.verdict == "missing":
+        found.actuator.write(fitted, force)
+    show.diagnosis(output(), found)
+    _written(page, fitted if found.verdict == "missing" else None)
+
+
+def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
+    """A record of a command that repeats, without healthy repeats."""
+    from ema_tools.data.records import simulated
+    from ema_tools.results.provenance import curves, provenance
+    from ema_tools.tasks.diagnose_by_laps import answer_by_laps
+    from ema_tools.words.terminal import show
+
+    with progress("diagnosing", 100) as bar:
+        found = answer_by_laps(model, measured, lambda share, text: bar.update(100.0 * share, text))
+    if json_path or page:
+        drawn = curves(
+            measured, {"before": simulated(model, measured), **({"after": simulated(found.actuator, measured)} if found.accepted else {})}
+        )
+        origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
+        result = {
+            "command": "diagnose",
+            "name": measured.file,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
+        save(json_path, result, force)
+        _page(page, result, force)
+    if fitted and found.accepted:
+        found.actuator.write(fitted, force)
+    show.laps(output(), found)
+    _written(page, fitted if found.accepted else None)
+
+
+def _written(*paths: str | None) -> None:
+    for path in filter(None, paths):
+        output().print(f"{path} written", highlight=False)
+
+
+def _page(path: str | None, result: dict[str, Any], force: bool) -> None:
+    """Write the page of one result when it was asked for."""
+    if path:
+        from ema_tools.base.files import write_text
+        from ema_tools.words.page.page import render
+        from ema_tools.words.page.results import parse_result
+
+        write_text(path, render([parse_result(result, path, Path(path).stem)], command_line()), force)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.argument("effect")
+@click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The actuator with the effect.")
+@click.option("--fit", "record", metavar="REC", help="The record that the effect is fitted to.")
+@click.option(
+    "--healthy",
+    multiple=True,
+    metavar="REC",
+    help="A record of the healthy machine under the same command; give two or more. May be repeated.",
+)
+@click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
+@click.option(
+    "--known",
+    is_flag=True,
+    help="ACTUATOR is this very machine, calibrated: only the effect is fitted, beside a CSJ and BLK that may have changed, as ema identify does.",
+)
+@click.option(
+    "--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without --fit: the effect's values, for example rise_degC=30."
+)
+@click.option("--report", "page", metavar="FILE.html", help="Write the page with the fall of the error there.")
+@json_option
+def add(
+    actuator: str,
+    effect: str,
+    out: str,
+    record: str | None,
+    healthy: tuple[str, ...],
+    holdout: str | None,
+    known: bool,
+    settings: tuple[str, ...],
+    page: str | None,
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Put EFFECT into ACTUATOR's model, fit it to a record, and show how the error falls."""
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.records import read_record, simulated
+    from ema_tools.library.faults import FAULTS
+    from ema_tools.results.provenance import curves, provenance
+    from ema_tools.tasks.add import add as work
+    from ema_tools.tasks.add import add_to_known, set_result
+    from ema_tools.tasks.effects import find_effect
+    from ema_tools.tasks.simulate import with_settings
+    from ema_tools.words.terminal import show
+
+    writable(out, json_path, page, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
+    model = read_actuator(actuator)
+    if effect in FAULTS:
+        raise InputError(f"add {effect}: no effect but a value that every model has, {FAULTS[effect]}: ema identify finds it")
+    find_effect(effect)
+    if record is None:
+        if not settings or page or holdout or healthy or known:
+            raise InputError(
+                f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option"
+            )
+        made = with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings))
+        if effect not in made.active_effects:
+            raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
+        made.write(out, force)
+        save(
+            json_path,
+            {"command": "add", "actuator": out, **set_result(made, effect), "provenance": provenance(command_line(), actuator=model.name)},
+            force,
+        )
+        output().print(f"{out} written", highlight=False)
+        return
+    if settings:
+        raise InputError(f"add {effect}: --set {settings[0]}: with --fit the values come from the record: leave one of the two out")
+    if known and healthy:
+        raise InputError(f"add {effect}: --known: the healthy records say what the machine is like: leave one of the two out")
+    measured = read_record(record, model)
+    references = [read_record(path, model) for path in healthy]
+    other = read_record(holdout, model) if holdout else None
+    with progress("adding", 100) as bar:
+
+        def tell(share: float, text: str) -> None:
+            bar.update(100.0 * share, text)
+
+        found = add_to_known(model, effect, measured, other, tell) if known else work(model, effect, measured, references, other, tell)
+    said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
+    found.actuator.changed({}, {"source": said}).write(out, force)
+    if json_path or page:
+        drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.fitted, measured)})
+        origin = provenance(command_line(), actuator=model.name, record=measured.file)
+        result = {
+            "command": "add",
+            "name": measured.file,
+            "actuator": out,
+            **found.result(),
+            "provenance": origin,
+            **({"curves": drawn} if drawn else {}),
+        }
+        save(json_path, result, force)
+        _page(page, result, force)
+    show.added(output(), found)
+    output().print(f"{out} written", highlight=False)
+
+
+@cli.command(name="next")
+@click.argument("actuator")
+@click.option(
+    "--between",
+    "first",
+    required=True,
+    metavar="EFFECT EFFECT...",
+    help="The effects that are confused: two or more; csj and blk are taken too.",
+)
+@click.argument("others", nargs=-1, metavar="")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="At which size: effects.constant_load.torque_Nm=0.01. The lower end of the usual when absent. May be repeated.",
+)
+@click.option("--channels", metavar="COLUMN,...", help="The signals that are recorded; all four when absent.")
+@click.option(
+    "--noise",
+    metavar="COLUMN=STD,...",
+    help="Noise of the sensors at 1 kHz; position_mm=0.002,motor_position_mm=0.002,current_A=0.03 when absent.",
+)
+@click.option(
+    "--limit",
+    "limit",
+    metavar="NAME=VALUE,...",
+    help="What is safe, in place of shares of what the machine can do: stroke_mm=5,speed_mm_s=40,current_A=8.",
+)
+@click.option(
+    "--also", multiple=True, metavar="CMD", help="A command of your own beside the menu's: chirp:amplitude_mm=1,end_hz=6. May be repeated."
+)
+@json_option
+def next_command(
+    actuator: str,
+    first: str,
+    others: tuple[str, ...],
+    settings: tuple[str, ...],
+    channels: str | None,
+    noise: str | None,
+    limit: str | None,
+    also: tuple[str, ...],
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Say which safe command separates effects best that look alike, or that none does and what would.
+
+    ema next ACTUATOR --between EFFECT EFFECT...
+    """
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.design import next_experiment as following
+    from ema_tools.plant.native import CHANNELS
+    from ema_tools.results.provenance import provenance
+    from ema_tools.tasks.simulate import noise_of
+    from ema_tools.words.terminal.next_experiment import print_next
+
+    writable(json_path, force=force, inputs=(actuator,))
+    model = read_actuator(actuator)
+    effects = following.check_effects((first, *others))
+    values = following.sizes_of(settings)
+    chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else CHANNELS
+    with progress("simulating", 100) as bar:
+        found = following.next_experiment(
+            model,
+            effects,
+            chosen,
+            values,
+            noise_of(noise),
+            following.limits_given(limit),
+            also,
+            lambda share, text: bar.update(100.0 * share, text),
+        )
+    save(json_path, {"command": "next", **found.result(), "provenance": provenance(command_line(), actuator=model.name)}, force)
+    print_next(output(), found)
+
+
+@cli.command()
+@click.argument("actuator")
+@click.option(
+    "-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR."
+)
+@click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
+@click.option(
+    "--signatures",
+    metavar="FILE.h",
+    help="Write the table for the onboard diagnosis there too: static const ema_signatures_t EMA_SIGNATURES.",
+)
+@click.option("--healthy", multiple=True, metavar="REC", help="A healthy record of the ground test; two or more for --signatures.")
+@click.option(
+    "--signals", metavar="NAME,...", help="Signals of the table; the rod position and the current, where they are recorded, unless told."
+)
+@json_option
+def export(
+    actuator: str,
+    out: str,
+    flat: str | None,
+    signatures: str | None,
+    healthy: tuple[str, ...],
+    signals: str | None,
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Write ACTUATOR as the configuration that firmware compiles in."""
+    from ema_tools.base.files import write_text
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.records import read_record
+    from ema_tools.tasks import export as work
+    from ema_tools.tasks import signature_table as onboard
+
+    if not signatures and (healthy or signals):
+        raise click.UsageError("--healthy and --signals belong to --signatures FILE.h")
+    writable(out, flat, signatures, json_path, force=force, inputs=(actuator, *healthy))
+    model = read_actuator(actuator)
+    work.check_for_firmware(model)
+    table = None
+    if signatures:
+        records = [read_record(path, model) for path in healthy]
+        table = onboard.signatures(model, records, onboard.signals_of(records, signals))
+    write_text(out, work.header_text(model), force)
+    if flat:
+        write_text(flat, work.flat_text(model), force)
+    if signatures and table:
+        write_text(signatures, work.signatures_text(table), force)
+    found: dict[str, Any] = {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}
+    if signatures and table:
+        found |= {"signatures": signatures, "table": table.summary()}
+    save(json_path, found, force)
+    told = [f"{path} written" for path in (out, flat) if path]
+    if signatures and table:
+        told.append(f"{signatures} written: {2 * table.numbers / 1024:.1f} KiB of signatures in {', '.join(table.signals)}")
+    output().print(", ".join(told), highlight=False)
+
+
+@cli.command()
+@click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
+@click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")
+@json_option
+def report(results: tuple[str, ...], out: str, json_path: str | None, force: bool) -> None:
+    """Make a page of results that identify or compare wrote with --json."""
+    from ema_tools.words.page import write_report
+
+    writable(out, json_path, force=force, inputs=results)
+    write_report([Path(result) for result in results], Path(out), command_line(), force)
+    save(json_path, {"command": "report", "results": list(results), "page": out}, force)
+    output().print(f"{out} written", highlight=False)
+
+
+@cli.command()
+@click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
+@json_option
+def demo(folder: str | None, json_path: str | None, force: bool) -> None:
+    """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
+    from ema_tools.base.files import keep_apart
+    from ema_tools.cli import demo as work
+
+    target = Path(folder) if folder else work.output_folder()
+    keep_apart([*work.written(target), *filter(None, (json_path,))])
+    writable(json_path, force=force)
+    page = work.run(output(), target)
+    save(json_path, {"command": "demo", "page": page, "results": sorted(path.name for path in page.parent.glob("*.json"))}, force)
+
+
+@cli.group(name="import")
+def import_group() -> None:
+    """Bring foreign measurements into this project's formats."""
+
+
+@import_group.command(name="emps")
+@click.argument("file")
+@click.option("-o", "--output", "folder", required=True, metavar="DIR", help="Folder for actuator.toml and record.csv.")
+@json_option
+def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> None:
+    """EMPS, a measured ball-screw axis: its FILE.mat and the published reference model."""
+    from ema_tools.base.files import keep_apart
+    from ema_tools.data.emps import PUBLISHED, PUBLISHED_STD, targets
+    from ema_tools.data.emps import import_emps as work
+    from ema_tools.results.provenance import provenance
+    from ema_tools.words.terminal import show
+
+    keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
+    writable(json_path, force=force)
+    found = work(file, folder, force)
+    result = {
+        "command": "import emps",
+        "actuator": str(found.actuator_path),
+        "record": str(found.record_path),
+        "rows": found.record.rows,
+        "period_s": found.record.period_s,
+    }
+    save(json_path, {**result, "provenance": provenance(command_line(), source=found.actuator.about["source"])}, force)
+    console = output()
+    show.say(
+        console,
+        f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model",
+    )
+    show.force_models(console, "Published", {"value": PUBLISHED, "std error": PUBLISHED_STD})
+    show.say(console, f"next: ema compare {found.actuator_path} {found.record_path}")
+
+
+@cli.command()
+@click.argument("effect", required=False)
+@json_option
+def effects(effect: str | None, json_path: str | None, force: bool) -> None:
+    """Show the library of physical effects, or one EFFECT."""
+    from ema_tools.library.definitions import load_definitions
+    from ema_tools.tasks import effects as work
+    from ema_tools.words.terminal.effects import print_all, print_one
+
+    writable(json_path, force=force)
+    rows = [work.find_effect(effect)] if effect else list(load_definitions().effects)
+    save(json_path, {"command": "effects", "effects": [work.describe(row) for row in rows]}, force)
+    if effect:
+        print_one(output(), rows[0])
+    else:
+        print_all(output())
+
+
+def main() -> None:
+    """Entry point: runs the command line and ends the process with its exit code."""
+    from ema_tools.plant.native import LibraryError
+
+    try:
+        cli(prog_name="ema", standalone_mode=False)
+        sys.stdout.flush()
+    except (InputError, MissingSignal, LibraryError, DefinitionError) as error:
+        complain(str(error))
+        sys.exit(1)
+    except click.exceptions.Abort:
+        complain("interrupted")
+        sys.exit(130)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
+    except BrokenPipeError:
+        _drop_output()
+        sys.exit(0)
+    except OSError as error:
+        from ema_tools.base.files import reason
+
+        _drop_output()
+        complain(f"{error.filename or 'standard output'}: {reason(error)}: make room or send it elsewhere")
+        sys.exit(1)
+
+
+def _drop_output() -> None:
+    """Give up what standard output did not take, so that the end of the process does not complain about it again."""
+    with contextlib.suppress(OSError):
+        sys.stdout.close()

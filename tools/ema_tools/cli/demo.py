@@ -1,0 +1,315 @@
+"""The demo: from a record that its model does not explain to the missing effect and the right faults, then the paper's cases. What `ema demo` does.
+
+Every step prints the command that does the same by hand; docs/WALK_THROUGH.md goes the same way at leisure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.text import Text
+
+from ema_tools.base.errors import InputError
+from ema_tools.base.files import write_json
+from ema_tools.compare.comparison import compare
+from ema_tools.data import story
+from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
+from ema_tools.data.cases import CASES, Case
+from ema_tools.data.records import Record, read_record, simulated
+from ema_tools.library.definitions import library_folder
+from ema_tools.library.faults import FAULTS as CHANGEABLE
+from ema_tools.plant.native import Progress, Search
+from ema_tools.results.provenance import curves, provenance
+from ema_tools.tasks.add import add
+from ema_tools.tasks.diagnose import answer
+from ema_tools.tasks.identify import TITLES, identify
+from ema_tools.tasks.identify import Identified as Found
+from ema_tools.words.page import write_report
+from ema_tools.words.page.results import FAULTS, Identified, parse_result
+from ema_tools.words.page.text import shift, signed
+from ema_tools.words.terminal import console as terminal
+from ema_tools.words.terminal import show
+
+COMMAND = "ema demo"
+_BITS = 32
+# Both encoders: play is what lies between them.
+_WEIGHTS = "position_mm=1,motor_position_mm=1"
+_WEIGHT = (1.0, 1.0, 0.0, 0.0)
+# What the story leaves for the page, in its order there, and what it leaves beside it.
+_ON_PAGE = ("diagnose.json", "add.json", "identify_before.json", "identify_after.json")
+_COMPARED = "compare.json"
+_MACHINE = "machine.toml"
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """One recording of the paper's cases: the case that it holds and the sensor noise in it."""
+
+    file: str
+    case: Case
+    noise: str = ""
+
+
+RECORDINGS = (
+    *(Shipped(f"case_{case.letter.lower()}.csv", case) for case in CASES),
+    Shipped("case_a_noisy.csv", CASES[0], "5 µm sensor noise"),
+)
+
+
+@dataclass(frozen=True)
+class _Unit:
+    """The story's machine as its owner has it: the data sheet, the records, and how to type them."""
+
+    sheet: Actuator
+    today: Record
+    healthy: tuple[Record, ...]
+    held_out: Record
+    sheet_file: str
+    today_file: str
+    others: str
+
+
+def recordings_folder() -> Path:
+    """Folder of the shipped recordings, in the project around this file."""
+    return Path(__file__).resolve().parents[3] / "recordings"
+
+
+def output_folder() -> Path:
+    """Where the demo leaves its results: beside the libraries, in the build folder."""
+    return library_folder().parent / "demo"
+
+
+def written(folder: Path) -> list[Path]:
+    """What the demo writes to `folder`: the results in the order of the page, what the story leaves besides, then the page."""
+    return [*_results(folder), folder / _COMPARED, folder / _MACHINE, folder / "report.html"]
+
+
+def _results(folder: Path) -> list[Path]:
+    return [folder / name for name in (*_ON_PAGE, *(f"{Path(shipped.file).stem}.json" for shipped in RECORDINGS))]
+
+
+def run(output: Console, folder: Path) -> Path:
+    """Go through the story and the paper's cases, print what is found, write the results and the page to `folder`.
+
+    Returns the page. Files of an earlier demo are overwritten. Raises InputError when a recording is absent.
+    """
+    unit = _unit()
+    cases = [(shipped, _recording(shipped.file)) for shipped in RECORDINGS]
+    _tell_story(output, folder, unit)
+    output.print()
+    _tell_cases(output, folder, cases)
+    page = folder / "report.html"
+    write_report(_results(folder), page, COMMAND, force=True)
+    output.print(Text(f"The page with all of this and the curves: {_shown(page)}"))
+    return page
+
+
+def _recording(name: str) -> Path:
+    path = recordings_folder() / name
+    if not path.is_file():
+        raise InputError(f"{name}: not in {_shown(path.parent)}: run the demo from a checkout of the project, which holds the recordings")
+    return path
+
+
+def _unit() -> _Unit:
+    sheet_file = recordings_folder().parent / "actuators" / "reference.toml"
+    names = [story.TODAY, *(story.healthy_name(run) for run in range(1, story.HEALTHY_RUNS + 1)), story.HELD_OUT]
+    paths = [_recording(f"story/{name}.csv") for name in names]
+    sheet = read_actuator(sheet_file)
+    today, *healthy, held_out = (read_record(path, sheet) for path in paths)
+    folder = _shown(paths[0].parent)
+    others = f"--healthy={folder}/healthy_{{1..{story.HEALTHY_RUNS}}}.csv --holdout {folder}/{story.HELD_OUT}.csv"
+    return _Unit(sheet, today, tuple(healthy), held_out, _shown(sheet_file), _shown(paths[0]), others)
+
+
+def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
+    """Compare, identify, diagnose, add, identify again."""
+    _say(
+        output,
+        f"A unit of the reference actuator was recorded {story.HEALTHY_RUNS} times when it was healthy, and again today. Does its model still hold, and what has changed?",
+    )
+
+    _command(output, 1, f"ema compare {unit.sheet_file} {unit.today_file}")
+    with terminal.progress("comparing", 3) as bar:
+        compared = compare(unit.sheet, unit.today, report=bar.update)
+    _write(folder / _COMPARED, "compare", unit, compared.result(), curves(unit.today, {"model": compared.simulation}))
+    rod, current = (compared.channels[name].relative_percent for name in ("position_mm", "current_A"))
+    _say(output, f"The rod is off by {terminal.number(rod, 2)} %, the current by {terminal.number(current, 2)} %. {compared.sentence}")
+
+    _command(output, 2, f"ema identify {unit.sheet_file} {unit.today_file} --weight {_WEIGHTS}")
+    before = _searched(unit, unit.sheet)
+    _write_found(folder / _ON_PAGE[2], unit, before, "the data sheet's model")
+    _say(output, f"{_verdict(before)}, because")
+    for reason in before.reasons:
+        _say(output, f"- {reason}")
+
+    _command(output, 3, f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others}")
+    with terminal.progress("diagnosing", 100) as bar:
+        found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
+    _write(
+        folder / _ON_PAGE[0],
+        "diagnose",
+        unit,
+        found.result(),
+        curves(unit.today, {"before": simulated(found.known, unit.today), "after": simulated(found.fitted, unit.today)}),
+    )
+    _say(output, found.where.sentence)
+    _say(output, found.sentence())
+    if not found.effects:
+        return
+
+    effect = found.effects[0].name
+    _command(output, 4, f"ema add {unit.sheet_file} {effect} --fit {unit.today_file} {unit.others} -o {_shown(folder / _MACHINE)}")
+    with terminal.progress("adding", 100) as bar:
+        added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
+    added.actuator.write(folder / _MACHINE, True)
+    _write(
+        folder / _ON_PAGE[1],
+        "add",
+        unit,
+        {"actuator": _MACHINE, **added.result()},
+        curves(unit.today, {"before": simulated(unit.sheet, unit.today), "after": simulated(added.fitted, unit.today)}),
+    )
+    show.steps(output, added.steps, added.errors.floor)
+    beside = " and ".join(TITLES[value] for name, value in CHANGEABLE.items() if name in added.fit.effects)
+    _say(
+        output,
+        f"{effect} is fitted{f' beside {beside}, which may have changed with it' if beside else ''}; nothing is fitted to the record held out.",
+    )
+
+    _command(output, 5, f"ema identify {_shown(folder / _MACHINE)} {unit.today_file} --weight {_WEIGHTS}")
+    after = _searched(unit, added.actuator)
+    _write_found(folder / _ON_PAGE[3], unit, after, f"with {effect}")
+    _say(output, f"{_verdict(after)}; the model is {'adequate' if after.adequate else 'not adequate'}.")
+    true = ", ".join(f"{name.split('.')[1]} {value:g}" for name, value in story.EFFECT_VALUES.items())
+    _say(
+        output,
+        f"The record was made with CSJ {shift(story.CSJ_SHIFT_PERCENT)}, BLK {shift(story.BLK_SHIFT_PERCENT)} and {story.EFFECT} {true},"
+        f" by an independent model; dry friction scatters by {100.0 * story.SCATTER['screw.csj_Nm']:g} % from run to run.",
+    )
+
+
+def _say(output: Console, text: str) -> None:
+    output.print(Text(text))
+
+
+def _command(output: Console, place: int, line: str) -> None:
+    output.print()
+    output.print(Text(f"{place}  {line}", style="bold"))
+
+
+def _searched(unit: _Unit, actuator: Actuator) -> Found:
+    with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
+        return identify(actuator, unit.today, search=Search(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
+
+
+def _verdict(found: Found) -> str:
+    """Verdict and shifts in a few words."""
+    shifts = ", ".join(f"{TITLES[estimate.name]} {shift(estimate.shift_percent)}" for estimate in found.answer.identified)
+    return f"{found.verdict.capitalize()}: {'the search reads ' if found.verdict == 'undecided' else ''}{shifts}"
+
+
+def _write(path: Path, command: str, unit: _Unit, result: dict[str, Any], drawn: dict[str, Any] | None, name: str = "") -> None:
+    """The file that the command's --json would be."""
+    origin = provenance(COMMAND, actuator=unit.sheet.name, record=f"recordings/story/{unit.today.file}")
+    write_json(path, {"command": command, "name": name or unit.today.file, **result, "provenance": origin, "curves": drawn}, force=True)
+
+
+def _write_found(path: Path, unit: _Unit, found: Found, model: str) -> None:
+    _write(
+        path,
+        "identify",
+        unit,
+        found.result(),
+        curves(unit.today, {"before": simulated(found.healthy, unit.today), "after": simulated(found.actuator, unit.today)}),
+        f"{unit.today.file}, {model}",
+    )
+
+
+def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]) -> None:
+    """The paper's cases, for which the model holds all there is."""
+    actuator = reference_actuator()
+    budget = actuator["search.evaluation_budget"]
+    results: list[Identified] = []
+    with terminal.progress("identifying", budget * len(cases)) as bar:
+        for place, (shipped, path) in enumerate(cases):
+            data = _identified(actuator, shipped, path, partial(_tell, bar, place * budget))
+            target = folder / f"{path.stem}.json"
+            write_json(target, data, force=True)
+            results.append(_parsed(data, target))
+    _print_cases(output, results)
+    output.print()
+
+
+def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float) -> None:
+    """Progress after a model run; `before` runs belong to earlier recordings."""
+    bar.update(before + run_number, f"best {best:.2g} mm2 s")
+
+
+def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Progress) -> dict[str, Any]:
+    """The result of one recording, with the curves for the page."""
+    record = read_record(path, actuator)
+    found = identify(actuator, record, bits=_BITS, progress=progress)
+    return {
+        "command": "demo",
+        "name": shipped.file,
+        "case": shipped.case.letter,
+        "noise": shipped.noise,
+        **found.result(),
+        "curves": curves(record, {"before": simulated(found.healthy, record), "after": simulated(found.actuator, record)}),
+        "provenance": provenance(
+            COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
+        ),
+    }
+
+
+def _parsed(data: dict[str, Any], path: Path) -> Identified:
+    result = parse_result(data, str(path), path.stem)
+    assert isinstance(result, Identified)
+    return result
+
+
+def _shown(path: Path) -> str:
+    """The path as the reader would type it: short where it lies below the current folder."""
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+
+
+def _print_cases(output: Console, results: list[Identified]) -> None:
+    table = terminal.table(
+        "The paper's cases, where nothing is missing: found by the onboard module, beside the paper (shifts and errors in % of the healthy value)",
+        "case", "fault", "true", "found", "error", "paper's", "runs", "paper's", "time", "paper's",
+        text_columns=2,
+    )  # fmt: skip
+    for result in results:
+        table.add_row(*_row(result, 0))
+        table.add_row(*_row(result, 1))
+    output.print(table)
+
+
+def _row(result: Identified, place: int) -> list[str]:
+    """One fault of one result; what belongs to the whole case stands in its first row."""
+    name, label = FAULTS[place], ("CSJ", "BLK")[place]
+    case, paper = result.case, result.paper
+    assert case is not None and result.wall_s is not None
+    true, found = case.shift_percent(name), result.faults[name].shift_percent
+    cells = [
+        result.label if place == 0 else "",
+        label,
+        shift(true),
+        shift(found),
+        signed(found - true),
+        signed(paper.paper_shift_percent(name) - true) if paper else "-",
+    ]
+    if place == 0:
+        cells += [
+            str(result.evaluations),
+            str(paper.paper_iterations) if paper else "-",
+            f"{result.wall_s:.2f} s",
+            f"{paper.paper_wall_s:.0f} s" if paper else "-",
+        ]
+    return cells

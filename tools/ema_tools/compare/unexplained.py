@@ -1,0 +1,372 @@
+"""What is left after the best known effects: drawn as an unknown torque, voltage or reading against every axis, and as a table that can be flown.
+
+The mechanical balance gives the torque, the electrical one the voltage, the kinematic one the reading of the rod sensor. Each is laid over an axis as a table of 16 nodes, fitted on one half of the
+passes between reversals and judged on the other, so that an axis that follows anything by chance wins nothing. A torque is tried as it is and as friction, which turns round with the motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ema_tools.balances.balances import Balance, all_balances
+from ema_tools.base.arrays import Reals
+from ema_tools.compare.axes import Axis, Halves, Motion, explained, hats, motion_of
+from ema_tools.compare.localisation import Reference, Where, binned, coarse, short
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+
+NODES = 16
+# Below this share out of sample nothing repeats.
+REPEATS_SHARE = 0.2
+# Less of it is nothing, however small the scatter.
+_LEAST_SHARE = 0.05
+# A simpler description is kept unless a richer one explains this much more.
+_RICHER = 0.05
+# What an axis explains must exceed the most that any axis explains of a healthy repeat by this factor.
+_CHANCE_MARGIN = 1.5
+# Along these axes an unknown may be finer than the table: jam spots, teeth, slots.
+_FINE_NODES = 64
+_FINE_KINDS = (1, 2, 3)
+# With fewer moving samples all are taken.
+_SEEN_MIN = 4 * NODES
+# A smooth table: second differences of neighbours cost this much beside the data.
+_STIFFNESS = 1e-3
+
+# balance -> what its residual stands for, the sign that turns it into that, the learned effect
+KINDS: Mapping[str, tuple[str, float, str]] = {
+    "mechanical": ("torque on the shaft", -1.0, "learned_torque"),
+    "electrical": ("voltage at the motor", -1.0, "learned_voltage"),
+    "kinematic": ("reading of the rod sensor", 1.0, "learned_reading"),
+}
+# Axes of which each learned effect can be a function, by their number.
+MEANINGFUL: Mapping[str, frozenset[int]] = {
+    "learned_torque": frozenset({0, 1, 2, 3, 4}),
+    "learned_friction": frozenset({0, 1, 2, 3, 4}),
+    "learned_voltage": frozenset({0, 1, 2, 3, 4}),
+    "learned_reading": frozenset({0, 1, 2, 3}),
+}
+_WORDS = {
+    "speed": "with speed",
+    "position": "with position",
+    "place in the lead": "with the screw lead",
+    "motor angle": "with the motor angle",
+    "current": "with current",
+    "acceleration": "with acceleration",
+    "time since reversal": "with the time since reversal",
+    "time": "slowly in time",
+    "constant": "as a constant",
+}
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One axis: share of the unknown's square explained out of sample, as friction or as it is, at best and by the table of 16 nodes over it; `of_excess`: of what scatter
+    leaves of it, 0 where healthy repeats explain as much by chance."""
+
+    axis: str
+    unit: str
+    kind: int
+    friction: bool
+    explained: float
+    tabled: float
+    first: float
+    last: float
+    nodes: Reals
+    of_excess: float = 0.0
+
+    @property
+    def words(self) -> str:
+        """As in: it repeats ..."""
+        return _WORDS[self.axis] + (", against the motion" if self.friction else "")
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What one balance leaves: rms in its unit and that of healthy repeats, the axes best first, and what is said of it. `merit` orders the balances."""
+
+    balance: str
+    what: str
+    unit: str
+    rms: float
+    floor_rms: float
+    merit: float
+    ranked: tuple[Ranked, ...]
+    sentence: str
+    pictures: tuple[dict[str, Any], ...] = field(repr=False)
+
+    @property
+    def best(self) -> Ranked | None:
+        """The axis that it repeats with; None when it repeats with none."""
+        return self.ranked[0] if self.ranked and self.ranked[0].of_excess >= REPEATS_SHARE else None
+
+    def result(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "balance": self.balance,
+            "what": self.what,
+            "unit": self.unit,
+            "rms": self.rms,
+            "floor_rms": self.floor_rms,
+            "sentence": self.sentence,
+            "ranking": [
+                {
+                    "axis": one.axis,
+                    "friction": one.friction,
+                    "explained_percent": 100.0 * max(0.0, one.explained),
+                    "of_excess_percent": 100.0 * one.of_excess,
+                }
+                for one in self.ranked
+            ],
+            "pictures": list(self.pictures),
+        }
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A table effect that stands for an unknown: `changes` for `Actuator.changed`, the range that it was seen in, and what it explained out of sample."""
+
+    effect: str
+    axis: str
+    unit: str
+    first: float
+    last: float
+    nodes: Reals
+    explained: float
+    changes: dict[str, float]
+
+    @property
+    def sentence(self) -> str:
+        """What it is and where it holds."""
+        return f"{self.effect}, a table over {self.axis} seen from {self.first:.4g} to {self.last:.4g} {self.unit}: outside that range it holds its edge value and nothing is known"
+
+    def result(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "effect": self.effect,
+            "axis": self.axis,
+            "axis_unit": self.unit,
+            "first": self.first,
+            "last": self.last,
+            "nodes": short(self.nodes),
+            "explained_percent": 100.0 * self.explained,
+            "sentence": self.sentence,
+        }
+
+
+def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown, ...]:
+    """What the balances leave unexplained, the most telling first.
+
+    `actuator` holds the effects that are known by now; `found` is where the model without them failed on the same record, from which the healthy repeats are taken.
+    """
+    motion = motion_of(actuator, record, found.smoother)
+    here = {
+        name: coarse(one, found.smoother)
+        for name, one in all_balances(actuator, record, found.smoother).items()
+        if name in KINDS and isinstance(one, Balance)
+    }
+    unknowns = []
+    for name, own in here.items():
+        reference = found.references.get(name)
+        if found.relative and reference is None:
+            continue
+        left = own if reference is None else replace(own, residual=own.residual - reference.mean)
+        unknowns.append(unknown_of(left, motion, reference))
+    return tuple(sorted(unknowns, key=lambda one: -one.merit))
+
+
+def unknown_of(balance: Balance, motion: Motion, reference: Reference | None = None) -> Unknown:
+    """The unknown that a balance's residual stands for; `reference`: what healthy repeats leave of the same balance."""
+    what, sign, _ = KINDS[balance.name]
+    turns, rod = balance.name == "mechanical", balance.name == "kinematic"
+    at = motion.at(balance.time_s)
+    # at rest friction answers whatever there is, so that nothing is seen
+    seen = at.moving if turns else np.ones(balance.time_s.size, dtype=bool)
+    if np.count_nonzero(seen) > _SEEN_MIN:
+        at = motion.at(balance.time_s[seen])
+    else:
+        seen = np.ones(balance.time_s.size, dtype=bool)
+    values = sign * balance.residual[seen]
+    half = motion.at(balance.time_s).halves()[seen]
+    ranked = _ranked(values, at, half, turns, rod)
+    size, floor, chance = float(np.sqrt(np.mean(values**2))), 0.0, 0.0
+    if reference is not None:
+        floor = reference.floor_rms
+        others = (
+            _ranked(sign * one[seen], at, half, turns, rod)[0].explained * float(one[seen] @ one[seen]) for one in reference.deviations
+        )
+        chance = _CHANCE_MARGIN * max([0.0, *others]) / max(float(values @ values), 1e-300)
+    beyond = max(1.0 - (floor / size) ** 2, ranked[0].explained, 1e-9) if size > 0.0 else 1.0
+    ranked = tuple(
+        replace(one, of_excess=min(1.0, max(one.explained, 0.0) / beyond) if one.explained > max(chance, _LEAST_SHARE) else 0.0)
+        for one in ranked
+    )
+    foretold = ranked[0].explained if ranked[0].of_excess > 0.0 else 0.0
+    merit = max((size / floor) ** 2 - 1.0, foretold * (size / floor) ** 2) if floor > 0.0 else foretold * _squared_share(balance)
+    pictures: list[dict[str, Any]] = []
+    for axis in at.axes(rod):
+        drawn = binned(axis, values)
+        if drawn is not None:
+            best = max((one for one in ranked if one.axis == axis.name), key=lambda one: one.explained, default=None)
+            share = 100.0 * max(best.explained, 0.0) if best else 0.0
+            picture: dict[str, Any] = {
+                "by": axis.name,
+                "axis_unit": axis.unit,
+                "unit": balance.unit,
+                "explained_percent": share,
+                "friction": bool(best and best.friction),
+            }
+            side = binned(axis, values * -at.direction) if picture["friction"] else None
+            pictures.append({**picture, **(side or drawn).result()})
+    pictures.sort(key=lambda one: -float(one["explained_percent"]))
+    return Unknown(balance.name, what, balance.unit, size, floor, merit, ranked, _sentence(what, ranked, at), tuple(pictures))
+
+
+def _squared_share(balance: Balance) -> float:
+    relative = balance.relative_percent
+    return (0.01 * relative) ** 2 if math.isfinite(relative) else 0.0
+
+
+def _ranked(values: Reals, at: Motion, half: Halves, turns: bool, rod: bool) -> tuple[Ranked, ...]:
+    """Every axis, best first, the constant among them; `turns`: also as friction, against the motion; `rod`: over the rod's position."""
+    leads = float(np.ptp(at.motor_mm)) / at.lead_mm
+    found = []
+    for friction in (False, True) if turns else (False,):
+        side = -at.direction if friction else np.ones_like(values)
+        share = explained(values, side[:, None], half)
+        flat = float(side @ values) / max(float(side @ side), 1e-300)
+        found.append(Ranked("constant", "", -1, friction, share, share, 0.0, 0.0, np.full(NODES, flat)))
+        for axis in at.axes(rod):
+            # below a whole turn an angle says no more than the position
+            if (
+                not np.ptp(axis.values) > 0.0
+                or (axis.name == "place in the lead" and leads < 1.0)
+                or (axis.name == "motor angle" and np.ptp(at.angle_rad) < axis.period)
+            ):
+                continue
+            first, last = (0.0, axis.period) if axis.period > 0.0 else (float(np.min(axis.values)), float(np.max(axis.values)))
+            share, nodes = _table_share(values, axis, side, half, first, last, NODES)
+            fine = _table_share(values, axis, side, half, first, last, _FINE_NODES)[0] if axis.kind in _FINE_KINDS else share
+            found.append(Ranked(axis.name, axis.unit, axis.kind, friction, max(share, fine), share, first, last, nodes))
+    return tuple(_by_merit(found))
+
+
+def _table_share(values: Reals, axis: Axis, side: Reals, half: Halves, first: float, last: float, nodes: int) -> tuple[float, Reals]:
+    """Share explained out of sample by a table of so many nodes, and its nodes; round a period the last is the first again."""
+    columns = hats(axis.values, first, last, nodes)
+    periodic = axis.period > 0.0
+    if periodic:
+        columns[:, 0] += columns[:, -1]
+        columns = columns[:, :-1]
+    columns = columns * side[:, None]
+    stiff = _stiffness(columns, periodic)
+    smooth = np.zeros(stiff.shape[0])
+
+    def fitted(rows: Halves) -> Reals:
+        tall = np.vstack([columns[rows], stiff])
+        return np.asarray(
+            np.linalg.solve(
+                tall.T @ tall + 1e-9 * np.trace(tall.T @ tall) * np.eye(tall.shape[1]), tall.T @ np.concatenate([values[rows], smooth])
+            )
+        )
+
+    total = float(values @ values)
+    left = sum(float(np.sum((values[~rows] - columns[~rows] @ fitted(rows)) ** 2)) for rows in (half, ~half))
+    table = fitted(np.ones_like(half))
+    return (1.0 - left / total if total > 0.0 else 0.0), np.append(table, table[0]) if periodic else table
+
+
+def _by_merit(found: list[Ranked]) -> list[Ranked]:
+    """Best first; among those that explain nearly as much as the best, the constant first, then the axes that a learned effect can have."""
+    order = sorted(found, key=lambda one: -one.explained)
+    top = order[0].explained
+    near = [one for one in order if top - one.explained < _RICHER and one.explained > 0.0]
+    near.sort(key=lambda one: (one.axis != "constant", one.kind < 0, -one.explained))
+    return near + [one for one in order if not any(one is other for other in near)]
+
+
+def _stiffness(columns: Reals, periodic: bool) -> Reals:
+    """Rows [n, nodes] that make neighbours alike where data are thin."""
+    nodes = columns.shape[1]
+    weight = math.sqrt(_STIFFNESS * max(float(np.trace(columns.T @ columns)) / nodes, 1e-12))
+    bend = np.zeros((nodes, nodes))
+    for place in range(nodes):
+        low, high = place - 1, place + 1
+        if periodic or (low >= 0 and high < nodes):
+            bend[place, low % nodes] += 1.0
+            bend[place, place] -= 2.0
+            bend[place, high % nodes] += 1.0
+    return weight * bend
+
+
+def _sentence(what: str, ranked: Sequence[Ranked], at: Motion) -> str:
+    best = ranked[0]
+    if best.of_excess < REPEATS_SHARE:
+        return f"the unknown {what} repeats with none of the axes: the best, {best.axis}, foretells {max(0.0, 100.0 * best.explained):.0f} % of it on other passes"
+    text = f"the unknown {what} repeats {best.words} ({100.0 * best.of_excess:.0f} % of it foretold on other passes)"
+    if best.explained - best.tabled > _RICHER and best.axis != "constant":
+        text += f", in finer detail than a table of {NODES} nodes holds"
+    rivals = {"position": "place in the lead", "place in the lead": "position"}
+    rival_name = rivals.get(best.axis, "")
+    rival = max((one for one in ranked if one.axis == rival_name), key=lambda one: one.explained, default=None)
+    if rival_name and rival is None:
+        text += "; position and screw lead cannot be told apart on a stroke below one lead"
+    elif rival is not None:
+        alike = best.explained - rival.explained < _RICHER
+        text += f"; {'as well' if alike else 'not'} {_WORDS[rival.axis]} ({100.0 * rival.of_excess:.0f} %)"
+    second = next(
+        (one for one in ranked[1:] if one.axis not in (best.axis, rival_name, "constant") and best.explained - one.explained < _RICHER),
+        None,
+    )
+    if second is not None and best.axis != "constant":
+        text += f"; nearly as well {second.words} ({100.0 * second.of_excess:.0f} %)"
+    return text
+
+
+def learned(unknown: Unknown) -> Learned | None:
+    """The table for the best axis that a learned effect can have; None when the unknown repeats with no such axis. A constant becomes a flat table over position."""
+    _, _, effect = KINDS[unknown.balance]
+    for one in unknown.ranked:
+        name = "learned_friction" if one.friction else effect
+        if one.of_excess < REPEATS_SHARE:
+            return None
+        if one.kind in MEANINGFUL[name] and one.tabled > 0.5 * one.explained:
+            return _table(name, one)
+        if one.axis == "constant":
+            along = next((other for other in unknown.ranked if other.axis == "position" and other.friction == one.friction), None)
+            if along is not None:
+                return _table(name, replace(along, nodes=one.nodes, tabled=one.tabled))
+    return None
+
+
+def _table(effect: str, one: Ranked) -> Learned:
+    values = {
+        "gain": 1.0,
+        "axis": float(one.kind),
+        "first": one.first,
+        "last": one.last,
+        **{f"node_{place:02d}": float(node) for place, node in enumerate(one.nodes)},
+    }
+    return Learned(
+        effect,
+        one.axis,
+        one.unit,
+        one.first,
+        one.last,
+        one.nodes,
+        one.tabled,
+        {f"effects.{effect}.{name}": value for name, value in values.items()},
+    )
+
+
+def result(unknowns: Sequence[Unknown], table: Learned | None = None) -> dict[str, Any]:
+    """All of it for JSON: the unknowns, the sentence of the first, and the learned effect that could stand for it."""
+    return {
+        "sentence": unknowns[0].sentence if unknowns else "no balance can be drawn, so the unknown cannot be drawn either",
+        "balances": [one.result() for one in unknowns],
+        "learned": table.result() if table is not None else None,
+    }

@@ -1,0 +1,545 @@
+"""Can this record answer the question at all: signals, units, signs and clock, saturation, and what the motion covers. Looked at before anything is concluded.
+
+Every remark says how much it matters, in one sentence what is the case, and what to do next. `blocks`: no answer from this record means anything; `weakens`: some effects cannot be seen, or are
+doubtful; `fine`: looked at, nothing wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, signal
+
+from ema_tools.balances.balances import Smoother, drive_current, filter_of, motor_position, noise_of
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import MissingSignal
+from ema_tools.compare.axes import Motion, motion_of
+from ema_tools.compare.comparison import TITLES, UNITS
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record, simulated
+from ema_tools.plant.native import Simulation
+
+Severity = Literal["blocks", "weakens", "fine"]
+
+# What a record without a signal does not show.
+HIDES = {
+    "position_mm": "nothing can be said without it",
+    "motor_position_mm": "play, compliance and errors of the rod sensor are told apart only by their shape, and the kinematic balance cannot be drawn",
+    "current_A": "torque effects and electrical effects look alike, and neither the mechanical nor the electrical balance can be drawn",
+    "voltage_V": "effects of winding, inverter and supply show only through the motion, and neither the electrical nor the controller's balance can be drawn",
+}
+# Scales of a signal against the model beyond which no effect reaches: the unit is another one.
+_SCALE_DOUBTFUL = 3.0
+_SCALE_WRONG = 10.0
+# A record follows the model that it belongs to at least so closely, as a correlation.
+_ALIKE = 0.5
+_OPPOSITE = -0.5
+_LAG_MAX_S = 0.05
+_LAG_DOUBTFUL_S = 0.015
+_AHEAD_S = 0.01
+_LAG_BETWEEN_S = 0.003
+_LIMIT_SHARE = 0.995
+_SATURATED_WEAKENS = 0.2
+_SATURATED_BLOCKS = 0.8
+_CLIPPED_ROWS = 4
+_STUCK_S = 0.02
+_STUCK_MOVES = 0.1
+# A sensor that is held for this share of the record leaves too little of it.
+_STUCK_BLOCKS = 0.1
+# A rod may rest while the motor crosses the play, which wear may have made so many times its healthy size.
+_PLAYS = 5.0
+# A jump of one or two rows and back: beyond the noise and beyond this share of the signal no machine makes it.
+_SPIKE_NOISE = 30.0
+_SPIKE_SHARE = 0.2
+_SPIKE_WINDOW = 7
+_REVERSALS_MIN = 6
+# A reversal is a way back of this share of the stroke, and of so many times the noise.
+_TURN_SHARE = 0.01
+_TURN_NOISE = 5.0
+_SLOW_SHARE = 0.05
+_BINS = 10
+_MOVING_MIN = 20.0
+_IDENTICAL = 1e-9
+_ROWS_PER_PERIOD = 20.0
+
+
+@dataclass(frozen=True)
+class Remark:
+    """One thing looked at: what about, how much it matters, a sentence, and what to do next (empty where nothing is to be done)."""
+
+    topic: str
+    severity: Severity
+    text: str
+    next: str = ""
+
+
+@dataclass(frozen=True)
+class Gate:
+    """The judgement of a record. `signals`: by name whether it is there; `coverage`: numbers about the motion."""
+
+    signals: dict[str, bool]
+    remarks: tuple[Remark, ...]
+    coverage: dict[str, float]
+
+    @property
+    def answerable(self) -> bool:
+        """Whether anything that follows means something."""
+        return all(remark.severity != "blocks" for remark in self.remarks)
+
+    @property
+    def sentence(self) -> str:
+        """The judgement in one sentence."""
+        blocking = [remark for remark in self.remarks if remark.severity == "blocks"]
+        if blocking:
+            return f"This record cannot answer: {blocking[0].text}."
+        weak = [remark for remark in self.remarks if remark.severity == "weakens"]
+        if weak:
+            return f"This record can answer, with {len(weak)} reservation{'s' if len(weak) > 1 else ''}: {'; '.join(remark.text for remark in weak)}."
+        return "This record can answer: signals, clock, saturation and coverage are in order."
+
+    def result(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "answerable": self.answerable,
+            "sentence": self.sentence,
+            "signals": {name: {"present": there, "hides": None if there else HIDES[name]} for name, there in self.signals.items()},
+            "remarks": [{"topic": one.topic, "severity": one.severity, "text": one.text, "next": one.next or None} for one in self.remarks],
+            "coverage": self.coverage,
+        }
+
+
+def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) -> Gate:
+    """Judges a record and the healthy repeats that it is to be compared with. Raises InputError when the model refuses the actuator."""
+    present = {name: record.channel(name) is not None for name in HIDES}
+    smoother = Smoother.of(record.period_s)
+    if record.rows < 4 * smoother.edge_rows:
+        wanted = 4 * smoother.edge_rows * record.period_s
+        short = Remark(
+            "coverage",
+            "blocks",
+            f"{record.file} has {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter",
+            f"record {wanted:g} s or more, best a chirp of ten",
+        )
+        return Gate(present, (short,), {})
+    smoother = filter_of(actuator, record)
+    motion = motion_of(actuator, record, smoother)
+    run = simulated(actuator, record)
+    coverage = _coverage(actuator, record, motion, smoother)
+    remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
+    if coverage["stroke_mm"] > 0.0 and not any(remark.severity == "blocks" for remark in remarks):
+        remarks += [*_units(actuator, record, run), *_clock(actuator, record, run, smoother), *_sampling(actuator, record, coverage)]
+        remarks += [
+            *_saturation(actuator, record),
+            *_clipping(record),
+            *_spikes(record),
+            *_stuck(actuator, record, run),
+            *_start(actuator, record, motion),
+        ]
+    rank = {"blocks": 0, "weakens": 1, "fine": 2}
+    return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
+
+
+def _signals(actuator: Actuator, record: Record) -> list[Remark]:
+    missing = [name for name in HIDES if record.channel(name) is None]
+    found = []
+    for name in missing:
+        other = _instead(actuator, record, name)
+        if other:
+            found.append(Remark("signals", "fine", f"{name} is not recorded; {other} stands for it"))
+        else:
+            found.append(Remark("signals", "weakens", f"{name} is not recorded: {HIDES[name]}", f"record {name} too"))
+    return found or [Remark("signals", "fine", "rod position, motor position, current and voltage are recorded")]
+
+
+def _instead(actuator: Actuator, record: Record, name: str) -> str:
+    """What stands for a signal that is not recorded; empty for nothing."""
+    try:
+        if name == "current_A":
+            drive_current(actuator, record)
+            return "the command of the ideal current drive"
+        if name == "motor_position_mm":
+            motor_position(actuator, record)
+            return "the rod position, since nothing lies between,"
+    except MissingSignal:
+        return ""
+    return ""
+
+
+def _repeats(record: Record, healthy: Sequence[Record]) -> list[Remark]:
+    if not healthy:
+        text = "there are no healthy repeats, so what is smaller than the model's own standing error cannot be seen"
+        return [
+            Remark("repeats", "weakens", text, "record the same command five times on the healthy machine and give them with --healthy")
+        ]
+    found = []
+    for other in healthy:
+        if other.rows != record.rows or not np.allclose(other.command_mm, record.command_mm, atol=1e-6):
+            found.append(
+                Remark(
+                    "repeats",
+                    "blocks",
+                    f"{other.file} holds another command than {record.file}",
+                    "give healthy records of the same command",
+                )
+            )
+        elif other.period_s != record.period_s:
+            found.append(
+                Remark("repeats", "blocks", f"{other.file} is sampled at another rate than {record.file}", "record both at one rate")
+            )
+        elif float(np.max(np.abs(other.position_mm - record.position_mm))) <= _IDENTICAL:
+            found.append(Remark("repeats", "blocks", f"{other.file} is the record itself", "leave the record out of its healthy repeats"))
+        lost = [name for name in record.present if name not in other.present]
+        if lost:
+            found.append(
+                Remark(
+                    "repeats",
+                    "weakens",
+                    f"{other.file} lacks {', '.join(lost)}, which is then of no use in {record.file} either",
+                    "give repeats with the same signals",
+                )
+            )
+    if len(healthy) < 3:
+        found.append(Remark("repeats", "weakens", f"{len(healthy)} healthy repeats show little of how the machine scatters", "record five"))
+    return found or [Remark("repeats", "fine", f"{len(healthy)} healthy repeats of the same command")]
+
+
+def _coverage(actuator: Actuator, record: Record, motion: Motion, smoother: Smoother) -> dict[str, float]:
+    """Numbers about the motion: what moves how far, how fast, how often to and fro."""
+    inner = smoother.inner
+    speed, position, direction = inner(motion.speed_rad_s), inner(motion.position_mm), inner(motion.direction)
+    fastest = float(np.max(np.abs(speed)))
+    moving = direction[direction != 0.0]
+    stroke, noise = float(np.ptp(position)), noise_of(record.position_mm)
+    reversals = _turns(position, max(_TURN_SHARE * stroke, _TURN_NOISE * noise)) if stroke > 0.0 else 0
+    power = np.abs(np.fft.rfft(speed)) ** 2
+    reached = np.cumsum(power) / max(float(power.sum()), 1e-300)
+    top = float(np.fft.rfftfreq(speed.size, record.period_s)[min(int(np.searchsorted(reached, 0.95)), power.size - 1)])
+    friction = actuator["screw.csj_Nm"]
+    inertia = actuator["screw.inertia_kgm2"] * float(np.quantile(np.abs(inner(motion.acceleration_rad_s2)), 0.9))
+    viscous = actuator["screw.viscous_Nm_s_per_rad"] * fastest
+    drive = max(friction + inertia + viscous, 1e-12)
+    bins = np.histogram(np.abs(speed), _BINS, (0.0, max(fastest, 1e-12)))[0]
+    places = np.histogram(position, _BINS)[0] if stroke > 0.0 else np.zeros(_BINS)
+    return {
+        "duration_s": record.rows * record.period_s,
+        "stroke_mm": stroke,
+        "stroke_over_noise": stroke / max(noise, 1e-9),
+        "stroke_leads": stroke / actuator["screw.lead_mm"],
+        "stroke_motor_turns": stroke / (2.0 * math.pi * actuator.lead_mm_per_rad),
+        "reversals": float(reversals),
+        "fastest_rad_s": fastest,
+        "slow_percent": 100.0 * float(np.mean(np.abs(speed) < _SLOW_SHARE * fastest)) if fastest > 0.0 else 100.0,
+        "speed_bins_percent": 100.0 * float(np.mean(bins > 0.005 * speed.size)),
+        "position_bins_percent": 100.0 * float(np.mean(places > 0.005 * speed.size)),
+        "forward_percent": 100.0 * float(np.mean(moving > 0.0)) if moving.size else 0.0,
+        "top_hz": top,
+        "inertia_share_percent": 100.0 * inertia / drive,
+        "viscous_share_percent": 100.0 * viscous / drive,
+    }
+
+
+def _turns(position: Reals, least_mm: float) -> int:
+    """How often the rod turns back by more than `least_mm`."""
+    turns, rising = 0, 0
+    # the extreme of the present way
+    low = high = float(position[0])
+    for value in position.tolist():
+        if rising >= 0 and value > high:
+            high = value
+        if rising <= 0 and value < low:
+            low = value
+        if rising >= 0 and high - value > least_mm:
+            turns, rising, low = turns + rising, -1, value
+        elif rising <= 0 and value - low > least_mm:
+            turns, rising, high = turns - rising, 1, value
+    return turns
+
+
+def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Remark]:
+    found = []
+    if coverage["stroke_over_noise"] < _MOVING_MIN:
+        text = f"the rod moves {coverage['stroke_mm']:.3g} mm, no more than its sensor's noise"
+        return [Remark("coverage", "blocks", text, "check that the drive was on; record a chirp of 2 mm or more")]
+    reversals, leads, turns = coverage["reversals"], coverage["stroke_leads"], coverage["stroke_motor_turns"]
+    if reversals < _REVERSALS_MIN:
+        text = f"{reversals:.0f} reversal{'' if reversals == 1.0 else 's'} show little of play, presliding and friction near standstill"
+        found.append(Remark("coverage", "weakens", text, "record a command that turns back ten times or more"))
+    if not 10.0 < coverage["forward_percent"] < 90.0:
+        found.append(
+            Remark(
+                "coverage",
+                "weakens",
+                "the rod moves in one direction only, so that friction, load and asymmetry look alike",
+                "record both directions",
+            )
+        )
+    if turns < 1.0:
+        found.append(
+            Remark(
+                "coverage",
+                "weakens",
+                f"the motor turns {turns:.2g} of a turn, so that cogging and ripple look like a load",
+                "record a stroke of several motor turns",
+            )
+        )
+    elif leads < 1.0:
+        text = f"the stroke is {leads:.2g} of a screw lead, so that what repeats with the lead looks like what depends on position"
+        found.append(Remark("coverage", "weakens", text, f"record a stroke above {actuator['screw.lead_mm']:g} mm"))
+    if coverage["inertia_share_percent"] < 10.0:
+        text = f"acceleration takes {coverage['inertia_share_percent']:.2g} % of the torque, so that inertia, delays and compliance hardly show"
+        found.append(Remark("coverage", "weakens", text, "record higher frequencies"))
+    if coverage["viscous_share_percent"] < 2.0 and actuator["screw.viscous_Nm_s_per_rad"] > 0.0:
+        text = f"viscous friction takes {coverage['viscous_share_percent']:.2g} % of the torque, so that effects that grow with speed hardly show"
+        found.append(Remark("coverage", "weakens", text, "record higher speeds"))
+    if coverage["speed_bins_percent"] < 60.0:
+        text = f"only {coverage['speed_bins_percent']:.0f} % of the range of speeds is visited, so that shapes over speed are guesses"
+        found.append(Remark("coverage", "weakens", text, "record a chirp or a multisine"))
+    if found:
+        return found
+    reached = f"speeds to {coverage['fastest_rad_s']:.3g} rad/s, frequencies to {coverage['top_hz']:.2g} Hz"
+    text = f"{reversals:.0f} reversals, {leads:.2g} leads, {reached}, {coverage['slow_percent']:.0f} % of the time near standstill"
+    return [Remark("coverage", "fine", text)]
+
+
+def _alike(measured: Reals, model: Reals) -> tuple[float, float]:
+    """Correlation and scale of a signal against the model's, both about their means; zeros where either is constant."""
+    mine, its = measured - measured.mean(), model - model.mean()
+    sizes = float(np.linalg.norm(mine)), float(np.linalg.norm(its))
+    if not min(sizes) > 0.0:
+        return 0.0, 0.0
+    return float(mine @ its) / (sizes[0] * sizes[1]), sizes[0] / sizes[1]
+
+
+def _units(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
+    """Sign and scale of every signal beside the model's."""
+    found = []
+    for name in HIDES:
+        measured = record.channel(name)
+        if measured is None:
+            continue
+        title, unit = TITLES[name], UNITS[name]
+        model = record.command_mm if name.endswith("position_mm") else getattr(run, name)
+        correlation, scale = _alike(measured, model)
+        if correlation == 0.0:
+            found.append(
+                Remark("units", "blocks", f"{name} does not change while the command does", f"check that the {title} is connected")
+            )
+        elif correlation < _OPPOSITE:
+            found.append(Remark("units", "blocks", f"the {title} runs opposite to the model", f"change the sign of {name}"))
+        elif not 1.0 / _SCALE_WRONG < scale < _SCALE_WRONG:
+            guess = _unit_guess(name, scale, actuator)
+            found.append(Remark("units", "blocks", f"the {title} is {scale:.3g} times the model's{guess}", f"give {name} in {unit}"))
+        elif correlation < _ALIKE:
+            found.append(
+                Remark(
+                    "units",
+                    "weakens",
+                    f"the {title} hardly follows the model (correlation {correlation:.2f})",
+                    f"check that {name} belongs to this command and actuator",
+                )
+            )
+        elif not 1.0 / _SCALE_DOUBTFUL < scale < _SCALE_DOUBTFUL:
+            found.append(
+                Remark(
+                    "units",
+                    "weakens",
+                    f"the {title} is {scale:.3g} times the model's",
+                    f"check unit and scale of {name} and the actuator's data",
+                )
+            )
+    return found or [Remark("units", "fine", "signs and scales agree with the model")]
+
+
+def _unit_guess(name: str, scale: float, actuator: Actuator) -> str:
+    for factor, text in (
+        (1e3, "a thousandth of the unit"),
+        (1e-3, "a thousand times the unit"),
+        (1e6, "a millionth of the unit"),
+        (1.0 / actuator["drive.supply_V"], "a share of the supply"),
+    ):
+        if name != "voltage_V" and text == "a share of the supply":
+            continue
+        if 0.5 < scale / factor < 2.0:
+            return f", as if it were in {text}"
+    return ""
+
+
+def lag_s(signal_one: Reals, signal_two: Reals, period_s: float, most_s: float = _LAG_MAX_S) -> float:
+    """By how much the first signal comes later than the second, s, from the peak of their cross-correlation; both [rows]."""
+    one, two = signal_one - signal_one.mean(), signal_two - signal_two.mean()
+    most = min(max(2, round(most_s / period_s)), signal_one.size // 4)
+    product = signal.correlate(one, two, mode="full", method="fft")
+    middle = two.size - 1
+    near = product[middle - most : middle + most + 1]
+    top = int(np.argmax(near))
+    if 0 < top < near.size - 1:
+        left, peak, right = near[top - 1 : top + 2]
+        bend = left - 2.0 * peak + right
+        return float(top - most + (0.5 * (left - right) / bend if bend < 0.0 else 0.0)) * period_s
+    return (top - most) * period_s
+
+
+def _clock(actuator: Actuator, record: Record, run: Simulation, smoother: Smoother) -> list[Remark]:
+    """Lag of the record against the model, and between its own two positions."""
+    found = []
+    speed, model = np.gradient(smoother.smooth(record.position_mm)), np.gradient(smoother.smooth(run.position_mm))
+    ahead = -lag_s(speed, np.gradient(record.command_mm), record.period_s)
+    if ahead > _AHEAD_S:
+        text = f"the rod moves {1e3 * ahead:.3g} ms before its command, which no machine does"
+        return [Remark("clock", "blocks", text, "check that command_mm and position_mm are not exchanged, and that one clock records both")]
+    late = lag_s(speed, model, record.period_s)
+    # at low speed a play is a delay too
+    played = 0.5 * actuator["screw.blk_mm"] / max(float(np.mean(np.abs(speed))) / record.period_s, 1e-9)
+    if abs(late) > max(_LAG_DOUBTFUL_S, 2.5 * record.period_s) + played:
+        side = "later" if late > 0.0 else "earlier"
+        text = f"the rod comes {1e3 * abs(late):.3g} ms {side} than in the model, more than effects of the library usually make"
+        found.append(Remark("clock", "weakens", text, "check that command and signals are recorded by one clock, and the actuator's gains"))
+    if record.motor_position_mm is not None:
+        between = lag_s(speed, np.gradient(smoother.smooth(record.motor_position_mm)), record.period_s)
+        if abs(between) > max(_LAG_BETWEEN_S, 1.5 * record.period_s) + played:
+            text = f"rod and motor position are {1e3 * abs(between):.3g} ms apart"
+            found.append(Remark("clock", "weakens", text, "record both by one clock, or correct the delay of one of them"))
+    return found or [Remark("clock", "fine", f"the rod is {1e3 * abs(late):.2g} ms {'behind' if late >= 0.0 else 'ahead of'} the model")]
+
+
+def _sampling(actuator: Actuator, record: Record, coverage: dict[str, float]) -> list[Remark]:
+    found = []
+    if 1.0 / record.period_s < _ROWS_PER_PERIOD * coverage["top_hz"]:
+        text = f"{1.0 / record.period_s:.3g} rows per second are few for a motion at {coverage['top_hz']:.3g} Hz"
+        found.append(Remark("sampling", "weakens", text, f"record {_ROWS_PER_PERIOD * coverage['top_hz']:.3g} Hz or more"))
+    if record.period_s > 1.5 * actuator["timing.step_s"] * actuator["control.every_steps"]:
+        text = "the control law runs between the recorded rows, so that the controller cannot be judged exactly"
+        found.append(Remark("sampling", "weakens", text, "record at the rate of the control law"))
+    return found or [Remark("sampling", "fine", f"{1.0 / record.period_s:.4g} rows per second")]
+
+
+def _saturation(actuator: Actuator, record: Record) -> list[Remark]:
+    """The share of time in which the drive gives all it has and the loop is open."""
+    voltage = record.voltage_V
+    scale = actuator["drive.supply_V"] if actuator["drive.mode"] == 0.0 else actuator["drive.command_scale_V"]
+    most = scale * actuator["control.output_limit"]
+    if voltage is None or not most > 0.0:
+        return []
+    share = float(np.mean(np.abs(voltage) >= _LIMIT_SHARE * most))
+    if share > _SATURATED_BLOCKS:
+        return [
+            Remark(
+                "saturation", "blocks", f"the drive is at its limit {100.0 * share:.0f} % of the time", "record a smaller or slower command"
+            )
+        ]
+    if share > _SATURATED_WEAKENS:
+        text = f"the drive is at its limit {100.0 * share:.0f} % of the time, where the loop is open and the controller does not show"
+        return [Remark("saturation", "weakens", text, "record a smaller or slower command")]
+    return [
+        Remark(
+            "saturation",
+            "fine",
+            f"the drive is at its limit {100.0 * share:.1f} % of the time, its largest output {100.0 * float(np.max(np.abs(voltage))) / most:.0f} %",
+        )
+    ]
+
+
+def _clipping(record: Record) -> list[Remark]:
+    """Flat tops of current and speed: many samples at exactly the same extreme."""
+    found = []
+    for name in ("current_A", "speed_mm_s"):
+        values = record.channel(name)
+        if values is None or not np.ptp(values) > 0.0:
+            continue
+        for extreme, side in ((float(np.max(values)), "highest"), (float(np.min(values)), "lowest")):
+            flat = values == extreme
+            longest, start = _longest(flat)
+            if longest >= _CLIPPED_ROWS and abs(extreme) > 0.2 * float(np.max(np.abs(values))):
+                text = f"{name} stands at its {side} value {extreme:.4g} {UNITS[name]} for {longest} rows from row {start + 1}: its sensor clips, or the drive limits it"
+                found.append(
+                    Remark("clipping", "weakens", text, f"check the range of the {TITLES[name]}'s sensor against the drive's limit")
+                )
+    return found
+
+
+def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Length and first row of the longest run of true values."""
+    lengths = [(last - first, first) for first, last in _stretches(flags)]
+    return max(lengths, key=lambda one: one[0], default=(0, 0))
+
+
+def _stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First row, and the row after the last, of every run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def _spikes(record: Record) -> list[Remark]:
+    """Samples that jump away from their neighbours on both sides and back."""
+    found = []
+    for name in HIDES:
+        values = record.channel(name)
+        if values is None or not np.ptp(values) > 0.0:
+            continue
+        calm = ndimage.median_filter(values, _SPIKE_WINDOW, mode="nearest")
+        away = np.abs(values - calm)
+        # the widest step of the calm signal nearby: an edge of a command is no spike
+        step = ndimage.maximum_filter1d(np.abs(np.diff(calm, prepend=calm[0])), _SPIKE_WINDOW)
+        rows = np.flatnonzero(
+            away > np.maximum(np.maximum(_SPIKE_NOISE * noise_of(values), 2.0 * step), _SPIKE_SHARE * float(np.ptp(calm)))
+        )
+        if rows.size:
+            first = int(rows[0])
+            more = f", and so do {rows.size - 1} other rows" if rows.size > 1 else ""
+            text = f"{name} jumps by {values[first] - calm[first]:+.3g} {UNITS[name]} in row {first + 1} and back{more}: no machine does"
+            found.append(
+                Remark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again")
+            )
+    return found
+
+
+def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
+    """Samples that repeat while the model's signal moves on, the longest stretch of each signal: lost data, or a held sensor; a rod that stays may be seized, unless the motor turns on."""
+    found = []
+    for name in HIDES:
+        values = record.channel(name)
+        if values is None or not np.ptp(values) > 0.0:
+            continue
+        same = np.concatenate((np.diff(values) == 0.0, [False]))
+        model = getattr(run, name)
+        longest = 0
+        for first, last in _stretches(same):
+            long_enough = (last - first) * record.period_s >= _STUCK_S
+            clipped = name not in ("position_mm", "motor_position_mm") and abs(values[first]) == np.max(np.abs(values))
+            if last - first > longest and long_enough and not clipped and np.ptp(model[first : last + 1]) > _STUCK_MOVES * np.ptp(model):
+                longest, start = last - first, first
+        if longest:
+            text = f"{name} repeats one value for {longest + 1} rows from row {start + 1}, where the "
+            motor = record.motor_position_mm
+            lost = name == "position_mm" and longest > _STUCK_BLOCKS * record.rows
+            if (
+                lost
+                and motor is not None
+                and np.ptp(motor[start : start + longest + 1]) > _PLAYS * actuator["screw.blk_mm"] + _STUCK_MOVES * np.ptp(motor)
+            ):
+                found.append(Remark("stuck", "blocks", f"{text}motor turns on", "check the rod's sensor, and what joins it to the motor"))
+            else:
+                found.append(
+                    Remark(
+                        "stuck",
+                        "weakens",
+                        f"{text}model moves on",
+                        "check the recording for lost samples, and the machine for a seized rod",
+                    )
+                )
+    return found
+
+
+def _start(actuator: Actuator, record: Record, motion: Motion) -> list[Remark]:
+    """The model starts at rest."""
+    begun = slice(1, max(2, round(0.01 / record.period_s)))
+    fastest = float(np.max(np.abs(motion.speed_rad_s)))
+    if fastest > 0.0 and float(np.mean(np.abs(motion.speed_rad_s[begun]))) > 0.1 * fastest:
+        text = "the rod already moves in the first rows, while the model starts at rest"
+        return [Remark("start", "weakens", text, "begin the recording before the command begins")]
+    return []

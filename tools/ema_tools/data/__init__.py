@@ -1,0 +1,1 @@
+"""What the user brings: actuator files, recordings, commands, and the measured or shipped ones among them."""

@@ -1,0 +1,367 @@
+"""An actuator as a TOML file: read with exact complaints, changed, written back with the user's comments.
+
+Tables are the sections of `ema_params.def`; `[effects.<name>]` holds the optional effects. `[actuator]` may hold name, notes and source.
+"""
+
+from __future__ import annotations
+
+import copy
+import difflib
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from ema_tools.base.arrays import Integers, Reals
+from ema_tools.base.errors import InputError
+from ema_tools.base.files import read_text, write_text
+from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions
+
+ABOUT = ("name", "notes", "source")
+# These sections are settings of the method, not of the machine: what is absent takes its nominal value.
+SETTINGS = ("search", "verdict")
+
+Row = Parameter | EffectParameter
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The most similar of `known` as a hint, or an empty text."""
+    found = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return f" (did you mean {found[0]}?)" if found else ""
+
+
+def all_rows() -> tuple[Row, ...]:
+    """Every row of both lists: parameters and options, then the effects' values."""
+    known = load_definitions()
+    rows: list[Row] = [*known.parameters, *known.effect_values]
+    return tuple(rows)
+
+
+def row_of(name: str) -> Row:
+    """The row of a value given as `section.field`, `effect.field` or `effects.effect.field`.
+
+    Raises InputError with the nearest known name.
+    """
+    known = load_definitions()
+    short = name.removeprefix("effects.")
+    row = known.by_name.get(short)
+    if row is not None:
+        return row
+    names = [row.name for row in known.parameters] + ["effects." + row.name for row in known.effect_values]
+    near = nearest(name, names) or nearest(short, (row.name for row in known.effect_values))
+    raise InputError(f"{name}: unknown value{near}: values are named section.field or effects.name.field")
+
+
+def path_of(row: Row) -> tuple[str, ...]:
+    """Keys that lead to a value in the file."""
+    return ("effects", row.effect, row.field) if isinstance(row, EffectParameter) else (row.section, row.field)
+
+
+def shown(row: Row) -> str:
+    """Name of a value as it stands in the file."""
+    return ".".join(path_of(row))
+
+
+def _range(row: Row) -> str:
+    return f"{row.lower:g} .. {row.upper:g}{' ' + row.unit if row.unit else ''}"
+
+
+def parsed(row: Row, value: object, where: str = "") -> float:
+    """`value` (TOML value or text) as the number of `row`: choices become their place, whole numbers stay whole.
+
+    Raises InputError that begins with `where` and names value, range and what to do.
+    """
+    name = where + shown(row)
+    choices = row.choices if isinstance(row, Parameter) else ()
+    if choices:
+        if isinstance(value, bool) and choices == ("no", "yes"):
+            return float(value)
+        text = {"true": "yes", "false": "no"}.get(str(value), str(value)) if choices == ("no", "yes") else str(value)
+        if isinstance(value, str) and text in choices:
+            return float(choices.index(text))
+        raise InputError(f"{name} = {value}: not a choice{nearest(str(value), choices)}: use one of {', '.join(choices)}")
+    if isinstance(value, str):
+        try:
+            value = float(value)
+        except ValueError:
+            raise InputError(f"{name} = {value}: not a number: give one in {_range(row)}") from None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{name} = {value}: not a number: give one in {_range(row)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(f"{name}: a number of more digits than any value has: give one in {_range(row)}") from None
+    if isinstance(row, Parameter) and row.is_option and number != math.floor(number):
+        raise InputError(f"{name} = {value}: not a whole number: give one in {_range(row)}")
+    if not (row.lower <= number <= row.upper):
+        raise InputError(f"{name} = {value}: outside {_range(row)}: give a value inside")
+    return number
+
+
+def written(row: Row, number: float) -> Any:
+    """The number of `row` as its TOML value."""
+    choices = row.choices if isinstance(row, Parameter) else ()
+    if choices == ("no", "yes"):
+        return bool(number)
+    if choices:
+        return choices[int(number)]
+    return int(number) if isinstance(row, Parameter) and row.is_option else float(number)
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """One actuator: every value by `section.field` and `effect.field`, choices as their place in the list.
+
+    `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from.
+    """
+
+    values: Mapping[str, float]
+    document: tomlkit.TOMLDocument | None = field(default=None, compare=False, repr=False)
+    file: str = field(default="", compare=False)
+    about: Mapping[str, str] = field(default_factory=dict, compare=False)
+
+    def __getitem__(self, name: str) -> float:
+        return self.values[name]
+
+    @property
+    def name(self) -> str:
+        """The actuator's own name, else its file's."""
+        return self.about.get("name") or Path(self.file).stem or "reference actuator"
+
+    @property
+    def record_period_s(self) -> float:
+        """Time between two rows of a record, s."""
+        return self["timing.step_s"] * self["timing.record_every_steps"]
+
+    @property
+    def lead_mm_per_rad(self) -> float:
+        """Rod travel per motor angle, mm/rad."""
+        return self["screw.lead_mm"] / (2.0 * math.pi * self["gearbox.ratio"])
+
+    @property
+    def active_effects(self) -> tuple[str, ...]:
+        """Names of the effects whose size is not zero."""
+        return tuple(row.name for row in load_definitions().effects if self[row.size.name] != row.size.nominal)
+
+    def changed(self, changes: Mapping[str, float], about: Mapping[str, str] | None = None) -> Actuator:
+        """A copy with some values (by any name that `row_of` takes; numbers as in `values`) and parts of [actuator] replaced.
+
+        Raises InputError for an unknown name or a value out of range.
+        """
+        values = dict(self.values)
+        for name, number in changes.items():
+            row = row_of(name)
+            if not (math.isfinite(number) and row.lower <= number <= row.upper):
+                raise InputError(f"{shown(row)} = {number:g}: outside {_range(row)}: give a value inside")
+            values[row.name] = float(number)
+        return replace(self, values=values, about={**self.about, **(about or {})})
+
+    def arrays(self) -> tuple[Reals, Integers]:
+        """Values [value count] and options [option count] in the order of the C module."""
+        known = load_definitions()
+        names = [*(row.name for row in known.reals), *(row.name for row in known.effect_values)]
+        values = np.array([self[name] for name in names], dtype=np.float64)
+        options = np.array([self[row.name] for row in known.options], dtype=np.int32)
+        return values, options
+
+    def written_text(self) -> str:
+        """The file's text: the document with the present values, comments kept; a fresh one when there was none."""
+        document = copy.deepcopy(self.document) if self.document is not None else _fresh_document(self)
+        _update_about(document, self.about)
+        for row in all_rows():
+            _update(document, row, self[row.name])
+        return tomlkit.dumps(document)
+
+    def write(self, path: str | Path, force: bool = False) -> None:
+        """Write the TOML file. Raises InputError when it exists and `force` is not set, or cannot be written."""
+        write_text(path, self.written_text(), force)
+
+
+def _update_about(document: tomlkit.TOMLDocument, about: Mapping[str, str]) -> None:
+    if not about:
+        return
+    if "actuator" not in document:
+        document.add("actuator", tomlkit.table())
+    table: Any = document["actuator"]
+    for key, text in about.items():
+        if table.get(key) != text:
+            table[key] = text
+
+
+def _update(document: tomlkit.TOMLDocument, row: Row, number: float) -> None:
+    """Set one value where it differs; add it where it is absent and not nominal."""
+    *tables, key = path_of(row)
+    table: Any = document
+    for name in tables:
+        if name not in table:
+            if number == row.nominal:
+                return
+            table.add(name, tomlkit.table(is_super_table=name == "effects"))
+        table = table[name]
+    if key in table:
+        if parsed(row, _plain(table[key])) != number:
+            table[key] = written(row, number)
+    elif number != row.nominal or isinstance(row, Parameter):
+        table.add(key, _item(row, number))
+
+
+def _item(row: Row, number: float) -> Any:
+    """A TOML value with the row's text as its comment."""
+    item = tomlkit.item(written(row, number))
+    item.comment(_remark(row))
+    item.trivia.comment_ws = " " * max(1, _REMARK_COLUMN - len(f"{row.field} = {item.as_string()}"))
+    return item
+
+
+def _plain(value: object) -> object:
+    return value.unwrap() if hasattr(value, "unwrap") else value
+
+
+def _remark(row: Row) -> str:
+    """What stands behind a value: its choices, its text, its unit."""
+    names = row.choices if isinstance(row, Parameter) else ()
+    choices = f"{' or '.join(names)}; " if names and names != ("no", "yes") else ""
+    return f"{choices}{row.text}" + (f" [{row.unit}]" if row.unit else "")
+
+
+_REMARK_COLUMN = 36
+_SECTION_TITLES = {
+    "control": "PID control logic",
+    "drive": "Controller and drive electronics",
+    "motor": "Motor",
+    "gearbox": "Gearbox",
+    "screw": "Ball screw",
+    "encoder": "Encoder network",
+    "timing": "Time",
+    "search": "What the identification may do",
+    "verdict": "What counts as a fault",
+}
+
+
+def _fresh_document(actuator: Actuator) -> tomlkit.TOMLDocument:
+    """A document with every parameter, its text as comment, and the effects that are present."""
+    known = load_definitions()
+    document = tomlkit.document()
+    if actuator.about:
+        about = tomlkit.table()
+        for key in ABOUT:
+            if key in actuator.about:
+                about.add(key, actuator.about[key])
+        document.add("actuator", about)
+    for section, rows in known.sections.items():
+        table = tomlkit.table()
+        table.add(tomlkit.comment(_SECTION_TITLES.get(section, section)))
+        for row in rows:
+            table.add(row.field, _item(row, actuator[row.name]))
+        document.add(section, table)
+    active = actuator.active_effects
+    if active:
+        effects = tomlkit.table(is_super_table=True)
+        for effect in known.effects:
+            if effect.name in active:
+                table = tomlkit.table()
+                table.add(tomlkit.comment(effect.equation))
+                for value in effect.parameters:
+                    table.add(value.field, _item(value, actuator[value.name]))
+                effects.add(effect.name, table)
+        document.add("effects", effects)
+    return document
+
+
+def reference_actuator() -> Actuator:
+    """The reference actuator: the nominal column of the list, no effects."""
+    return Actuator(values=defaults(), about={"name": "reference actuator"})
+
+
+def read_actuator(path: str | Path) -> Actuator:
+    """Read an actuator. Raises InputError in one line that names file, section.field, range and the nearest known name."""
+    file = Path(path).name
+    text = read_text(path)
+    try:
+        document = tomlkit.parse(text)
+    except TOMLKitError as error:
+        if Path(path).suffix.lower() == ".csv":
+            raise InputError(
+                f"{file}: a recording where an actuator is wanted: give the actuator's TOML file first, then the recording"
+            ) from None
+        raise InputError(f"{file}: not TOML: {_reason(error, text)}: correct that line") from None
+    known = load_definitions()
+    values = defaults()
+    content = document.unwrap()
+    about = _about(content.pop("actuator", {}), file)
+    _take_effects(content.pop("effects", {}), known, values, file)
+    sections = known.sections
+    for section, table in content.items():
+        if section not in sections:
+            near = nearest(section, [*sections, "effects", "actuator"])
+            raise InputError(f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, effects.<name>")
+        _take(table, {row.field: row for row in sections[section]}, section, values, file)
+    _require(content, sections, file)
+    return Actuator(values=values, document=document, file=file, about=about)
+
+
+def _reason(error: TOMLKitError, text: str) -> str:
+    """The parser's reason, with the place, which it leaves out for a key that is given twice."""
+    reason = f"{str(error)[:1].lower()}{str(error)[1:]}".rstrip(".")
+    if " line " in reason:
+        return reason
+    try:
+        tomllib.loads(text)
+    except tomllib.TOMLDecodeError as placed:
+        at = re.search(r"at line \d+", str(placed))
+        return f"{reason} {at[0]}" if at else reason
+    return reason
+
+
+def _about(table: object, file: str) -> dict[str, str]:
+    if not isinstance(table, dict):
+        raise InputError(f"{file}: actuator: not a table: write [actuator] with {', '.join(ABOUT)}")
+    for key, text in table.items():
+        if key not in ABOUT:
+            raise InputError(f"{file}: actuator.{key}: unknown key{nearest(key, ABOUT)}: [actuator] holds {', '.join(ABOUT)}")
+        if not isinstance(text, str):
+            raise InputError(f"{file}: actuator.{key} = {text}: not a text: put it in quotes")
+    return dict(table)
+
+
+def _take(table: object, rows: Mapping[str, Row], title: str, values: dict[str, float], file: str) -> None:
+    if not isinstance(table, dict):
+        raise InputError(f"{file}: {title}: not a table: write [{title}] with its values below")
+    for key, value in table.items():
+        if key not in rows:
+            raise InputError(f"{file}: {title}.{key}: unknown key{nearest(key, rows)}: keys are {', '.join(rows)}")
+        row = rows[key]
+        if isinstance(value, str) and not (isinstance(row, Parameter) and row.choices):
+            raise InputError(f'{file}: {shown(row)} = "{value}": not a number: give one in {_range(row)}, without quotes')
+        values[row.name] = parsed(row, value, f"{file}: ")
+
+
+def _take_effects(table: object, known: Definitions, values: dict[str, float], file: str) -> None:
+    if not isinstance(table, dict):
+        raise InputError(f"{file}: effects: not a table: write [effects.<name>] with its values below")
+    effects = {effect.name: effect for effect in known.effects}
+    for name, inner in table.items():
+        if name not in effects:
+            raise InputError(f"{file}: effects.{name}: unknown effect{nearest(name, effects)}: effects are {', '.join(effects)}")
+        _take(inner, {value.field: value for value in effects[name].parameters}, f"effects.{name}", values, file)
+
+
+def _require(content: Mapping[str, Any], sections: Mapping[str, tuple[Parameter, ...]], file: str) -> None:
+    """Every value of the machine must stand in the file, so that none is taken silently from another machine."""
+    missing = [
+        row for section, rows in sections.items() if section not in SETTINGS for row in rows if row.field not in content.get(section, {})
+    ]
+    if missing:
+        row = missing[0]
+        more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
+        example = tomlkit.item(written(row, row.nominal)).as_string()
+        raise InputError(
+            f"{file}: {shown(row)} is missing{more}: add it, in the reference actuator it is {row.field} = {example} ({_remark(row)})"
+        )

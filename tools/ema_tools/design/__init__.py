@@ -1,0 +1,1 @@
+"""Experiment design: which safe command separates effects that are confounded."""

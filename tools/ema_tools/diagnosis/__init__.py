@@ -1,1 +1,0 @@
-"""Which physical effect is missing from a model: evidence, candidates, and the search over sets of effects."""

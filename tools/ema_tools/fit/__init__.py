@@ -1,0 +1,1 @@
+"""Noise, nuisance parameters, evidence, and the fit of effects to it."""

@@ -1,0 +1,278 @@
+"""What a record says beyond what is already known of the machine.
+
+Some of the model's parameters move within a known spread: from run to run, or as units differ from their data sheet. They stay in every answer as directions with that spread,
+not as free parameters, so that a change of the same parameter beyond it can still be named. `gathering` makes evidence from records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from ema_tools.base.arrays import Complexes, Reals
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.fit import nuisance as spreads
+from ema_tools.fit.nuisance import Spread
+from ema_tools.fit.whitening import Whitener
+from ema_tools.plant.native import library
+
+DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
+_DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero
+# Differences smaller than this, in standard deviations of noise, may be the model's own roughness.
+ROUGHNESS = 12.0
+_CREDIBLE = 3.0  # spreads
+# How far the machine may stand in for what is missing, in spreads: beyond, one parameter runs away against another and comes back slowly.
+FAR = 12.0
+FAR_ROUNDS = 12
+_ROUNDS = 6
+_SETTLED = 1e-4
+# A step that overshoots, where what scatters bends, is taken in part.
+_SHARES = (1.0, 0.4, 0.1)
+
+
+def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str], start_mm: float) -> Reals:
+    """The model under the record's command from rest at `start_mm`, [channels, rows]. Raises InputError when the model refuses."""
+    values, options = actuator.arrays()
+    run = library(32).simulate(values, options, record.command_mm, start_mm)
+    return np.array([getattr(run, name) for name in channels])
+
+
+def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
+    """The record's signals, [channels, rows]."""
+    return np.array([record.recorded(name) for name in channels])
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
+
+    `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
+    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
+    of 1 each, such as the zero of a sensor.
+    """
+
+    actuator: Actuator
+    record: Record
+    channels: tuple[str, ...]
+    target: Reals
+    spread: tuple[Spread, ...]
+    whiten: Whitener
+    noise: Reals = field(repr=False)
+    additive: Reals
+    start_mm: float
+    repeats: tuple[Reals, ...] = ()
+    floor: float = 0.0
+
+    @property
+    def relative(self) -> bool:
+        """Whether healthy repeats stand behind it."""
+        return bool(self.repeats)
+
+    def expected_cost(self) -> float:
+        """The cost of a record with nothing new: the mean of the healthy repeats', else what sensor noise alone has."""
+        if not self.repeats:
+            return self.floor
+        return float(np.mean([residual @ residual for residual in repeat_residuals(self)]))
+
+    @property
+    def numbers(self) -> int:
+        """Independent numbers in the record's signals."""
+        return self.target.size
+
+    def simulate(self, changes: Mapping[str, float], deviations: Reals) -> Reals:
+        """Signals [channels, rows] of the model with effects at `changes` and its spread values at `deviations` [spread] of their spread."""
+        values = {**spreads.moved(self.actuator, self.spread, deviations), **changes}
+        return simulate_channels(self.actuator.changed(values), self.record, self.channels, self.start_mm)
+
+
+@dataclass(frozen=True)
+class View:
+    """The evidence as seen from one set of effects, linear in what scatters: vectors are whitened and have the scatter's directions taken off.
+
+    `values`: of the effects; `deviations` [spread + additive]: of what scatters, in spreads; `base` [channels, rows]: the model there; `residual` [n].
+    """
+
+    evidence: Evidence
+    values: Mapping[str, float]
+    deviations: Reals
+    base: Reals
+    residual: Reals
+    _basis: Reals = field(repr=False)
+    _plain: Reals = field(repr=False)
+    _directions: Reals = field(repr=False)
+
+    @property
+    def cost(self) -> float:
+        """Squared residual with the scatter at its best."""
+        return float(self.residual @ self.residual)
+
+    def projected(self, signals: Reals) -> Reals:
+        """Signals [channels, rows] as a vector [n]."""
+        return self._without(np.concatenate([self.evidence.whiten(signals), np.zeros(self.deviations.size)]))
+
+    def _without(self, tall: Reals) -> Reals:
+        return np.asarray(tall - self._basis @ (self._basis.T @ tall))
+
+    def beside(self, vectors: Sequence[Reals]) -> View:
+        """The same with further `vectors` [n] taken off: what may move freely besides, such as the values of effects that are fitted again with every new one."""
+        kept = [vector for vector in vectors if float(vector @ vector) > 0.0]
+        if not kept:
+            return self
+        more, _ = np.linalg.qr(np.column_stack(kept))
+        wider = replace(self, _basis=np.column_stack([self._basis, more]))
+        return replace(wider, residual=wider.taken_off(self.residual))
+
+    def taken_off(self, vector: Reals) -> Reals:
+        """A vector [n] of an earlier view with what this one takes off taken off."""
+        return self._without(vector)
+
+    def signature(self, changes: Mapping[str, float]) -> Reals:
+        """What `changes` beside the view's own values make of the model, [n]. Raises InputError when the model refuses them."""
+        own = self.deviations[: len(self.evidence.spread)]
+        return self.projected(self.evidence.simulate({**self.values, **changes}, own) - self.base)
+
+    def unwhitened(self) -> Complexes:
+        """The residual's lines [channels, lines] weighted once more: their product with a signal's lines is the product of whitened vectors."""
+        count = self.deviations.size
+        return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
+
+    def doubt(self, place: int) -> float:
+        """Standard deviation, in spreads, to which the record and all priors together determine one of the deviations."""
+        _, square = np.linalg.qr(self._directions)
+        return float(np.linalg.norm(np.linalg.inv(square)[place]))
+
+    @property
+    def plain(self) -> Reals:
+        """The residual with what scatters where it is, [n]: nothing taken off."""
+        return self._plain
+
+    @property
+    def plain_cost(self) -> float:
+        """Squared residual with what scatters where it is, and what that costs."""
+        return float(self._plain @ self._plain)
+
+    def free_slopes(self, around: Mapping[str, Sequence[tuple[float, float]]]) -> Reals:
+        """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness,
+        and then what scatters, per spread, make of the signals and of what the scatter costs, columns [n, names + spread + additive].
+
+        Taken over both sides: what two unknowns that do the same differ by is smaller than how either bends. Where the model refuses one of the sides, what scatters keeps the
+        view's own direction, and a value has none.
+        """
+        own = self.deviations[: len(self.evidence.spread)]
+        none = np.zeros(self.deviations.size)
+
+        def of_value(name: str) -> Reals:
+            found = np.zeros(self.residual.size - none.size)
+            for low, high in around[name]:
+                try:
+                    moved = self.evidence.whiten(
+                        self.evidence.simulate({**self.values, name: high}, own) - self.evidence.simulate({**self.values, name: low}, own)
+                    )
+                except InputError:
+                    break
+                found = moved / (high - low)
+                if float(moved @ moved) > ROUGHNESS**2:
+                    break
+            return np.concatenate([found, none])
+
+        def of_spread(place: int) -> Reals:
+            one = self.evidence.spread[place]
+            step = 2.0 * DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+            apart = np.zeros(own.size)
+            apart[place] = step
+            try:
+                moved = self.evidence.simulate(self.values, own + apart) - self.evidence.simulate(self.values, own - apart)
+            except InputError:
+                return self._directions[: self.residual.size - none.size, place]
+            return self.evidence.whiten(moved) / (2.0 * step)
+
+        found = self._directions.copy()
+        for place, column in enumerate(each(of_spread, list(range(own.size)))):
+            found[: column.size, place] = column
+        return np.column_stack([*each(of_value, list(around)), found])
+
+    def best_deviations(self, vector: Reals | None = None, reach: float = _CREDIBLE) -> Reals:
+        """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than `reach`, which is credible.
+
+        Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
+        """
+        tall = self._plain if vector is None else self._plain - vector
+        if not self.deviations.size:
+            return self.deviations
+        # bounded, not clipped: what one direction may not do, the others then do not answer
+        basis, square = np.linalg.qr(self._directions)
+        step = lsq_linear(square, basis.T @ tall, (-reach - self.deviations, reach - self.deviations), method="bvls").x
+        return np.asarray(np.clip(self.deviations + step, -reach, reach))
+
+
+def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, target: Reals | None = None) -> View:
+    """The evidence seen from `values` of effects; `deviations` of what scatters are zero unless told. `target` in place of the evidence's own."""
+    count = len(evidence.spread)
+    at = np.zeros(count + len(evidence.additive)) if deviations is None else deviations
+    own = at[:count]
+    shift = np.tensordot(at[count:], evidence.additive, 1)
+
+    def moved(place: int) -> Reals:
+        one = evidence.spread[place]
+        step = DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+        near = own.copy()
+        near[place] += step
+        return (evidence.simulate(values, near) - base) / step
+
+    base = evidence.simulate(values, own)
+    columns = [evidence.whiten(signal) for signal in each(moved, list(range(count)))]
+    columns += [evidence.whiten(signal) for signal in evidence.additive]
+    residual = evidence.whiten((evidence.target if target is None else target) - base - shift)
+    directions = np.vstack([np.column_stack(columns) if columns else np.empty((residual.size, 0)), -np.eye(at.size)])
+    basis, _ = np.linalg.qr(directions)
+    plain = np.concatenate([residual, at])
+    return View(evidence, values, at, base, plain - basis @ (basis.T @ plain), basis, plain, directions)
+
+
+def repeat_residuals(evidence: Evidence) -> list[Reals]:
+    """What each healthy repeat says against the others, seen from the healthy machine."""
+    return [seen.residual for seen in each(lambda target: view(evidence, {}, None, target), evidence.repeats)]
+
+
+def raw_cost(evidence: Evidence) -> float:
+    """Cost of the record against the model as known, nothing of it moved."""
+    own = np.zeros(len(evidence.spread))
+    return float(np.sum(evidence.whiten(evidence.target - evidence.simulate({}, own)) ** 2))
+
+
+def settled(
+    evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = _CREDIBLE
+) -> View:
+    """The view after what scatters has moved to where it is best, as far as `rounds` of linear steps bring it, no farther than `reach`."""
+    here = view(evidence, values, deviations)
+    if not evidence.spread:
+        return here
+    for _ in range(rounds):
+        there = _moved(here, reach)
+        if there is None:
+            break
+        done = here.plain_cost - there.plain_cost < _SETTLED * there.plain_cost
+        here = there
+        if done:
+            break
+    return here
+
+
+def _moved(here: View, reach: float) -> View | None:
+    """The view after a share of the step to the best deviations that lowers the cost; None when none does."""
+    step = here.best_deviations(reach=reach) - here.deviations
+    for share in _SHARES:
+        try:
+            there = view(here.evidence, here.values, here.deviations + share * step)
+        except InputError:
+            # too far: the model refuses such a machine
+            continue
+        if there.plain_cost < here.plain_cost:
+            return there
+    return None

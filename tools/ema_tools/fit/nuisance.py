@@ -1,0 +1,137 @@
+"""How machines differ: from run to run, and from their data sheet. What of that lies in a parameter of the model is free within its spread, never named as an effect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator, row_of
+
+# Usual scatter of one machine from run to run, relative: dry friction, grease, winding.
+FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
+
+# Usual distance of one unit from its data sheet, relative: estimates, after the tolerances that makers of motors (constants 5 .. 10 %, resistance 5 .. 10 %)
+# and screws state. Torque and back-EMF constant are one property of the magnets and move together.
+FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
+    ("screw.csj_Nm",): 0.1,
+    ("screw.viscous_Nm_s_per_rad",): 0.2,
+    ("screw.inertia_kgm2",): 0.05,
+    ("screw.blk_mm",): 0.1,
+    ("motor.resistance_ohm",): 0.04,
+    ("motor.inductance_H",): 0.1,
+    ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.025,
+    ("drive.supply_V",): 0.01,
+}
+# A healthy machine is fitted as freely as its records allow: factor on the spreads above, and what a data sheet gives as zero.
+HEALTHY_FREEDOM = 5.0
+STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.05, "encoder.rod_gain_error": 0.005, "encoder.rod_offset_mm": 0.05}
+# The same of a unit that is known by its data sheet alone, and what a data sheet states as exact: the gain of the loop.
+UNIT_STANDING: Mapping[str, float] = {
+    "screw.friction_asymmetry": 0.004,
+    "encoder.rod_gain_error": 0.0003,
+    "encoder.rod_offset_mm": 0.003,
+}
+UNIT_GAIN: Mapping[tuple[str, ...], float] = {("control.kp_per_m",): 0.005}
+# Dry friction and backlash are what wears: without repeats a worn unit must not be read as a missing effect.
+WORN: Mapping[str, float] = {"screw.csj_Nm": 0.5, "screw.blk_mm": 0.7}
+# Effects that every machine has a little of, at one standard deviation: the ripple of a screw in both phases, contacts that stretch before they slide,
+# at two sizes, as what they show does not grow in proportion.
+SLIGHT: Sequence[Mapping[str, float]] = (
+    {"effects.pitch_ripple.ratio": 0.004, "effects.pitch_ripple.phase_rad": 0.0},
+    {"effects.pitch_ripple.ratio": 0.004, "effects.pitch_ripple.phase_rad": 1.5707963},
+    {"effects.presliding.stretch_rad": 0.001},
+    {"effects.presliding.stretch_rad": 0.003},
+)
+# And further sizes at one standard deviation that are not free but not named either, since no data sheet is so exact: of a motor's ripple, an asymmetry of the grease,
+# a bridge's drop, what a loop is late, a stretch of the transmission, a gain of friction under load; and as a share of the dry friction, its cogging, a local spot, which
+# stands in for the ripple of a screw where a record shows less than a lead, a spring per mm, and a bend of its law: 0.8 % at 100 rad/s where it flattens, 0.65 % at 200 where it steepens.
+_SLIGHT_SIZE: Mapping[str, float] = {
+    "effects.torque_ripple.ratio": 0.002,
+    "effects.stribeck_friction.rise": 0.008,
+    "effects.viscous_asymmetry.asymmetry": 0.006,
+    "effects.load_dependent_friction.ratio": 0.001,
+    "effects.inverter_dead_time.drop_V": 0.01,
+    "effects.feedback_delay.delay_s": 2.5e-5,
+    "effects.actuation_delay.delay_s": 5e-6,
+    "effects.transmission_compliance.period_s": 5e-4,
+}
+_SLIGHT_OF_FRICTION: Mapping[str, float] = {
+    "effects.cogging_torque.amplitude_Nm": 0.0075,
+    "effects.jam_spot.amplitude_Nm": 0.004,
+    "effects.concave_viscous.drag_Nm_per_sqrt_rad_s": 0.008 / 10.0,
+    "effects.quadratic_viscous.drag_Nm_s2_per_rad2": 0.0065 / 200.0**2,
+    "effects.spring_load.stiffness_Nm_per_mm": 0.001,
+}
+# A size of these up to so many of their standard deviations is what every machine has, and is not named without repeats.
+SLIGHT_REACH = 2.0
+# Offsets of the recorded signals, relative to the signal's size.
+OFFSET_SHARE = 0.05
+OFFSET_CHANNELS = ("motor_position_mm", "current_A")
+# Gain errors of the recorded signals of a unit that is known by its data sheet alone, relative.
+GAIN_SHARE: Mapping[str, float] = {"current_A": 0.005}
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Values that move together, by `std` (1 standard deviation): relative to each value, or absolute where it is zero on the data sheet."""
+
+    names: tuple[str, ...]
+    std: float
+    relative: bool
+
+    @property
+    def title(self) -> str:
+        """The value that stands for all."""
+        return self.names[0]
+
+    def changes(self, actuator: Actuator, deviations: float) -> dict[str, float]:
+        """The values at so many standard deviations from the actuator's own, held inside their ranges."""
+        found = {}
+        for name in self.names:
+            row = row_of(name)
+            known = actuator[row.name]
+            value = known * (1.0 + self.std * deviations) if self.relative else known + self.std * deviations
+            found[name] = min(max(value, row.lower), row.upper)
+        return found
+
+
+def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Sequence[float] | Reals) -> dict[str, float]:
+    """The values of all of `spread` at their `deviations`; what else is free stands behind those and is left out."""
+    return {
+        name: value
+        for one, at in zip(spread, deviations[: len(spread)], strict=True)
+        for name, value in one.changes(actuator, float(at)).items()
+    }
+
+
+def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...]:
+    """What scatters between runs; with the relative `std` by name, the usual ones when absent."""
+    return tuple(Spread((name,), value, True) for name, value in (std or FROM_RUN_TO_RUN).items())
+
+
+def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, ...]:
+    """What differs from the data sheet, of those values that the actuator has at all."""
+    return tuple(Spread(names, freedom * std, True) for names, std in FROM_DATA_SHEET.items() if actuator[names[0]] > 0.0)
+
+
+def of_unit(actuator: Actuator) -> tuple[Spread, ...]:
+    """What is free in a unit that is known by its data sheet alone."""
+    sheet = tuple(replace(one, std=WORN.get(one.title, one.std)) for one in from_data_sheet(actuator))
+    gains = tuple(Spread(names, std, True) for names, std in UNIT_GAIN.items() if actuator[names[0]] > 0.0)
+    return (*sheet, *gains, *(Spread((name,), std, False) for name, std in UNIT_STANDING.items()))
+
+
+def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spread, ...]:
+    """What is fitted to healthy records before anything is compared with them."""
+    standing = tuple(Spread((name,), std, False) for name, std in STANDING.items())
+    alone = tuple(channels) == ("position_mm",)
+    # with the rod position alone the electrical values are hardly determined: as tight as the data sheet says
+    return (*from_data_sheet(actuator, 1.0 if alone else HEALTHY_FREEDOM), *standing)
+
+
+def is_slight(actuator: Actuator, name: str, size: float) -> bool:
+    """Whether a size is what every machine has of an effect; `name`: of a value, of which only sizes count."""
+    usual = [changes[name] for changes in SLIGHT if name == next(iter(changes))]
+    usual += [_SLIGHT_SIZE.get(name, 0.0), _SLIGHT_OF_FRICTION.get(name, 0.0) * actuator["screw.csj_Nm"]]
+    return max(usual) > 0.0 and abs(size) <= SLIGHT_REACH * max(usual)

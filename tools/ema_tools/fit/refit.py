@@ -1,0 +1,264 @@
+"""Effects fitted together to the evidence: values, standard errors, bounds hit, the cost that is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import Row, row_of
+from ema_tools.fit.evidence import ROUGHNESS, View, settled, view
+from ema_tools.library.faults import effect_of
+from ema_tools.library.shapes import penalty
+
+_RUNS = 8
+# A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard deviations of noise.
+_JACOBIAN_STEPS = (0.05, 0.2, 0.6)
+_PHASE_SCALE = 0.5
+# What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature.
+_BENT = 0.5
+_DETERMINED = 2.0  # standard errors
+_NOTICED = 3.0  # standard deviations of the cost
+# Share of a change to which the model and the machine's known values are trusted.
+_TRUSTED = 0.006
+_AT_BOUND = 1e-6
+_JOINT_ROUNDS = 8
+_JOINT_STEPS = (0.1, 0.3)
+_JOINT_SHARES = (1.0, 0.5, 0.2)
+_JOINT_DONE = 0.1  # of the cost
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Effects fitted together: their values, the covariance of those that are fitted [fitted, fitted] (they come first), the cost left, the values that lie on a bound,
+    and the evidence seen from there.
+
+    `cost` is that of the residual; `judged` adds what the choice of shapes explains of noise.
+    """
+
+    effects: tuple[str, ...]
+    values: Mapping[str, float]
+    covariance: Reals
+    at_bound: tuple[str, ...]
+    view: View
+    cost: float
+
+    @property
+    def judged(self) -> float:
+        """What fits of different effects are compared by."""
+        return self.cost + penalty(self.effects)
+
+    @property
+    def fitted(self) -> tuple[str, ...]:
+        """Names of the values that are free, in the order of the covariance."""
+        return tuple(self.values)[: len(self.covariance)]
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard errors by name: of noise and scatter, larger by what the misfit may have bent, and no smaller than the share to which the model is trusted."""
+        known = self.view.evidence.actuator
+        evidence = self.view.evidence
+        misfit = max(self.cost - evidence.expected_cost() - _NOTICED * np.sqrt(2.0 * evidence.numbers), 0.0)
+        found = {}
+        for k, name in enumerate(self.fitted):
+            trusted = 0.0 if name.endswith("phase_rad") else _TRUSTED * abs(self.values[name] - known[row_of(name).name])
+            found[name] = float(np.hypot(np.sqrt(max(self.covariance[k, k], 0.0) * (1.0 + _BENT * misfit)), trusted))
+        return found
+
+    def shown(self, effect: str) -> float:
+        """By how many standard errors, of noise and scatter alone, the size of an effect differs from the machine's own."""
+        size = next(name for name in self.fitted if effect_of(name) == effect)
+        k = self.fitted.index(size)
+        change = abs(self.values[size] - self.view.evidence.actuator[row_of(size).name])
+        return float(change / max(np.sqrt(max(self.covariance[k, k], 0.0)), 1e-300))
+
+    def determined(self, effect: str) -> bool:
+        """Whether the size of an effect differs from the machine's own by more than its whole standard error leaves open, that of the misfit included."""
+        size = next((name for name in self.fitted if effect_of(name) == effect), None)
+        return size is None or abs(self.values[size] - self.view.evidence.actuator[row_of(size).name]) >= _DETERMINED * self.std[size]
+
+    def deviations(self) -> Reals:
+        """What scatters, at its best beside the fitted values, in spreads."""
+        view = self.view
+        own = view.deviations[: len(view.evidence.spread)]
+        moved = view.evidence.whiten(view.evidence.simulate({**view.values, **self.values}, own) - view.base)
+        return view.best_deviations(np.concatenate([moved, np.zeros(view.deviations.size)]))
+
+    def of_effect(self, effect: str) -> dict[str, float]:
+        """Values of one effect."""
+        return {name: value for name, value in self.values.items() if effect_of(name) == effect}
+
+
+def _scale_of(name: str, first: float) -> float:
+    if name.endswith("phase_rad"):
+        return _PHASE_SCALE
+    return max(abs(first), 1e-9)
+
+
+def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | None = None) -> Fit:
+    """Fits the values named in `start`, those that the view holds among them, beginning there; what scatters stays linear as the view has it.
+
+    `shape` values stay as they are, as do periods per turn, which are whole numbers.
+    """
+    kept = {name: value for name, value in start.items() if name.endswith(".periods")} | dict(shape or {})
+    names = [name for name in start if name not in kept]
+    rows = [row_of(name) for name in names]
+    first = np.array([start[name] for name in names])
+    scale = np.array([_scale_of(name, value) for name, value in zip(names, first, strict=True)])
+    lower = np.array([row.lower for row in rows]) / scale
+    upper = np.array([row.upper for row in rows]) / scale
+
+    def vector(point: Reals) -> Reals:
+        changes = {
+            name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)
+        } | kept
+        try:
+            return view.signature(changes)
+        except InputError:
+            return np.zeros_like(view.residual)
+
+    def residual(point: Reals) -> Reals:
+        return view.residual - vector(point)
+
+    def slope(point: Reals, here: Reals, place: int) -> Reals:
+        column = np.zeros_like(here)
+        for width in _JACOBIAN_STEPS:
+            step = width if point[place] + width <= upper[place] else -width
+            moved = point.copy()
+            moved[place] += step
+            change = here - vector(moved)
+            column = change / step
+            if float(change @ change) > ROUGHNESS**2:
+                break
+        return column
+
+    def jacobian(point: Reals) -> Reals:
+        here = vector(point)
+        return np.column_stack([slope(point, here, place) for place in range(point.size)])
+
+    margin = 1e-9 * (upper - lower)
+    begun = np.clip(first / scale, lower + margin, upper - margin)
+    found = least_squares(residual, begun, jac=jacobian, bounds=(lower, upper), max_nfev=_RUNS, xtol=1e-4, ftol=1e-5)
+    columns = np.asarray(found.jac, dtype=float)
+    covariance = np.asarray(np.linalg.pinv(columns.T @ columns) * np.outer(scale, scale), dtype=float)
+    values = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, found.x * scale, rows, strict=True)}
+    at_bound = tuple(
+        name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal)
+    )
+    values |= kept
+    return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, covariance, at_bound, view, 2.0 * float(found.cost))
+
+
+def slopes(view: View, fit: Fit) -> list[Reals]:
+    """What small changes of the fitted values make of the view, vectors [n]: the directions in which they give way to a further effect."""
+    rows = {name: row_of(name) for name in fit.fitted}
+
+    def moved(name: str) -> Reals:
+        value, row = fit.values[name], rows[name]
+        step = _JACOBIAN_STEPS[0] * _scale_of(name, value)
+        there = value + step if value + step <= row.upper else value - step
+        try:
+            return view.signature({name: there})
+        except InputError:
+            return np.zeros_like(view.residual)
+
+    return each(moved, list(rows))
+
+
+def _on_bound(name: str, value: float, lower: float, upper: float, nominal: float) -> bool:
+    """A size that ends at zero is on its bound too; a phase has none."""
+    near = _AT_BOUND * (upper - lower)
+    return not name.endswith("phase_rad") and (value >= upper - near or (value <= lower + near and lower != nominal))
+
+
+def seen_from(fit: Fit) -> View:
+    """The evidence with what scatters linear at the fit itself."""
+    return settled(fit.view.evidence, fit.values, fit.deviations(), 1)
+
+
+def polished(fit: Fit, rounds: int) -> Fit:
+    """The fit again with what scatters linear at the fit itself, `rounds` times or until the cost stays."""
+    for _ in range(rounds):
+        again = refit(seen_from(fit), fit.values)
+        done = abs(again.cost - fit.cost) < 0.5 + 1e-4 * fit.cost
+        fit = again
+        if done:
+            break
+    return fit
+
+
+def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
+    """The fit again with what scatters as free unknowns beside the values, by damped Gauss-Newton steps on the model itself.
+
+    Without repeats the scatter is wide, and an effect may do what a parameter of the machine does too (a hot winding, a resistance off its data sheet): then a view that is linear in the
+    scatter sees of the effect only how it bends, and the size would stay where the scatter ran into its limit.
+    """
+    here = fit
+    rows = {name: row_of(name) for name in fit.fitted}
+    for _ in range(rounds):
+        seen = here.view
+        columns = seen.free_slopes({name: _around(name, here.values[name], row) for name, row in rows.items()})
+        step = np.asarray(np.linalg.lstsq(columns, seen.plain, rcond=None)[0], dtype=float)
+        covariance = np.asarray(np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)], dtype=float)
+        here = replace(here, covariance=covariance)
+        there = _joint_move(here, step, rows)
+        if there is None:
+            break
+        fallen = here.view.plain_cost - there.view.plain_cost
+        here = there
+        if fallen < _JOINT_DONE:
+            break
+    return here
+
+
+def jointly(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
+    """`joint` from the fit's own values."""
+    there = seen_from(fit)
+    return joint(replace(fit, view=there, cost=there.cost), rounds)
+
+
+def _around(name: str, value: float, row: Row) -> list[tuple[float, float]]:
+    steps = [width * _scale_of(name, value) for width in _JOINT_STEPS]
+    return [(max(value - step, row.lower), min(value + step, row.upper)) for step in steps]
+
+
+def _joint_move(fit: Fit, step: Reals, rows: Mapping[str, Row]) -> Fit | None:
+    """The fit after a share of a step that lowers its cost; None when none does."""
+    seen = fit.view
+    for share in _JOINT_SHARES:
+        values = dict(fit.values)
+        for place, (name, row) in enumerate(rows.items()):
+            values[name] = float(np.clip(values[name] + share * step[place], row.lower, row.upper))
+        try:
+            there = view(seen.evidence, values, seen.deviations + share * step[len(rows) :])
+            # where an effect and the scatter do the same, the way between them is narrow and bends
+            there = view(seen.evidence, values, there.best_deviations(reach=np.inf))
+        except InputError:
+            continue
+        if there.plain_cost < seen.plain_cost:
+            at_bound = tuple(name for name, row in rows.items() if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
+            return replace(fit, values=values, at_bound=at_bound, view=there, cost=there.cost)
+    return None
+
+
+def joined(start: Mapping[str, float], more: Mapping[str, float]) -> dict[str, float]:
+    """Values of effects fitted so far and of one more."""
+    return {**start, **more}
+
+
+def without_effect(values: Mapping[str, float], effect: str) -> dict[str, float]:
+    """Values of all effects but one."""
+    return {name: value for name, value in values.items() if effect_of(name) != effect}
+
+
+def best_of_each(fits: Sequence[Fit]) -> tuple[Fit, ...]:
+    """The best fit of each set of effects, best first."""
+    best: dict[frozenset[str], Fit] = {}
+    for fit in sorted(fits, key=lambda fit: fit.judged):
+        best.setdefault(frozenset(fit.effects), fit)
+    return tuple(best.values())

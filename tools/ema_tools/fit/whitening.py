@@ -1,0 +1,61 @@
+"""Noise of a record's signals by channel and frequency, and the filter that makes it white with unit variance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import fft
+
+from ema_tools.base.arrays import Complexes, Reals
+
+# Half width of the smoothing of a noise spectrum: this many lines, or this share of the frequency.
+_SMOOTH_LINES = 12
+_SMOOTH_SHARE = 0.15
+# No signal is trusted beyond this share of its own size, whatever its noise: a drive's voltage follows from the other signals and would have none.
+_LEAST_NOISE = 1e-3
+
+
+@dataclass(frozen=True)
+class Whitener:
+    """Turns signals [channels, rows] into a vector in which noise has unit variance. `weights` [channels, rows // 2 + 1]; the second half of a real
+    spectrum is counted by them too."""
+
+    weights: Reals
+
+    @staticmethod
+    def of(power: Reals, rows: int) -> Whitener:
+        """From the noise power of every line, [channels, lines], in the square unit of the signals."""
+        weights = 1.0 / np.sqrt(power)
+        # a line stands for its mirror image too, except the first and, for an even count, the last
+        last = weights.shape[1] - 1 if rows % 2 == 0 else weights.shape[1]
+        weights[:, 1:last] *= np.sqrt(2.0)
+        return Whitener(weights)
+
+    def __call__(self, signals: Reals) -> Reals:
+        """The vector [2 * channels * lines] of signals [channels, rows]."""
+        return np.ascontiguousarray(spectrum(signals) * self.weights).view(np.float64).ravel()
+
+    def lines(self, vector: Reals) -> Complexes:
+        """The whitened lines [channels, lines] in a vector."""
+        return vector.view(np.complex128).reshape(self.weights.shape)
+
+
+def spectrum(signals: Reals) -> Complexes:
+    """Lines [channels, rows // 2 + 1] with the energy of the signals [channels, rows]."""
+    return np.asarray(fft.rfft(signals, axis=-1, norm="ortho"))
+
+
+def least_noise(signals: Reals) -> Reals:
+    """Smallest noise, rms, that each of the signals [channels, rows] is credited with, [channels]."""
+    return np.asarray(_LEAST_NOISE * np.sqrt(np.mean(signals**2, axis=1)) + 1e-12)
+
+
+def smoothed(power: Reals) -> Reals:
+    """Running mean over frequency, [channels, lines]."""
+    lines = power.shape[1]
+    total = np.concatenate([np.zeros((power.shape[0], 1)), np.cumsum(power, axis=1)], axis=1)
+    index = np.arange(lines)
+    half = np.maximum(_SMOOTH_LINES, (_SMOOTH_SHARE * index).astype(int))
+    low, high = np.maximum(index - half, 0), np.minimum(index + half + 1, lines)
+    return np.asarray((total[:, high] - total[:, low]) / (high - low))

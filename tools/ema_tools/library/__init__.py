@@ -1,0 +1,1 @@
+"""What exists: parameters, effects, fault parameters, and the facts and words about each."""

@@ -1,0 +1,1 @@
+"""The C module behind typed arrays."""

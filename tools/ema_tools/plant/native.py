@@ -1,0 +1,509 @@
+"""The onboard C module behind typed arrays: the shared libraries `ema_desk32` and `ema_desk64` of `port/desk`, through ctypes.
+
+A call releases the interpreter, so threads run simulations on all cores. Values and options stand in the order of the two lists of
+`ema_tools.library.definitions`; loading checks that the library was built from the same lists.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import math
+import os
+import sys
+from collections.abc import Callable
+from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_uint32, c_uint64, c_void_p
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ema_tools.base.arrays import Integers, Reals
+from ema_tools.base.errors import InputError
+from ema_tools.library.definitions import library_folder, load_definitions
+
+IDENTIFIED_MAX = 4
+CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
+OUTPUTS = (*CHANNELS, "speed_mm_s")
+RECORD_COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
+_MESSAGE_BYTES = 1024
+COMMAND_KINDS = ("chirp", "multisine", "triangle", "trapezoid", "step")
+COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "count", "time_s")
+OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
+VERDICTS = {0: "healthy", 1: "fault", 2: "undecided"}
+NOT_DETERMINED = 32
+REASONS = {
+    1: "the search has not ended",
+    2: "the residual is larger than the sensor noise explains: an effect is missing from the model",
+    4: "an estimate lies on a bound of its search",
+    8: "the evaluations were used up while the cost still fell",
+    16: "a shift cannot be told from its threshold with the stated confidence",
+    NOT_DETERMINED: "the record does not determine the parameters",
+    64: "a parameter fell by more than its threshold, which wear does not do",
+    128: "a learned table was used outside the range it was seen in",
+}
+
+
+class LibraryError(RuntimeError):
+    """The shared library is absent or was built from other lists; the message says what to do."""
+
+
+class _Row(ctypes.Structure):
+    _fields_ = [
+        ("section", c_char_p),
+        ("field", c_char_p),
+        ("text", c_char_p),
+        ("choices", c_char_p),
+        ("nominal", c_double),
+        ("lower", c_double),
+        ("upper", c_double),
+    ]
+
+
+class _Search(ctypes.Structure):
+    _fields_ = [
+        ("identified_count", c_int32),
+        ("identified_id", c_int32 * IDENTIFIED_MAX),
+        ("identified_lower", c_double * IDENTIFIED_MAX),
+        ("identified_upper", c_double * IDENTIFIED_MAX),
+        ("identified_min_shift_percent", c_double * IDENTIFIED_MAX),
+        ("weight", c_double * len(CHANNELS)),
+        ("start", c_double * IDENTIFIED_MAX),
+        ("start_at_healthy", c_int32),
+        ("abandon", c_int32),
+        ("int16_record", c_int32),
+        ("slice_steps", c_int32),
+        ("evaluation_budget", c_int32),
+        ("reanneal_interval", c_int32),
+        ("initial_temperature", c_double),
+        ("cooling", c_double),
+        ("function_tolerance", c_double),
+        ("seed", c_int64),
+    ]
+
+
+class _Result(ctypes.Structure):
+    _fields_ = [
+        ("estimate", c_double * IDENTIFIED_MAX),
+        ("std", c_double * IDENTIFIED_MAX),
+        ("shift_percent", c_double * IDENTIFIED_MAX),
+        ("at_bound", c_int32 * IDENTIFIED_MAX),
+        ("objective_before", c_double),
+        ("objective_after", c_double),
+        ("residual_rms_mm", c_double),
+        ("residual_correlation", c_double),
+        ("model_steps", c_int64),
+        ("evaluations", c_int32),
+        ("accepted", c_int32),
+        ("accepted_uphill", c_int32),
+        ("outcome", c_int32),
+        ("verdict", c_int32),
+        ("adequate", c_int32),
+        ("reasons", c_int32),
+        ("random_state", c_uint64),
+    ]
+
+
+_PROGRESS = ctypes.CFUNCTYPE(c_int32, c_int32, c_double, c_double, c_void_p)
+Progress = Callable[[int, float, float], None]
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What a simulated run shows, arrays of shape [rows] in the units of the names; `crowded_steps` counts model steps with more
+    events than the model locates (0 in ordinary runs)."""
+
+    position_mm: Reals
+    motor_position_mm: Reals
+    current_A: Reals
+    voltage_V: Reals
+    speed_mm_s: Reals
+    crowded_steps: int
+
+
+@dataclass(frozen=True)
+class Search:
+    """Settings of one identification; None keeps what the actuator's [search] and [verdict] tables say.
+
+    `identified` are names of real values (`section.field`), `start` their first values (None: the healthy ones) and `lower`, `upper` their
+    bounds, all in the values' own units; `weight` belongs to `CHANNELS`.
+    """
+
+    identified: tuple[str, ...] | None = None
+    lower: tuple[float, ...] | None = None
+    upper: tuple[float, ...] | None = None
+    min_shift_percent: tuple[float, ...] | None = None
+    start: tuple[float, ...] | None = None
+    weight: tuple[float, float, float, float] | None = None
+    seed: int | None = None
+    evaluation_budget: int | None = None
+    function_tolerance: float | None = None
+    initial_temperature: float | None = None
+    abandon: bool | None = None
+    int16_record: bool | None = None
+    slice_steps: int | None = None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value."""
+
+    name: str
+    estimate: float
+    std: float
+    shift_percent: float
+    at_bound: bool
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What the onboard session answers; objectives in mm^2 s when only the rod position is weighted."""
+
+    identified: tuple[Estimate, ...]
+    objective_before: float
+    objective_after: float
+    residual_rms_mm: float
+    residual_correlation: float
+    model_steps: int
+    evaluations: int
+    accepted: int
+    accepted_uphill: int
+    outcome: str
+    verdict: str
+    adequate: bool
+    reasons: tuple[str, ...]
+    random_state: int
+
+
+def _library_path(bits: int) -> Path:
+    name = f"ema_desk{bits}"
+    file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
+    path = library_folder() / file
+    if not path.is_file():
+        raise LibraryError(
+            f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
+        )
+    return path
+
+
+def _doubles(array: Reals) -> Any:
+    return array.ctypes.data_as(POINTER(c_double))
+
+
+def _flat(array: object, shape: tuple[int, ...], name: str) -> Reals:
+    """`array` as contiguous float64 of `shape`. Raises ValueError that names it."""
+    numbers = np.ascontiguousarray(array, dtype=np.float64)
+    if numbers.shape != shape:
+        raise ValueError(f"{name}: shape {numbers.shape} where {shape} is needed: give one number per row")
+    return numbers
+
+
+def _std(std: float, reasons: int) -> float:
+    """A standard error; NaN where the module leaves zero because there is none."""
+    return math.nan if std == 0.0 and reasons & NOT_DETERMINED else std
+
+
+class Library:
+    """One precision of the module. Safe to use from several threads: no call keeps state."""
+
+    def __init__(self, path: Path, bits: int) -> None:
+        """Load `path`. Raises LibraryError when it cannot be loaded or was built from other lists."""
+        try:
+            self._lib = ctypes.CDLL(str(path))
+        except OSError as error:
+            raise LibraryError(f"{path.name}: cannot be loaded ({error}): build the project again") from None
+        self.path = path
+        self.bits = bits
+        real, whole = POINTER(c_double), POINTER(c_int32)
+        self._declare("ema_desk_real_bits", [])
+        self._declare("ema_desk_value_count", [])
+        self._declare("ema_desk_option_count", [])
+        self._declare("ema_desk_value_row", [c_int32, POINTER(_Row)])
+        self._declare("ema_desk_option_row", [c_int32, POINTER(_Row)])
+        self._declare("ema_desk_check", [real, whole, whole])
+        self._declare("ema_desk_simulate", [real, whole, real, c_int32, c_double, real, whole])
+        self._declare("ema_desk_command", [c_int32, real, c_double, c_int32, real])
+        self._declare("ema_desk_objective", [real, whole, real, real, real, c_int32, c_double, real])
+        self._declare("ema_desk_search_default", [real, whole, POINTER(_Search)])
+        self._declare(
+            "ema_desk_identify",
+            [real, whole, real, real, c_int32, POINTER(_Search), _PROGRESS, c_void_p, POINTER(_Result), whole],
+        )
+        text = [c_char_p, c_int32]
+        self._declare("ema_csv_count", [c_char_p, POINTER(c_int64), *text])
+        self._declare("ema_csv_load", [c_char_p, real, c_int64, POINTER(c_int64), whole, real, *text])
+        self._declare("ema_csv_table_check", [c_char_p, real, c_int64, c_int32, real, *text])
+        self._declare("ema_csv_table_fit", [c_char_p, real, c_int64, c_double, c_double, *text])
+        self._declare("ema_desk_random", [c_int64, c_int64, c_int32, POINTER(c_uint32)])
+        self._declare("ema_desk_status_text", [c_int32], c_char_p)
+        self._check_lists()
+
+    def _declare(self, name: str, arguments: list[object], result: object = c_int32) -> None:
+        function = getattr(self._lib, name, None)
+        if function is None:
+            raise LibraryError(f"{self.path.name}: has no {name}: build the project again")
+        function.argtypes = arguments
+        function.restype = result
+
+    def _check_lists(self) -> None:
+        known = load_definitions()
+        if self._lib.ema_desk_real_bits() != self.bits:
+            raise LibraryError(
+                f"{self.path.name}: calculates with {self._lib.ema_desk_real_bits()} bits, {self.bits} expected: build the project again"
+            )
+        values = [*(row.name for row in known.reals), *("effects." + row.name for row in known.effect_values)]
+        options = [row.name for row in known.options]
+        for count, read, names in (
+            (self._lib.ema_desk_value_count(), self._lib.ema_desk_value_row, values),
+            (self._lib.ema_desk_option_count(), self._lib.ema_desk_option_row, options),
+        ):
+            found = []
+            for index in range(count):
+                row = _Row()
+                read(index, ctypes.byref(row))
+                found.append(f"{row.section.decode()}.{row.field.decode()}")
+            if found != names:
+                odd = sorted(set(found) ^ set(names)) or ["the order of the rows"]
+                raise LibraryError(f"{self.path.name}: built from other lists (differs in {odd[0]}): build the project again")
+
+    def status_text(self, status: int) -> str:
+        """The text of a status of the C module."""
+        return str(self._lib.ema_desk_status_text(status).decode())
+
+    def _raise_on(self, status: int, doing: str, values: Reals, options: Integers) -> None:
+        if status == 0:
+            return
+        offender = c_int32(-1)
+        if self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(offender)) != 0:
+            name = next((name for name, place in load_definitions().ids.items() if place == offender.value), "the actuator")
+            raise InputError(f"{doing}: {name}: {self.status_text(status)}: correct it in the actuator")
+        raise InputError(f"{doing}: {self.status_text(status)}: correct the actuator or the record")
+
+    def check(self, values: Reals, options: Integers) -> None:
+        """Raises InputError that names the value which this build of the module refuses."""
+        self._raise_on(
+            self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), None), "actuator", values, options
+        )
+
+    def simulate(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0) -> Simulation:
+        """Simulate one recorded row per entry of `command_mm` [rows], held over its model steps, from rest at `start_mm`.
+
+        Raises InputError when the model refuses the actuator or leaves the finite numbers.
+        """
+        command = np.ascontiguousarray(command_mm, dtype=np.float64)
+        out = np.empty((len(OUTPUTS), command.size))
+        crowded = c_int32(0)
+        status = self._lib.ema_desk_simulate(
+            _doubles(values),
+            options.ctypes.data_as(POINTER(c_int32)),
+            _doubles(command),
+            command.size,
+            float(start_mm),
+            _doubles(out),
+            ctypes.byref(crowded),
+        )
+        self._raise_on(status, "simulate", values, options)
+        return Simulation(out[0], out[1], out[2], out[3], out[4], crowded.value)
+
+    def command(self, kind: str, numbers: dict[str, float], step_s: float, rows: int) -> Reals:
+        """Samples [rows] of the command `kind` (of COMMAND_KINDS) at multiples of `step_s`; `numbers` by COMMAND_NUMBERS.
+
+        Raises InputError when the module refuses a number.
+        """
+        given = np.array([numbers.get(name, 0.0) for name in COMMAND_NUMBERS], dtype=np.float64)
+        out = np.empty(rows)
+        status = self._lib.ema_desk_command(COMMAND_KINDS.index(kind), _doubles(given), float(step_s), rows, _doubles(out))
+        if status != 0:
+            shown = ", ".join(f"{name}={numbers[name]:g}" for name in COMMAND_NUMBERS if name in numbers)
+            raise InputError(f"command {kind}:{shown}: {self.status_text(status)}: frequencies lie between 0 and half the record rate")
+        return out
+
+    def objective(
+        self,
+        values: Reals,
+        options: Integers,
+        command_mm: Reals,
+        channels: Reals,
+        weight: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0),
+        start_mm: float = 0.0,
+    ) -> float:
+        """Integral of the weighted squared error against `channels` [rows, 4] (CHANNELS); mm^2 s with the rod position alone.
+
+        Raises InputError when the model refuses the actuator.
+        """
+        command = np.ascontiguousarray(command_mm, dtype=np.float64)
+        measured = _flat(channels, (command.size, len(CHANNELS)), "channels")
+        out = c_double()
+        status = self._lib.ema_desk_objective(
+            _doubles(values),
+            options.ctypes.data_as(POINTER(c_int32)),
+            _doubles(command),
+            _doubles(measured),
+            _doubles(np.asarray(weight, dtype=np.float64)),
+            command.size,
+            float(start_mm),
+            ctypes.byref(out),
+        )
+        self._raise_on(status, "objective", values, options)
+        return out.value
+
+    def _search(self, values: Reals, options: Integers, search: Search) -> _Search:
+        raw = _Search()
+        self._raise_on(
+            self._lib.ema_desk_search_default(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(raw)),
+            "identify",
+            values,
+            options,
+        )
+        if search.identified is not None:
+            ids = load_definitions().ids
+            raw.identified_count = len(search.identified)
+            for place, name in enumerate(search.identified):
+                raw.identified_id[place] = ids[name]
+        for name, numbers in (
+            ("identified_lower", search.lower),
+            ("identified_upper", search.upper),
+            ("identified_min_shift_percent", search.min_shift_percent),
+            ("weight", search.weight),
+            ("start", search.start),
+        ):
+            for place, number in enumerate(numbers or ()):
+                getattr(raw, name)[place] = number
+        if search.start is not None:
+            raw.start_at_healthy = 0
+        for name in ("seed", "evaluation_budget", "function_tolerance", "initial_temperature", "abandon", "int16_record", "slice_steps"):
+            number = getattr(search, name)
+            if number is not None:
+                setattr(raw, name, number)
+        return raw
+
+    def identify(
+        self,
+        values: Reals,
+        options: Integers,
+        command_mm: Reals,
+        channels: Reals,
+        search: Search | None = None,
+        progress: Progress | None = None,
+    ) -> Identification:
+        """Run the onboard session on a record: `command_mm` [rows], `channels` [rows, 4] (CHANNELS, NaN where not recorded).
+
+        `progress` is called after each model run with its number, its cost and the best cost so far; what it raises ends the search
+        and is raised here. Raises InputError when the session refuses actuator or record.
+        """
+        command = np.ascontiguousarray(command_mm, dtype=np.float64)
+        measured = _flat(channels, (command.size, len(CHANNELS)), "channels")
+        raw = self._search(values, options, search or Search())
+        names = list(load_definitions().ids)
+        raised: list[BaseException] = []
+
+        def called(evaluation: int, cost: float, best: float, _context: object) -> int:
+            if progress is not None:
+                try:
+                    progress(evaluation, cost, best)
+                except BaseException as error:  # an exception cannot pass through C
+                    raised.append(error)
+                    return 1
+            return 0
+
+        result = _Result()
+        bad_row = c_int32(-1)
+        status = self._lib.ema_desk_identify(
+            _doubles(values),
+            options.ctypes.data_as(POINTER(c_int32)),
+            _doubles(command),
+            _doubles(measured),
+            command.size,
+            ctypes.byref(raw),
+            _PROGRESS(called) if progress is not None else _PROGRESS(),
+            None,
+            ctypes.byref(result),
+            ctypes.byref(bad_row),
+        )
+        if raised:
+            raise raised[0]
+        if status != 0 and bad_row.value >= 0:
+            raise InputError(f"identify: sample {bad_row.value + 1} of the record: {self.status_text(status)}: correct the record")
+        self._raise_on(status, "identify", values, options)
+        identified = tuple(
+            Estimate(
+                names[raw.identified_id[place]],
+                result.estimate[place],
+                _std(result.std[place], result.reasons),
+                result.shift_percent[place],
+                bool(result.at_bound[place]),
+            )
+            for place in range(raw.identified_count)
+        )
+        return Identification(
+            identified=identified,
+            objective_before=result.objective_before,
+            objective_after=result.objective_after,
+            residual_rms_mm=result.residual_rms_mm,
+            residual_correlation=result.residual_correlation,
+            model_steps=result.model_steps,
+            evaluations=result.evaluations,
+            accepted=result.accepted,
+            accepted_uphill=result.accepted_uphill,
+            outcome=OUTCOMES[result.outcome],
+            verdict=VERDICTS[result.verdict],
+            adequate=bool(result.adequate),
+            reasons=tuple(text for bit, text in REASONS.items() if result.reasons & bit),
+            random_state=result.random_state,
+        )
+
+    def read_csv(self, path: str | Path) -> tuple[Reals, int, float]:
+        """A recording as the host program reads it: table [rows, 7] in the order of RECORD_COLUMNS with NaN for absent columns, the bits of
+        the present columns, and the period in s.
+
+        Raises InputError with the reader's line, which names file, row and column.
+        """
+        name = os.fsencode(path)
+        message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+        rows, period_s, mask = c_int64(0), c_double(0.0), c_int32(0)
+        status = self._lib.ema_csv_count(name, ctypes.byref(rows), message, _MESSAGE_BYTES)
+        if status == 0:
+            table = np.empty((rows.value, len(RECORD_COLUMNS)))
+            status = self._lib.ema_csv_load(
+                name, _doubles(table), rows.value, ctypes.byref(rows), ctypes.byref(mask), ctypes.byref(period_s), message, _MESSAGE_BYTES
+            )
+        if status != 0:
+            raise InputError(message.value.decode(errors="replace"))
+        return table, mask.value, period_s.value
+
+    def check_table(self, name: str, table: Reals, mask: int) -> float:
+        """The checks of `read_csv` on a table that came from elsewhere, rows counted from 1; the period in s. Raises InputError."""
+        message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+        period_s = c_double(0.0)
+        status = self._lib.ema_csv_table_check(
+            name.encode(), _doubles(table), len(table), mask, ctypes.byref(period_s), message, _MESSAGE_BYTES
+        )
+        if status != 0:
+            raise InputError(message.value.decode(errors="replace"))
+        return period_s.value
+
+    def check_fit(self, name: str, table: Reals, travel_mm: float, record_period_s: float) -> None:
+        """Raises InputError when a recording cannot be of an actuator with this travel and record period: wrong unit, wrong rate."""
+        message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+        if (
+            self._lib.ema_csv_table_fit(name.encode(), _doubles(table), len(table), travel_mm, record_period_s, message, _MESSAGE_BYTES)
+            != 0
+        ):
+            raise InputError(message.value.decode(errors="replace"))
+
+    def random_bits(self, seed: int, stream: int, count: int) -> NDArray[np.uint32]:
+        """The first `count` numbers of the module's generator, [count]."""
+        bits = np.empty(count, dtype=np.uint32)
+        self._lib.ema_desk_random(seed, stream, count, bits.ctypes.data_as(POINTER(c_uint32)))
+        return bits
+
+
+@functools.cache
+def library(bits: int = 64) -> Library:
+    """The library of one precision, 32 as onboard or 64 for analysis; loaded once.
+
+    Raises LibraryError when it is absent or was built from other lists.
+    """
+    return Library(_library_path(bits), bits)

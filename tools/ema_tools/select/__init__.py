@@ -1,0 +1,1 @@
+"""Which effect is missing: candidates, their sensitivities, the search over sets of them, and its confirmation."""

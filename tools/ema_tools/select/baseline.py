@@ -1,0 +1,257 @@
+"""Evidence from records: against healthy repeats of the same command where there are any, else against the model alone.
+
+With repeats the model is first brought to the healthy machine: its parameters are fitted to the mean of the repeats, and standing effects that this mean shows are
+put in. The record is then compared with that mean, so that what the model still lacks, which is in both, drops out. Noise is estimated per channel and frequency from how
+the repeats differ, after the share that a scatter of the machine's own parameters explains (friction, grease, winding) has been taken off. Without repeats the
+record is compared with the model itself, and the parameters are free within what a data sheet leaves open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_tools.balances.balances import noise_of
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.base.progress import Report
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record, start_of
+from ema_tools.fit import nuisance as spreads
+from ema_tools.fit.evidence import DERIVATIVE_STEP, FAR, FAR_ROUNDS, Evidence, measured_channels, settled, simulate_channels
+from ema_tools.fit.nuisance import Spread
+from ema_tools.fit.whitening import Whitener, least_noise, smoothed, spectrum
+from ema_tools.plant.native import CHANNELS
+from ema_tools.select.search import standing_effects
+
+_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it
+
+
+def common_channels(records: Sequence[Record]) -> tuple[str, ...]:
+    """Signals that every record has."""
+    return tuple(name for name in CHANNELS if all(record.channel(name) is not None for record in records))
+
+
+def same_command(record: Record, other: Record) -> bool:
+    """Whether two records run the same command."""
+    return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
+
+
+# Days differ by a factor of three at most from one another (benchmark's machines); one that is faulty, by dozens.
+_ODD = 8.0
+
+
+def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
+    for other in healthy:
+        if not same_command(record, other):
+            raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
+    if len(healthy) < 2:
+        raise InputError(
+            f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none"
+        )
+    apart = _apart(healthy)
+    odd = int(np.argmax(apart))
+    if apart[odd] > _ODD:
+        raise InputError(
+            f"{healthy[odd].file}: {apart[odd]:.3g} times as far from the healthy records' median as the others are: leave it out, or diagnose it by itself"
+        )
+
+
+def _apart(healthy: Sequence[Record]) -> Reals:
+    """How far each healthy record lies from the median of them all, [records], as a multiple of the usual distance, in the signal where that is most; two records are alike far."""
+    channels = common_channels(healthy)
+    runs = np.array([measured_channels(one, channels) for one in healthy])
+    far = np.sqrt(np.mean((runs - np.median(runs, axis=0)) ** 2, axis=2))
+    usual = np.median(far, axis=0)
+    return np.asarray(np.max(np.divide(far, usual, out=np.ones_like(far), where=usual > 0.0), axis=1))
+
+
+def _zeros_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
+    """Constants [k, channels, rows], one for each signal [channels, rows] whose sensor may have a zero of its own."""
+    found = []
+    for place, name in enumerate(channels):
+        if name in spreads.OFFSET_CHANNELS:
+            constant = np.zeros_like(signals)
+            constant[place] = spreads.OFFSET_SHARE * float(np.sqrt(np.mean(signals[place] ** 2)))
+            found.append(constant)
+    return np.array(found).reshape(-1, *signals.shape)
+
+
+def _gains_of_sensors(channels: Sequence[str], signals: Reals) -> Reals:
+    """Signals [k, channels, rows], one for each of the model's `signals` [channels, rows] whose sensor may be off by a factor; of the recorded ones the noise would shrink with the factor."""
+    found = []
+    for place, name in enumerate(channels):
+        if name in spreads.GAIN_SHARE:
+            share = np.zeros_like(signals)
+            share[place] = spreads.GAIN_SHARE[name] * signals[place]
+            found.append(share)
+    return np.array(found).reshape(-1, *signals.shape)
+
+
+def _slight_effects(
+    actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float, wanted: Sequence[Mapping[str, float]]
+) -> Reals:
+    """What the effects that every machine has a little of make of the signals, [k, channels, rows]."""
+    here = simulate_channels(actuator, record, channels, start_mm)
+    found = each(lambda changes: simulate_channels(actuator.changed(changes), record, channels, start_mm) - here, wanted)
+    return np.array(found).reshape(-1, *here.shape)
+
+
+def _effect_of(changes: Mapping[str, float]) -> str:
+    return next(iter(changes)).split(".")[1]
+
+
+def _still_slight(wanted: Sequence[Mapping[str, float]], deviations: Reals) -> list[Mapping[str, float]]:
+    """Those whose effects are as slight as on every machine by their `deviations` [k]: a larger one is to be named, not taken for granted."""
+    effects = [_effect_of(changes) for changes in wanted]
+    size = {effect: np.hypot.reduce([at for name, at in zip(effects, deviations, strict=True) if name == effect]) for effect in effects}
+    return [changes for changes, effect in zip(wanted, effects, strict=True) if size[effect] <= spreads.SLIGHT_REACH]
+
+
+def healthy_model(
+    actuator: Actuator, record: Record, mean: Reals, power: Reals, channels: tuple[str, ...], report: Report | None = None
+) -> Actuator:
+    """The actuator fitted to the mean [channels, rows] of healthy repeats, whose noise power by line is `power`, with the standing effects that it shows."""
+    start = start_of(actuator, record)
+    found = Evidence(
+        actuator,
+        record,
+        channels,
+        mean,
+        spreads.of_healthy_machine(actuator, channels),
+        Whitener.of(power, record.rows),
+        power,
+        _zeros_of_sensors(channels, mean),
+        start,
+    )
+    standing = standing_effects(found, report)
+    deviations = standing.deviations() if standing is not None else settled(found, {}).deviations
+    effects = dict(standing.values) if standing is not None else {}
+    return actuator.changed({**effects, **spreads.moved(actuator, found.spread, deviations)})
+
+
+def _mean_and_level(healthy: Sequence[Record], channels: tuple[str, ...]) -> tuple[Reals, Reals, Reals]:
+    """Runs [count, channels, rows], their mean [channels, rows], and how much they differ from it, rms, [channels]."""
+    runs = np.array([measured_channels(other, channels) for other in healthy])
+    mean = runs.mean(axis=0)
+    return runs, mean, np.maximum(np.sqrt(np.mean((runs - mean) ** 2, axis=(0, 2))), least_noise(mean))
+
+
+def against_known(known: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...]) -> Evidence:
+    """Evidence of a record against healthy repeats of its command, of a machine that the model knows."""
+    runs, mean, level = _mean_and_level(healthy, channels)
+    count = len(healthy)
+    deviations = runs - mean
+    least = least_noise(mean)
+    start = start_of(known, record)
+    usual = spreads.from_run_to_run()
+    here = simulate_channels(known, record, channels, start)
+
+    def moved(one: Spread) -> Reals:
+        step = DERIVATIVE_STEP / one.std
+        return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start) - here) / step
+
+    directions = np.array(each(moved, usual))
+    shares = np.linalg.lstsq(
+        (directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
+    )[0]
+    widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
+    left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
+    power = smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
+    widen = 1.0 + 1.0 / count
+    spread = tuple(replace(one, std=one.std * float(width) * float(np.sqrt(widen))) for one, width in zip(usual, widths, strict=True))
+    # a repeat against the mean of the others scatters a little more than the record against the mean of them all
+    shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
+    repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
+    target = here + measured_channels(record, channels) - mean
+    return Evidence(
+        known,
+        record,
+        channels,
+        target,
+        spread,
+        Whitener.of(widen * power, record.rows),
+        power,
+        np.empty((0, *target.shape)),
+        start,
+        repeats,
+    )
+
+
+def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> Evidence:
+    """Evidence of a record of another command about the machine `known`, with the noise that was seen in `evidence`."""
+    names = evidence.channels
+    measured = np.array([record.recorded(name) for name in names])
+    lines = record.rows // 2 + 1
+    place = np.linspace(0.0, 1.0, lines)
+    power = np.array([np.interp(place, np.linspace(0.0, 1.0, one.size), one) for one in evidence.noise])
+    power = np.maximum(power, least_noise(measured)[:, None] ** 2)
+    level = np.array([noise_of(signal) for signal in measured])
+    floor = float(np.sum(np.minimum(1.0, (level**2)[:, None] / power))) * record.rows / lines
+    additive = _zeros_of_sensors(names, measured)
+    return Evidence(
+        known,
+        record,
+        names,
+        measured,
+        spreads.from_run_to_run(),
+        Whitener.of(power, record.rows),
+        power,
+        additive,
+        start_of(known, record),
+        floor=floor,
+    )
+
+
+def _against_repeats(
+    actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...], report: Report | None
+) -> Evidence:
+    _, mean, level = _mean_and_level(healthy, channels)
+    flat = np.broadcast_to((level**2)[:, None], (len(channels), record.rows // 2 + 1)) / len(healthy)
+    known = healthy_model(actuator, record, mean, flat, channels, report)
+    return against_known(known, record, healthy, channels)
+
+
+def gather(
+    actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None, report: Report | None = None
+) -> Evidence:
+    """Evidence of a record, against two or more healthy repeats of its command where there are any, in the signals that all have or in `channels`.
+
+    Raises InputError for repeats of another command or too few of them.
+    """
+    names = tuple(channels) if channels else common_channels([record, *healthy])
+    if healthy:
+        _check_repeats(record, healthy)
+        return _against_repeats(actuator, record, healthy, names, report)
+    measured = measured_channels(record, names)
+    start = start_of(actuator, record)
+    noise = np.array([noise_of(signal) for signal in measured])
+    level = np.maximum(noise, least_noise(measured))
+    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
+    floor = float(np.sum((noise / level) ** 2)) * record.rows
+
+    def with_slight(unit: Actuator, wanted: Sequence[Mapping[str, float]]) -> Evidence:
+        gains = _gains_of_sensors(names, simulate_channels(unit, record, names, start))
+        additive = np.concatenate([_zeros_of_sensors(names, measured), gains, _slight_effects(unit, record, names, start, wanted)])
+        return Evidence(
+            actuator,
+            record,
+            names,
+            measured,
+            spreads.of_unit(actuator),
+            Whitener.of(power, record.rows),
+            power,
+            additive,
+            start,
+            floor=floor,
+        )
+
+    # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it
+    slight = [changes for changes in spreads.SLIGHT if _effect_of(changes) not in actuator.active_effects]
+    first = with_slight(actuator, slight)
+    deviations = settled(first, {}, settled(first, {}).deviations, rounds=FAR_ROUNDS, reach=FAR).deviations
+    unit = actuator.changed(spreads.moved(actuator, first.spread, deviations))
+    return with_slight(unit, _still_slight(slight, deviations[deviations.size - len(slight) :]))

@@ -1,0 +1,129 @@
+"""Errors of one weighting from the first model to the last, on the record that was fitted and on one that was not.
+
+The weighted error is the rms of whitened signals: 1 is what sensor noise alone has where all signals are noisy. A record held out, of another command, is compared with its own
+healthy repeats where there are two or more, else with the model itself as it is known of the healthy machine. Only what scatters from run to run may move on it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.fit.evidence import Evidence, raw_cost, settled
+from ema_tools.fit.nuisance import moved
+from ema_tools.fit.refit import Fit
+from ema_tools.select.baseline import against_known, alone_against_known
+from ema_tools.select.search import Diagnosis
+
+_SETTLE_ROUNDS = 3
+# An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent.
+_RISE = 1.02
+# What moves before any effect is added.
+SCATTER = "what scatters from run to run"
+UNIT = "the unit's own parameters"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Weighted rms: of the first model, of the last, what a record with nothing new has; and the same on the record held out, None without one."""
+
+    before: float
+    after: float
+    floor: float
+    holdout_before: float | None = None
+    holdout_after: float | None = None
+    holdout_floor: float | None = None
+
+    def result(self) -> dict[str, float | None]:
+        """For JSON."""
+        return dict(vars(self))
+
+    @property
+    def confirmed(self) -> bool | None:
+        """Whether the record held out says the same: its error fell; None without one."""
+        if self.holdout_before is None or self.holdout_after is None:
+            return None
+        return self.holdout_after < self.holdout_before
+
+
+@dataclass(frozen=True)
+class Step:
+    """One model of the way: its effects, what came last (mostly one, both faults where they came together), and the weighted errors; None where there is no record held out."""
+
+    effects: tuple[str, ...]
+    added: str
+    error: float
+    holdout: float | None
+
+
+def refuted(steps: Sequence[Step]) -> tuple[str, ...]:
+    """Effects whose addition raised the error of the record held out, and all that came after them; none without one."""
+    known: set[str] = set()
+    for earlier, step in itertools.pairwise(steps):
+        if earlier.holdout is not None and step.holdout is not None and step.effects and step.holdout > _RISE * earlier.holdout:
+            return tuple(effect for effect in steps[-1].effects if effect not in known)
+        known |= set(step.effects)
+    return ()
+
+
+def weighted(cost: float, evidence: Evidence) -> float:
+    """The rms that a cost stands for."""
+    return float(np.sqrt(max(cost, 0.0) / evidence.numbers))
+
+
+def fitted_machine(evidence: Evidence, fit: Fit | None) -> Actuator:
+    """The machine beside an answer's effects: as its healthy repeats show it, or without repeats with the unit's own parameters as the record shows them."""
+    if evidence.relative:
+        return evidence.actuator
+    deviations = fit.deviations() if fit is not None else settled(evidence, {}).deviations
+    return evidence.actuator.changed(moved(evidence.actuator, evidence.spread, deviations))
+
+
+def held_out(evidence: Evidence, known: Actuator, record: Record, healthy: Sequence[Record]) -> Evidence:
+    """Evidence of a record of another command about the machine `known`; against its own healthy repeats where there are two or more."""
+    if len(healthy) > 1:
+        return against_known(known, record, healthy, evidence.channels)
+    return alone_against_known(evidence, known, record)
+
+
+def error_of(evidence: Evidence, values: Mapping[str, float]) -> float:
+    """Weighted error of effects on a record, what scatters at its best."""
+    return weighted(settled(evidence, values, rounds=_SETTLE_ROUNDS).cost, evidence)
+
+
+def walk(
+    diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None, healthy: Sequence[Record] = ()
+) -> tuple[Errors, tuple[Step, ...]]:
+    """The fall of the error from the first model over every accepted set of effects, with its twin on `holdout`, a record that nothing was fitted to.
+
+    `healthy`: repeats of the command of `holdout`, where there are any.
+    """
+
+    def other(fit: Fit | None) -> float | None:
+        if holdout is None:
+            return None
+        return error_of(held_out(evidence, fitted_machine(evidence, fit), holdout, healthy), fit.values if fit is not None else {})
+
+    first = held_out(evidence, evidence.actuator, holdout, healthy) if holdout is not None else None
+    steps = [Step((), "", weighted(raw_cost(evidence), evidence), weighted(raw_cost(first), first) if first is not None else None)]
+    steps.append(Step((), SCATTER if evidence.relative else UNIT, weighted(diagnosis.cost_before, evidence), other(None)))
+    known: tuple[str, ...] = ()
+    for fit in diagnosis.steps:
+        added = " and ".join(effect for effect in fit.effects if effect not in known) or fit.effects[-1]
+        steps.append(Step(fit.effects, added, weighted(fit.cost, evidence), other(fit)))
+        known = fit.effects
+    last = steps[-1]
+    floor = weighted(diagnosis.cost_floor, evidence)
+    return Errors(
+        steps[0].error,
+        last.error,
+        floor,
+        steps[0].holdout,
+        last.holdout,
+        weighted(first.expected_cost(), first) if first is not None else None,
+    ), tuple(steps)

@@ -1,0 +1,433 @@
+"""Base parameters from healthy records: what `ema calibrate` does.
+
+First the balances, linear in the parameters: inertia, viscous damping, dry friction and load from the mechanical one, resistance, inductance and
+back-EMF from the electrical one, the play from the kinematic one; the torque constant is kept, since with it all of them would only be known as
+ratios. Then the whole loop is simulated by the C module and every recorded channel is fitted: that needs no derivative of a measured signal, which
+sensor noise biases, but it trusts every block of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ema_tools.balances.balances import (
+    ELECTRICAL_PARAMETERS,
+    MECHANICAL_PARAMETERS,
+    Mechanical,
+    adjusted,
+    electrical_model,
+    kinematic,
+    mechanical_model,
+    noise_of,
+)
+from ema_tools.base import leastsquares
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError, MissingSignal
+from ema_tools.base.parallel import each
+from ema_tools.base.progress import Report
+from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.linear_axis import VALUES, ForceModel, at_rod, lead_m_per_rad
+from ema_tools.data.records import Record, simulated
+from ema_tools.plant.native import CHANNELS
+from ema_tools.tasks.identify import BOUNDS
+
+PLAY = "screw.blk_mm"
+FRICTION = "screw.csj_Nm"
+_REST_ROUNDS = 20  # friction at rest and the parameters settle together
+_WEIGHING_ROUNDS = 3
+_STEP = 1e-3  # of a parameter, for a central difference; the model is not smooth in the small
+_SHRINK = 1e-9
+_AT_BOUND_MM = 1e-6  # the search for the play comes this near to a bound, and not onto it
+# No channel is trusted to a smaller share of its size than this: the model's own arithmetic and steps are not better.
+_TRUST = 1e-4
+
+# A calibrated model follows its records: the rest of a position is within a twentieth of its motion or ten times the sensor noise, of current and
+# voltage within half of what was measured. A healthy machine stays far below; a record of another machine or command, or a bad signal, far above.
+_REST_OF_MOTION = 0.05
+_REST_IN_NOISE = 10.0
+_REST_OF_DRIVE = 0.5
+
+# Share by which the loop's fit must lower the errors to be preferred to the balances'.
+_LOOP_GAIN = 0.02
+# An error of so many times its sensor's noise is no noise.
+_MANY_TIMES = 5.0
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One calibrated value in its unit: before, after, its standard error, and what gave it (`balance` or `loop`)."""
+
+    name: str
+    before: float
+    after: float
+    std: float
+    source: str
+    at_bound: bool
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The calibrated actuator, its parameters, rms errors per channel before and after, the noise of the sensors there, and what could not be calibrated and why."""
+
+    actuator: Actuator
+    parameters: tuple[Parameter, ...]
+    errors_before: dict[str, float]
+    errors_after: dict[str, float]
+    noise: dict[str, float]
+    left_out: dict[str, str]
+
+    def unexplained(self) -> dict[str, float]:
+        """Channels whose error is many times their sensor's noise, and how many times: the values then make up for something else."""
+        return {
+            name: error / self.noise[name]
+            for name, error in self.errors_after.items()
+            if self.noise[name] > 0.0 and error > _MANY_TIMES * self.noise[name]
+        }
+
+    def result(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "parameters": {
+                parameter.name: {
+                    "before": parameter.before,
+                    "after": parameter.after,
+                    "std": parameter.std,
+                    "change_percent": 100.0 * (parameter.after - parameter.before) / parameter.before if parameter.before else None,
+                    "unit": row_of(parameter.name).unit,
+                    "source": parameter.source,
+                    "at_bound": parameter.at_bound,
+                }
+                for parameter in self.parameters
+            },
+            "at_rod": {title: model.as_dict() for title, model in self.at_rod().items()},
+            "error": {"before": self.errors_before, "after": self.errors_after, "noise": self.noise},
+            "left_out": self.left_out,
+        }
+
+    def at_rod(self) -> dict[str, ForceModel]:
+        """The mechanics as a force model at the rod: `before`, `after`, `std`; empty when they were not calibrated."""
+        found = {parameter.name: parameter for parameter in self.parameters}
+        if not set(VALUES) <= set(found):
+            return {}
+        lead = lead_m_per_rad(self.actuator)
+        return {title: at_rod({name: getattr(found[name], title) for name in VALUES}, lead) for title in ("before", "after", "std")}
+
+
+def channel_errors(actuator: Actuator, records: Sequence[Record]) -> dict[str, float]:
+    """Rms of measured minus simulated over all records, by channel, in the channel's unit."""
+    squares: dict[str, list[Reals]] = {}
+    for record, simulation in zip(records, each(lambda record: simulated(actuator, record), records), strict=True):
+        for name in CHANNELS:
+            measured = record.channel(name)
+            if measured is not None:
+                squares.setdefault(name, []).append((measured - getattr(simulation, name)) ** 2)
+    return {name: float(np.sqrt(np.mean(np.concatenate(parts)))) for name, parts in squares.items()}
+
+
+def range_of(actuator: Actuator, name: str) -> tuple[float, float]:
+    """Where a value may lie: its own range, and for CSJ and BLK the bounds in which `ema identify` will look for it. Raises InputError when nothing is left."""
+    row = row_of(name)
+    if name not in BOUNDS:
+        return row.lower, row.upper
+    low, high = BOUNDS[name]
+    lower, upper = max(row.lower, actuator[low]), min(row.upper, actuator[high])
+    if not lower < upper:
+        raise InputError(f"{actuator.file}: {low} = {actuator[low]:g}: not below {high} = {actuator[high]:g}: correct the bounds")
+    return lower, upper
+
+
+def check_followed(actuator: Actuator, records: Sequence[Record]) -> None:
+    """Raises InputError that names record and channel when the calibrated actuator does not follow what was recorded."""
+    noise_mm = actuator["verdict.position_noise_mm"]
+    for record in records:
+        for name, rms in channel_errors(actuator, [record]).items():
+            measured = record.recorded(name)
+            if name in ("position_mm", "motor_position_mm"):
+                size = float(np.std(measured))
+                limit = max(_REST_OF_MOTION * size, _REST_IN_NOISE * noise_mm)
+            else:
+                size = float(np.sqrt(np.mean(measured**2)))
+                limit = _REST_OF_DRIVE * size
+            if not rms <= limit:
+                unit = name.removeprefix("motor_").partition("_")[2]
+                raise InputError(
+                    f"{record.file}: {name}: the calibrated model misses it by {rms:.3g} {unit} rms where at most {limit:.3g} {unit} is credible: "
+                    "check that command, signals, units and signs are those of this healthy actuator, then calibrate again"
+                )
+
+
+def _base_of(actuator: Actuator, name: str, effective: float) -> tuple[float, float]:
+    """The value whose effective one, with the enabled PARAMETER effects, is `effective`, and its slope: such effects are linear."""
+    step = max(abs(actuator[name]), 1e-6)
+    here = adjusted(actuator)[name]
+    slope = (adjusted(actuator.changed({name: actuator[name] + step}))[name] - here) / step
+    return actuator[name] + (effective - here) / slope, 1.0 / slope
+
+
+def _taken(actuator: Actuator, fitted: leastsquares.Fit, names: Sequence[str], scale: Sequence[float]) -> tuple[Actuator, list[Parameter]]:
+    """The actuator with the fitted effective values times `scale`, held inside their ranges."""
+    found = []
+    changes = {}
+    for name, effective, std, factor in zip(names, fitted.parameters, fitted.std, scale, strict=True):
+        base, slope = _base_of(actuator, name, float(effective) * factor)
+        lower, upper = range_of(actuator, name)
+        held = min(max(base, lower), upper)
+        found.append(Parameter(name, actuator[name], held, abs(slope) * float(std) * factor, "balance", held != base))
+        changes[name] = held
+    return actuator.changed(changes), found
+
+
+def from_mechanics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
+    """Inertia, viscous damping, dry friction and load from the mechanical balance. Raises MissingSignal and InputError."""
+    models = [mechanical_model(actuator, record) for record in records]
+    values = adjusted(actuator)
+    start = [values[name] for name in MECHANICAL_PARAMETERS]
+    ratio = values["screw.dynamic_ratio"]
+    if not ratio > 0.0:
+        raise MissingSignal("screw.dynamic_ratio is zero: sliding friction says nothing about CSJ")
+    parameters = np.array([start[0], start[1], start[2] * ratio, start[3]])
+    for _ in range(_REST_ROUNDS):
+        pairs = [_with_rest(model, parameters, ratio) for model in models]
+        fitted = leastsquares.fit([target for target, _ in pairs], [columns for _, columns in pairs], MECHANICAL_PARAMETERS)
+        moved = np.abs(fitted.parameters - parameters) > _SHRINK * np.abs(fitted.parameters)
+        parameters = fitted.parameters
+        if not moved.any():
+            break
+    return _taken(actuator, fitted, MECHANICAL_PARAMETERS, (1.0, 1.0, 1.0 / ratio, 1.0))
+
+
+def _with_rest(model: Mechanical, parameters: Reals, ratio: float) -> tuple[Reals, Reals]:
+    """Target and columns in which friction at rest is what the present parameters say: whatever balances the torque, up to the static level."""
+    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, abs(float(parameters[2])) / ratio), model.added_Nm)
+    columns = model.columns.copy()
+    columns[model.resting, 2] = 0.0
+    use = model.smoother
+    return use.decimated(model.drive_Nm - model.load_Nm - friction), np.column_stack([use.decimated(column) for column in columns.T])
+
+
+def from_electrics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
+    """Resistance, inductance and back-EMF constant from the electrical balance. Raises MissingSignal and InputError."""
+    models = [electrical_model(actuator, record) for record in records]
+    fitted = leastsquares.fit(
+        [model.voltage_V + model.known_V for model in models], [model.columns for model in models], ELECTRICAL_PARAMETERS
+    )
+    return _taken(actuator, fitted, ELECTRICAL_PARAMETERS, (1.0, 1.0, 1.0))
+
+
+def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
+    """The play from rod and motor position. Raises MissingSignal."""
+    from scipy.optimize import minimize_scalar
+
+    def residuals(width_mm: float) -> list[Reals]:
+        return [kinematic(actuator.changed({PLAY: width_mm}), record).residual for record in records]
+
+    def cost(width_mm: float) -> float:
+        return float(sum(residual @ residual for residual in residuals(width_mm)))
+
+    lower, upper = range_of(actuator, PLAY)
+    gaps = [record.position_mm - record.motor_position_mm for record in records if record.motor_position_mm is not None]
+    if len(gaps) < len(records):
+        raise MissingSignal("motor_position_mm is not recorded")
+    # A play wider than twice the range of the gap between the two positions is not in the records.
+    widest = 2.0 * max(float(np.ptp(gap)) for gap in gaps)
+    found = float(
+        minimize_scalar(cost, bounds=(lower, max(min(upper, widest), lower)), method="bounded", options={"xatol": 0.1 * _AT_BOUND_MM}).x
+    )
+    step = max(_STEP * found, 1e-6)
+    slopes = [(high - low) / (2.0 * step) for high, low in zip(residuals(found + step), residuals(max(found - step, 0.0)), strict=True)]
+    normal = sum(float(slope @ slope) for slope in slopes)
+    scores = sum(
+        float(leastsquares.long_run((slope * residual)[:, None])[0, 0]) for slope, residual in zip(slopes, residuals(found), strict=True)
+    )
+    std = np.sqrt(scores) / normal if normal > 0.0 else np.inf
+    return actuator.changed({PLAY: found}), [
+        Parameter(PLAY, actuator[PLAY], found, float(std), "balance", not lower + _AT_BOUND_MM < found < upper - _AT_BOUND_MM)
+    ]
+
+
+def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str, ...]:
+    """What the records can tell: the mechanics with current or voltage, the winding with both in voltage mode, the play with both positions.
+
+    With the rod position alone, which a stiff loop makes nearly blind to the rest, CSJ and the play.
+    """
+
+    def has(name: str) -> bool:
+        return all(record.channel(name) is not None for record in records)
+
+    if not (has("current_A") or has("voltage_V")):
+        return (FRICTION, PLAY) if actuator[PLAY] > 0.0 else (FRICTION,)
+    names = list(MECHANICAL_PARAMETERS)
+    if actuator["drive.mode"] == 0.0 and has("current_A") and has("voltage_V"):
+        names += [name for name in ELECTRICAL_PARAMETERS if actuator[name] > 0.0]
+    if has("motor_position_mm") and actuator[PLAY] > 0.0:
+        names.append(PLAY)
+    return tuple(names)
+
+
+class _Loop:
+    """The closed loop as a function of the free parameters, in units of their own size."""
+
+    def __init__(self, actuator: Actuator, records: Sequence[Record], names: Sequence[str]) -> None:
+        self.actuator = actuator
+        self.records = records
+        self.names = tuple(names)
+        ranges = np.array([range_of(actuator, name) for name in names])
+        # A value that may be zero is measured by what it competes with: load by friction.
+        self.size = np.array([abs(actuator[name]) or max(actuator[FRICTION], 1e-6) for name in names])
+        self.lower, self.upper = ranges.T / self.size
+
+    def start(self) -> Reals:
+        """The actuator's own values."""
+        return np.asarray(np.clip(np.array([self.actuator[name] for name in self.names]) / self.size, self.lower, self.upper))
+
+    def at(self, point: Reals) -> Actuator:
+        """The actuator at a point, held inside the ranges."""
+        return self.actuator.changed(dict(zip(self.names, np.clip(point, self.lower, self.upper) * self.size, strict=True)))
+
+    def errors(self, point: Reals, record: Record) -> Reals:
+        """Measured minus simulated, [rows, channels]."""
+        simulation = simulated(self.at(point), record)
+        return np.column_stack([record.recorded(name) - getattr(simulation, name) for name in CHANNELS if name in record.present])
+
+    def trust(self, record: Record) -> Reals:
+        """Smallest error that is believed, per channel."""
+        sizes = [float(np.sqrt(np.mean(values**2))) for name in CHANNELS if (values := record.channel(name)) is not None]
+        return np.asarray(np.maximum(_TRUST * np.array(sizes), 1e-12))
+
+    def slopes(self, point: Reals) -> list[Reals]:
+        """Central differences of the errors, per record [rows, channels, parameters], all simulations in parallel."""
+        width = _STEP * np.maximum(np.abs(point), 0.1)
+        low = np.maximum(point - width, self.lower)
+        high = np.minimum(point + width, self.upper)
+        jobs = []
+        for place in range(point.size):
+            for value in (low[place], high[place]):
+                moved = point.copy()
+                moved[place] = value
+                jobs += [(moved, record) for record in self.records]
+        found = each(lambda job: self.errors(*job), jobs)
+        count = len(self.records)
+        slopes = []
+        for index in range(count):
+            columns = [
+                (found[(2 * place + 1) * count + index] - found[2 * place * count + index]) / (high[place] - low[place])
+                for place in range(point.size)
+            ]
+            slopes.append(np.stack(columns, axis=-1))
+        return slopes
+
+
+def in_the_loop(
+    actuator: Actuator, records: Sequence[Record], names: Sequence[str], report: Report | None = None
+) -> tuple[Actuator, list[Parameter]]:
+    """Fit `names` so that the simulated loop follows every recorded channel, each weighted by its own rms error.
+
+    Raises InputError when the records do not determine a parameter.
+    """
+    from scipy.optimize import least_squares
+
+    loop = _Loop(actuator, records, names)
+    point = loop.start()
+    runs = 0
+
+    def errors(at: Reals) -> list[Reals]:
+        return each(lambda record: loop.errors(at, record), records)
+
+    for turn in range(_WEIGHING_ROUNDS):
+        weights = [
+            1.0 / np.maximum(np.sqrt(np.mean(error**2, axis=0)), loop.trust(record))
+            for error, record in zip(errors(point), records, strict=True)
+        ]
+
+        def residual(at: Reals, weights: list[Reals] = weights, turn: int = turn) -> Reals:
+            nonlocal runs
+            runs += 1
+            if report is not None:
+                report(turn, f"round {turn + 1} of {_WEIGHING_ROUNDS}, step {runs}")
+            return np.concatenate([(error * weight).ravel() for error, weight in zip(errors(at), weights, strict=True)])
+
+        def slope(at: Reals, weights: list[Reals] = weights) -> Reals:
+            return np.concatenate(
+                [(part * weight[:, None]).reshape(-1, at.size) for part, weight in zip(loop.slopes(at), weights, strict=True)]
+            )
+
+        solved = least_squares(residual, point, jac=slope, bounds=(loop.lower, loop.upper), xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=30)
+        point = solved.x
+    covariance = _loop_covariance(loop, point, errors(point), weights)
+    found = []
+    for place, name in enumerate(loop.names):
+        after = float(np.clip(point[place], loop.lower[place], loop.upper[place]) * loop.size[place])
+        at_bound = bool(np.isclose(point[place], (loop.lower[place], loop.upper[place]), rtol=1e-6, atol=1e-9).any())
+        found.append(Parameter(name, actuator[name], after, float(np.sqrt(covariance[place, place]) * loop.size[place]), "loop", at_bound))
+    return loop.at(point), found
+
+
+def _loop_covariance(loop: _Loop, point: Reals, errors: list[Reals], weights: list[Reals]) -> Reals:
+    """Covariance of the point with correlated residuals, [p, p]."""
+    normal = np.zeros((point.size, point.size))
+    scores = np.zeros_like(normal)
+    for slope, error, weight in zip(loop.slopes(point), errors, weights, strict=True):
+        weighted = slope * weight[:, None]
+        normal += np.einsum("rcp,rcq->pq", weighted, weighted)
+        scores += leastsquares.long_run(np.einsum("rcp,rc->rp", weighted, error * weight))
+    size = np.sqrt(np.diag(normal))
+    if not np.all(size > 0.0) or np.linalg.cond(normal / np.outer(size, size)) > 1e12:
+        worst = loop.names[int(np.argmin(size))]
+        raise InputError(f"calibrate: {worst}: the records do not determine it: leave it out of --fit or record another command")
+    inverse = np.linalg.inv(normal / np.outer(size, size)) / np.outer(size, size)
+    return np.asarray(inverse @ scores @ inverse)
+
+
+def calibrate(
+    actuator: Actuator,
+    records: Sequence[Record],
+    names: Sequence[str] | None = None,
+    loop: bool | None = None,
+    report: Report | None = None,
+) -> Calibration:
+    """Fit base parameters on healthy records; `names` restricts them. `loop`: whether to fit the simulated loop after the balances; None keeps that
+    fit only where it follows the records clearly better, since the balances depend on fewer blocks.
+
+    Raises InputError when the records do not determine a parameter, and when the calibrated model does not follow them.
+    """
+    before = channel_errors(actuator, records)
+    free = tuple(row_of(name).name for name in names) if names is not None else free_parameters(actuator, records)
+    found: dict[str, Parameter] = {}
+    left_out: dict[str, str] = {}
+    fitted = actuator
+    for group, take in ((MECHANICAL_PARAMETERS, from_mechanics), (ELECTRICAL_PARAMETERS, from_electrics), ((PLAY,), from_kinematics)):
+        if not set(group) <= set(free):
+            continue
+        try:
+            fitted, parameters = take(fitted, records)
+        except MissingSignal as missing:
+            left_out[", ".join(group)] = str(missing)
+        else:
+            found |= {parameter.name: parameter for parameter in parameters}
+    if loop is not False:
+        closer, parameters = in_the_loop(fitted, records, free, report)
+        if loop or len(found) < len(free) or _gain(channel_errors(fitted, records), channel_errors(closer, records)) > _LOOP_GAIN:
+            fitted = closer
+            found |= {parameter.name: parameter for parameter in parameters}
+    if not found:
+        why = "; ".join(left_out.values()) or "a balance gives only all of its parameters"
+        raise InputError(f"calibrate: nothing to fit without the closed loop ({why}): leave --balances-only out")
+    check_followed(fitted, records)
+    parameters = [_begun(found[name], actuator) for name in free if name in found]
+    after = channel_errors(fitted, records)
+    noise = {name: max(noise_of(record.recorded(name)) for record in records if name in record.present) for name in after}
+    return Calibration(fitted, tuple(parameters), before, after, noise, left_out)
+
+
+def _gain(before: dict[str, float], after: dict[str, float]) -> float:
+    """By which share the errors of the channels fell, in the geometric mean."""
+    return 1.0 - float(np.exp(np.mean([np.log(max(after[name], 1e-300) / max(before[name], 1e-300)) for name in before])))
+
+
+def _begun(parameter: Parameter, actuator: Actuator) -> Parameter:
+    """The parameter with the value before any calibration."""
+    return Parameter(parameter.name, actuator[parameter.name], parameter.after, parameter.std, parameter.source, parameter.at_bound)

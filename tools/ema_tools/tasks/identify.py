@@ -1,0 +1,339 @@
+"""CSJ and BLK by the onboard module's own session: what `ema identify` does."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import Actuator, nearest, row_of, shown
+from ema_tools.data.records import Record
+from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, library
+from ema_tools.select.beside_fault import Guarded, guard
+from ema_tools.tasks.diagnose import check_apart, size_text
+
+# Keys of the result for the values that are identified by default.
+KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
+BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
+MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
+# Reasons that make the values read on a healthy record worthless.
+_NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
+# Reasons that send the guard out even where the residual is small: wear does not look like this, a missing effect may.
+_STRANGE = (REASONS[4], REASONS[64])
+_NOT_ADEQUATE = REASONS[2]
+TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
+
+
+def missing_words(guarded: Guarded) -> str:
+    """The missing effect in words, for a list of reasons."""
+    if guarded.unusable:
+        return f"nothing can be told from this record: {guarded.skipped}"
+    if guarded.verdict == "unknown":
+        return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
+    size = next(iter(guarded.values))
+    missing = "is not in the model at this size" if guarded.there else "is missing from the model"
+    alike = f", which looks like {', '.join(guarded.effects[1:])} on this record" if guarded.effects[1:] else ""
+    return (
+        f"{guarded.effects[0]} ({row_of(size).field} {size_text(size, guarded.values[size], guarded.std.get(size))}) {missing}{alike}: "
+        f"ema add ACTUATOR {guarded.effects[0]} --fit REC {'--healthy REC ...' if guarded.against else '--known'} -o NEW.toml puts it in"
+    )
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Healthy values found on healthy records by the same search, and their standard errors, by name."""
+
+    values: dict[str, float]
+    std: dict[str, float]
+    records: int
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
+
+    `guarded`: what stands behind the estimates instead of a fault; None where nobody looked, because the record is plainly healthy or it was not wanted.
+    """
+
+    actuator: Actuator
+    healthy: Actuator
+    answer: Identification
+    baseline: Baseline | None
+    costs: tuple[float, ...]
+    seeds: tuple[Identification, ...]
+    seed: int
+    precision: int
+    wall_s: float
+    weighted: bool
+    guarded: Guarded | None = None
+
+    @property
+    def objects(self) -> bool:
+        """Whether the guard takes the fault back: the model is not adequate, or CSJ or BLK would be another one beside the missing effect; or says why a strange answer is none."""
+        if self.guarded is None or self.guarded.verdict == "adequate":
+            return False
+        if self.guarded.unusable and self.answer.verdict == "undecided":
+            return True
+        return not self.answer.adequate or (
+            self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified)
+        )
+
+    def _moved(self, estimate: Estimate) -> bool:
+        beside = self.guarded.faults.get(estimate.name) if self.guarded is not None else None
+        if beside is None:
+            return False
+        least = 0.01 * self.healthy[MIN_SHIFTS[estimate.name]] * abs(self.healthy[estimate.name])
+        return abs(beside - estimate.estimate) > max(least, 3.0 * (estimate.std if np.isfinite(estimate.std) else 0.0))
+
+    @property
+    def verdict(self) -> str:
+        """The module's verdict, undecided where the guard objects."""
+        return "undecided" if self.objects else self.answer.verdict
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the model explains the record, as far as the module and the guard see."""
+        return self.answer.adequate and not self.objects
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why it is undecided: the module's reasons, and the missing effect behind the first of them."""
+        own = self.answer.reasons
+        if not self.objects or self.guarded is None:
+            return tuple(own)
+        if self.guarded.unusable:
+            # of a record that cannot answer, a residual says nothing about the model
+            return (missing_words(self.guarded), *(reason for reason in own if reason != _NOT_ADEQUATE))
+        place = own.index(_NOT_ADEQUATE) + 1 if _NOT_ADEQUATE in own else 0
+        return (*own[:place], missing_words(self.guarded), *own[place:])
+
+    def result(self) -> dict[str, Any]:
+        """For JSON: the keys that programs read, and more."""
+        answer = self.answer
+        found: dict[str, Any] = {
+            key: {
+                "estimate": None,
+                "std": None,
+                "shift_percent": None,
+                "healthy": 0.0,
+                "reason": "the healthy value is zero, and a shift is counted in % of it",
+            }
+            for name, key in KEYS.items()
+            if name not in identified_of(self.healthy)
+        }
+        for estimate in answer.identified:
+            found[KEYS.get(estimate.name, estimate.name)] = {
+                "estimate": estimate.estimate,
+                "std": estimate.std,
+                "shift_percent": estimate.shift_percent,
+                "healthy": self.healthy[estimate.name],
+                "at_bound": estimate.at_bound,
+            }
+        return {
+            **found,
+            "objective_before_mm2s": answer.objective_before,
+            "objective_after_mm2s": answer.objective_after,
+            "evaluations": answer.evaluations,
+            "verdict": self.verdict,
+            "adequate": self.adequate,
+            "reasons": list(self.reasons),
+            "missing_effect": self.guarded.result() if self.objects and self.guarded is not None else None,
+            "guard": None
+            if self.guarded is None
+            else {"verdict": self.guarded.verdict, "skipped": self.guarded.skipped or None, "wall_s": self.guarded.wall_s},
+            "sentence": self.sentence(),
+            "residual_rms_mm": answer.residual_rms_mm,
+            "residual_correlation": answer.residual_correlation,
+            "outcome": answer.outcome,
+            "accepted": answer.accepted,
+            "accepted_uphill": answer.accepted_uphill,
+            "model_steps": answer.model_steps,
+            "wall_s": self.wall_s,
+            "seed": self.seed,
+            "precision": self.precision,
+            "baseline": None
+            if self.baseline is None
+            else {"values": self.baseline.values, "std": self.baseline.std, "records": self.baseline.records},
+            "search": {"cost_mm2s": list(self.costs)},
+            "seeds": [
+                {
+                    **{KEYS.get(estimate.name, estimate.name): estimate.estimate for estimate in other.identified},
+                    "objective_after_mm2s": other.objective_after,
+                    "evaluations": other.evaluations,
+                }
+                for other in self.seeds
+            ],
+        }
+
+    def _cost(self, value: float) -> str:
+        return f"{value:.3g}{'' if self.weighted else ' mm2 s'}"
+
+    def sentence(self) -> str:
+        """The answer in one sentence."""
+        answer = self.answer
+        shifts = ", ".join(_shift(estimate, self.healthy[estimate.name]) for estimate in answer.identified)
+        found = f"in {answer.evaluations} model runs, error {self._cost(answer.objective_before)} before and {self._cost(answer.objective_after)} after"
+        if self.verdict == "healthy":
+            return f"Healthy: {shifts}; found {found}."
+        if self.verdict == "fault":
+            return f"Fault: {shifts}; found {found}."
+        return f"Undecided, because {'; '.join(self.reasons)}: the search reads {shifts}, {found}."
+
+
+def _shift(estimate: Estimate, healthy: float) -> str:
+    doubt = 100.0 * estimate.std / abs(healthy) if healthy else float("inf")
+    title = TITLES.get(estimate.name, estimate.name)
+    return f"{title} {estimate.shift_percent:+.{_decimals(doubt)}f} %"
+
+
+def _decimals(doubt_percent: float) -> int:
+    """Decimals of a shift in % that its standard error allows, at least one and at most three."""
+    if np.isnan(doubt_percent):
+        return 1
+    if not doubt_percent > 0.0:
+        return 3
+    return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
+
+
+def weight_of(text: str | None) -> tuple[float, float, float, float] | None:
+    """Weights in the order of CHANNELS from `column=weight,...`; None for the usual ones. Raises InputError that names the column."""
+    if not text:
+        return None
+    weight = dict.fromkeys(CHANNELS, 0.0)
+    for part in filter(None, text.split(",")):
+        name, _, value = part.partition("=")
+        if name.strip() not in weight:
+            raise InputError(f"--weight {part}: unknown column{nearest(name.strip(), CHANNELS)}: columns are {', '.join(CHANNELS)}")
+        try:
+            weight[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(f"--weight {part}: not a number: write for example --weight position_mm=1,current_A=0.01") from None
+    numbers = list(weight.values())
+    if not all(0.0 <= number < float("inf") for number in numbers) or not any(numbers):
+        raise InputError(f"--weight {text}: not weights: give numbers of zero or more, one of them above zero")
+    return numbers[0], numbers[1], numbers[2], numbers[3]
+
+
+def identified_of(actuator: Actuator) -> tuple[str, ...]:
+    """The values that are searched: those whose healthy value is not zero, since a shift is counted in % of it."""
+    return tuple(name for name in KEYS if actuator[name] > 0.0)
+
+
+def check_bounds(actuator: Actuator) -> None:
+    """Raises InputError where a healthy value lies outside the bounds of its search."""
+    for name in identified_of(actuator):
+        lower, upper = BOUNDS[name]
+        if not actuator[lower] < actuator[upper]:
+            raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
+        if not actuator[lower] <= actuator[name] <= actuator[upper]:
+            raise InputError(
+                f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them"
+            )
+
+
+def check_record(actuator: Actuator, record: Record, search: Search) -> None:
+    """Raises InputError when the search cannot begin: a healthy value or a bound that does not fit, or a weight on a signal that is not recorded."""
+    for name, weight in zip(CHANNELS, search.weight or (), strict=False):
+        if weight > 0.0 and record.channel(name) is None:
+            raise InputError(f"{record.file}: {name}: weighted but not recorded: recorded are {', '.join(record.present)}")
+    if not identified_of(actuator):
+        raise InputError(
+            f"{actuator.file}: screw.csj_Nm = 0: the healthy value is zero, and a shift is counted in % of it: give one, or calibrate"
+        )
+    check_bounds(actuator)
+
+
+def run(actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None) -> Identification:
+    """One search on one record. Raises InputError."""
+    names = identified_of(actuator)
+    if search.identified is None and len(names) < len(KEYS):
+        lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
+        search = replace(
+            search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names)
+        )
+    values, options = actuator.arrays()
+    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
+
+
+def baseline_of(actuator: Actuator, records: Sequence[Record], search: Search, bits: int) -> Baseline:
+    """Healthy values as the same search reads them on healthy records, so that what it reads wrongly, it reads wrongly on both.
+
+    Raises InputError when a healthy record does not determine them, or the model does not explain it.
+    """
+    answers = each(lambda record: run(actuator, record, search, bits), records)
+    for record, answer in zip(records, answers, strict=True):
+        unfit = [reason for reason in answer.reasons if reason in _NO_BASELINE]
+        if unfit:
+            raise InputError(
+                f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy"
+            )
+        for estimate in answer.identified:
+            if estimate.at_bound:
+                raise InputError(
+                    f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first"
+                )
+    values, std = {}, {}
+    count = len(answers)
+    for place, estimate in enumerate(answers[0].identified):
+        found = np.array([answer.identified[place].estimate for answer in answers])
+        own = np.array([answer.identified[place].std for answer in answers])
+        scatter = float(np.std(found, ddof=1)) if count > 1 else 0.0
+        values[estimate.name] = float(np.mean(found))
+        std[estimate.name] = max(scatter, float(np.sqrt(np.mean(own**2)))) / float(np.sqrt(count))
+    return Baseline(values, std, count)
+
+
+def identify(
+    actuator: Actuator,
+    record: Record,
+    healthy: Sequence[Record] = (),
+    search: Search | None = None,
+    seeds: int = 1,
+    bits: int = 32,
+    progress: Progress | None = None,
+    guarding: bool = True,
+) -> Identified:
+    """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
+
+    Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches
+    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
+    """
+    settings = search or Search()
+    check_record(actuator, record, settings)
+    check_apart(record, healthy)
+    seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
+    settings = replace(settings, seed=seed)
+    baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None
+    known = actuator.changed(baseline.values) if baseline else actuator
+    check_record(known, record, settings)
+    costs: list[float] = []
+
+    def seen(evaluation: int, cost: float, best: float) -> None:
+        costs.append(cost)
+        if progress is not None:
+            progress(evaluation, cost, best)
+
+    begun = time.perf_counter()
+    answer = run(known, record, settings, bits, seen)
+    wall_s = time.perf_counter() - begun
+    others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
+    found = known.changed(
+        {
+            estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper)
+            for estimate in answer.identified
+        }
+    )
+    estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
+    wanted = guarding and bool(estimates) and needs_guard(answer)
+    guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None
+    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None, guarded)
+
+
+def needs_guard(answer: Identification) -> bool:
+    """Whether something else than CSJ and BLK may stand behind an answer: a fault, a strange one, or a model that is not adequate. A healthy record needs no guard."""
+    return answer.verdict == "fault" or not answer.adequate or any(reason in answer.reasons for reason in _STRANGE)

@@ -1,0 +1,101 @@
+"""What the terminal shows: results on standard output, progress on standard error and only when somebody watches."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from ema_tools.base.errors import InputError
+
+_SHOW_AFTER_S = 0.5
+
+
+def output() -> Console:
+    """Console of the results; 100 columns wide when it is not a terminal, so that tables do not break."""
+    return Console(width=None if sys.stdout.isatty() else 100, highlight=False, soft_wrap=not sys.stdout.isatty())
+
+
+def table(title: str, *columns: str, text_columns: int = 1) -> Table:
+    """An empty table; all columns but the first `text_columns` are numbers."""
+    made = Table(title=title, title_justify="left", title_style="bold", header_style="bold", box=None, padding=(0, 2, 0, 0))
+    for place, column in enumerate(columns):
+        made.add_column(column, justify="left" if place < text_columns else "right", no_wrap=place >= text_columns)
+    return made
+
+
+class Bar:
+    """Progress of one task; appears after half a second on a terminal, and nowhere else."""
+
+    def __init__(self, title: str, total: float) -> None:
+        """`total` is the amount of work, in the unit that `update` uses."""
+        self._title = title
+        self._total = total
+        self._begun_s = time.monotonic()
+        self._progress: Progress | None = None
+        self._task: TaskID | None = None
+        self._shown = sys.stderr.isatty()
+
+    def __enter__(self) -> Bar:
+        return self
+
+    def update(self, done: float, note: str = "") -> None:
+        """Say how much is done by now."""
+        if not self._shown:
+            return
+        if self._progress is None:
+            if time.monotonic() - self._begun_s < _SHOW_AFTER_S:
+                return
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TextColumn("{task.completed:.0f}/{task.total:.0f} {task.fields[note]}"),
+                TimeElapsedColumn(),
+            )
+            self._progress = Progress(*columns, console=Console(stderr=True), transient=True)
+            self._progress.start()
+            self._task = self._progress.add_task(self._title, total=self._total, note="")
+        if self._task is not None:
+            self._progress.update(self._task, completed=done, note=note)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+
+@contextmanager
+def progress(title: str, total: float) -> Iterator[Bar]:
+    """A `Bar` for the length of a with block."""
+    with Bar(title, total) as bar:
+        yield bar
+
+
+def complain(message: str) -> None:
+    """One line on standard error."""
+    sys.stderr.write(f"ema: {' '.join(message.split())}\n")
+
+
+def run_command(command: click.Command) -> None:
+    """Run a program's command; what goes wrong because of an input is one line and exit code 1, a wrong option exit code 2."""
+    try:
+        command(standalone_mode=False)
+    except InputError as error:
+        complain(str(error))
+        sys.exit(1)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number with `digits` significant digits; a dash for none."""
+    if value is None or value != value:
+        return "-"
+    return f"{value:.{digits}g}"
