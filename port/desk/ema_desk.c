@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "ema/ema_session.h"
+#include "ema_desk_actuator.h"
 
 #define EMA_TEXT(x) #x
 
@@ -117,7 +118,7 @@ const char* ema_desk_status_text(int32_t status)
     return ema_status_text((ema_status_t)status);
 }
 
-static void ema_actuator_from(const double* values, const int32_t* options, ema_actuator_t* actuator)
+void ema_actuator_from(const double* values, const int32_t* options, ema_actuator_t* actuator)
 {
     int32_t* const fields = (int32_t*)(void*)&actuator->options;
     for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {

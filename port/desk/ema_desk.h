@@ -116,4 +116,31 @@ int32_t ema_desk_identify(const double* values, const int32_t* options, const do
 /* The first `count` numbers of the module's generator, for its reference vectors. */
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits);
 
+/* The module's equations at the points of a record. An actuator is taken as it is, whether or not it could be
+ * simulated. */
+
+/* The values with what the effects at site PARAMETER make of them; the inertia is the total one, a transmission's mass
+ * in it. */
+int32_t ema_desk_adjusted(const double* values, const int32_t* options, double* adjusted);
+
+/* Sum over the active effects of `site`, an ema_effect_site_t while the model runs other than PRESLIDING and
+ * TRANSMISSION. `points` is six arrays of `rows`, one after the other: current A, speed rad/s, angle rad, motor
+ * position mm (READING: the rod's), voltage V, level of dry friction Nm. */
+int32_t ema_desk_site(const double* values, const int32_t* options, int32_t site, const double* points, int32_t rows,
+                      double* sum);
+
+/* Share of the level of dry friction, -1 to 1, that a contact carries which stretches before it slides, unstretched at
+ * the first row; zero without such an effect. */
+int32_t ema_desk_contact(const double* values, const int32_t* options, const double* angle_rad, int32_t rows,
+                         double* share);
+
+/* Output of the play behind a motor position, from `start_mm`. */
+int32_t ema_desk_play(const double* values, const int32_t* options, const double* motor_mm, int32_t rows,
+                      double start_mm, double* play_mm);
+
+/* Output of the control law for a command and a feedback as the sensor reads it, one row per record period;
+ * EMA_ERR_RANGE when the feedback is delayed by more steps than the module keeps. */
+int32_t ema_desk_controller(const double* values, const int32_t* options, const double* command_mm,
+                            const double* feedback_mm, int32_t rows, double* output);
+
 #endif

@@ -101,8 +101,16 @@ class Layers(Tree):
 
     def test_private_header_from_port(self) -> None:
         """A port uses public headers."""
-        self.write("port/desk/desk.c", '\n#include "ema_motor.h"\n')
-        self.assertIn("port/desk/desk.c:2: a port includes the private header ema_motor.h", self.problem())
+        self.write("port/host/blocks.c", '\n#include "ema_motor.h"\n')
+        self.assertIn("port/host/blocks.c:2: a port includes the private header ema_motor.h", self.problem())
+
+    def test_the_desk_shows_blocks(self) -> None:
+        """The desk sees the blocks, and nothing above them."""
+        self.write("port/desk/desk.c", '#include "ema_motor.h"\n')
+        self.assertEqual(check_layers.check(self.root), ([], 13))
+        self.write("src/plant/ema_inner.h", "")
+        self.write("port/desk/inner.c", '#include "ema_inner.h"\n')
+        self.assertIn("port/desk/inner.c:1: a port includes the private header ema_inner.h", self.problem())
 
     def test_private_header_from_public(self) -> None:
         """A public header stands on public headers."""

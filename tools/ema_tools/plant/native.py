@@ -29,6 +29,8 @@ CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
 OUTPUTS = (*CHANNELS, "speed_mm_s")
 RECORD_COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
 _MESSAGE_BYTES = 1024
+SITES = ("PARAMETER", "FRICTION", "TORQUE", "LOAD", "VOLTAGE", "MOTOR", "PRESLIDING", "TRANSMISSION", "READING")
+POINT = ("current_A", "speed_rad_s", "angle_rad", "motor_mm", "voltage_V", "level_Nm")
 COMMAND_KINDS = ("chirp", "multisine", "triangle", "trapezoid", "step")
 COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "count", "time_s")
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
@@ -238,6 +240,11 @@ class Library:
         self._declare("ema_csv_table_fit", [c_char_p, real, c_int64, c_double, c_double, *text])
         self._declare("ema_desk_random", [c_int64, c_int64, c_int32, POINTER(c_uint32)])
         self._declare("ema_desk_status_text", [c_int32], c_char_p)
+        self._declare("ema_desk_adjusted", [real, whole, real])
+        self._declare("ema_desk_site", [real, whole, c_int32, real, c_int32, real])
+        self._declare("ema_desk_contact", [real, whole, real, c_int32, real])
+        self._declare("ema_desk_play", [real, whole, real, c_int32, c_double, real])
+        self._declare("ema_desk_controller", [real, whole, real, real, c_int32, real])
         self._check_lists()
 
     def _declare(self, name: str, arguments: list[object], result: object = c_int32) -> None:
@@ -498,6 +505,65 @@ class Library:
         bits = np.empty(count, dtype=np.uint32)
         self._lib.ema_desk_random(seed, stream, count, bits.ctypes.data_as(POINTER(c_uint32)))
         return bits
+
+    def adjusted(self, values: Reals, options: Integers) -> Reals:
+        """The values with what the effects at site PARAMETER make of them, in the same order."""
+        out = np.empty(values.size)
+        status = self._lib.ema_desk_adjusted(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(out))
+        self._raise_on(status, "adjusted", values, options)
+        return out
+
+    def site(self, values: Reals, options: Integers, site: str, points: Reals) -> Reals:
+        """Sum over the active effects of one of SITES that gives a number at a point; `points` [6, rows] by POINT, where READING means the rod's position. [rows]
+
+        Raises InputError for another site.
+        """
+        rows = np.shape(points)[-1]
+        out = np.empty(rows)
+        status = self._lib.ema_desk_site(
+            _doubles(values),
+            options.ctypes.data_as(POINTER(c_int32)),
+            SITES.index(site),
+            _doubles(_flat(points, (len(POINT), rows), "points")),
+            rows,
+            _doubles(out),
+        )
+        self._raise_on(status, f"site {site}", values, options)
+        return out
+
+    def contact(self, values: Reals, options: Integers, angle_rad: Reals) -> Reals:
+        """Share of the level of dry friction that a stretching contact carries along `angle_rad` [rows], unstretched at the first; zero without such an effect. [rows]"""
+        angle = np.ascontiguousarray(angle_rad, dtype=np.float64)
+        out = np.empty(angle.size)
+        status = self._lib.ema_desk_contact(
+            _doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(angle), angle.size, _doubles(out)
+        )
+        self._raise_on(status, "contact", values, options)
+        return out
+
+    def play(self, values: Reals, options: Integers, motor_mm: Reals, start_mm: float) -> Reals:
+        """Output of the play behind `motor_mm` [rows], from `start_mm`. [rows]"""
+        motor = np.ascontiguousarray(motor_mm, dtype=np.float64)
+        out = np.empty(motor.size)
+        status = self._lib.ema_desk_play(
+            _doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(motor), motor.size, float(start_mm), _doubles(out)
+        )
+        self._raise_on(status, "play", values, options)
+        return out
+
+    def controller(self, values: Reals, options: Integers, command_mm: Reals, feedback_mm: Reals) -> Reals:
+        """Normalised output of the control law for a command and a feedback as recorded, both [rows], one row per record period; encoder delay and resolution in it. [rows]
+
+        Raises InputError when the feedback is delayed by more steps than the module keeps.
+        """
+        command = np.ascontiguousarray(command_mm, dtype=np.float64)
+        feedback = _flat(feedback_mm, (command.size,), "feedback_mm")
+        out = np.empty(command.size)
+        status = self._lib.ema_desk_controller(
+            _doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(command), _doubles(feedback), command.size, _doubles(out)
+        )
+        self._raise_on(status, "controller", values, options)
+        return out
 
 
 @functools.cache
