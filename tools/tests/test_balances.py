@@ -13,7 +13,6 @@ from ema_tools.balances.balances import (
     Smoother,
     all_balances,
     noise_of,
-    played,
     quiet_smoother,
 )
 from ema_tools.base import leastsquares
@@ -172,11 +171,6 @@ def test_late_current_is_told_by_its_command(changes: dict[str, float]) -> None:
     bare = replace(record, current_A=None)
     assert percents(actuator, bare)["mechanical"] == pytest.approx(percents(actuator, record)["mechanical"], rel=1e-6)
     assert percents(actuator, bare)["mechanical"] < 0.6 * percents(reference_actuator().changed(ideal), bare)["mechanical"]
-
-
-def test_play_keeps_its_width() -> None:
-    motor = np.array([0.0, 1.0, 1.05, 0.95, 0.9, -1.0])
-    assert played(motor, 0.2, 0.0) == pytest.approx([0.0, 0.9, 0.95, 0.95, 0.95, -0.9])
 
 
 def test_noise_is_measured_and_lowers_the_filter() -> None:

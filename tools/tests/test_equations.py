@@ -140,6 +140,8 @@ def test_the_play_follows_at_half_its_width() -> None:
         position = min(max(position, place - 0.5 * width), place + 0.5 * width)
         expected.append(position)
     assert library().play(*actuator.arrays(), motor, 0.03) == pytest.approx(expected, abs=1e-15)
+    there_and_back = np.array([0.0, 1.0, 1.05, 0.95, 0.9, -1.0])
+    assert library().play(*actuator.arrays(), there_and_back, 0.0) == pytest.approx([0.0, 0.9, 0.95, 0.95, 0.95, -0.9])
 
 
 CONTROL = {

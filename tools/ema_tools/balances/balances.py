@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +25,7 @@ from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.library.definitions import load_definitions
+from ema_tools.plant.native import library
 
 BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 # Rows at both ends that carry the filters' edges: 50 at 1 kHz.
@@ -132,61 +133,42 @@ class Balance:
         return 100.0 * float(np.linalg.norm(self.residual)) / size if size > 0.0 else math.nan
 
 
+def acts(actuator: Actuator, site: str) -> bool:
+    """Whether an effect of a site is active."""
+    active = set(actuator.active_effects)
+    return any(effect.site == site and effect.name in active for effect in load_definitions().effects)
+
+
 def adjusted(actuator: Actuator) -> dict[str, float]:
     """The values with the enabled PARAMETER effects in them, by name."""
     values = dict(actuator.values)
-    for module, effect in _active(actuator, "PARAMETER"):
-        values.update(module.change_values(effect, values))
+    if acts(actuator, "PARAMETER"):
+        reals = load_definitions().reals
+        numbers = library().adjusted(*actuator.arrays())[: len(reals)]
+        values.update(zip((row.name for row in reals), numbers.tolist(), strict=True))
     return values
-
-
-def _active(actuator: Actuator, site: str) -> Iterator[tuple[Any, Any]]:
-    """The reference module and the values of every active effect of a site."""
-    active = set(actuator.active_effects)
-    names = [effect.name for effect in load_definitions().effects if effect.site == site and effect.name in active]
-    if not names:
-        return
-    from ema_tools.reference.actuator import build
-    from ema_tools.reference.effects import module_of
-
-    effects = build(actuator.values).effects
-    for name in names:
-        yield module_of(name), getattr(effects, name)
 
 
 def _at_points(
     actuator: Actuator,
     motion: Motion,
     site: str,
-    equation: str,
-    level_Nm: float | None = None,
+    level_Nm: float = 0.0,
     voltage_V: Reals | None = None,
     rows: NDArray[np.bool_] | None = None,
 ) -> Reals:
-    """Sum of an equation over the active effects of a site, on every row, or on `rows` and zero elsewhere; zeros at no cost when there are none.
+    """Sum over the active effects of a site, on every row, or on `rows` and zero elsewhere; zeros at no cost when there are none.
 
-    `level_Nm`: of friction, `voltage_V` [rows]: for equations that look at them.
+    `level_Nm`: of friction, `voltage_V` [rows]: for effects that look at them.
     """
     total = np.zeros(motion.speed_rad_s.size)
-    active = list(_active(actuator, site))
     kept = np.ones(total.size, dtype=bool) if rows is None else rows
-    if not active or not kept.any():
+    if not acts(actuator, site) or not kept.any():
         return total
-    from ema_tools.reference.actuator import plain
-    from ema_tools.reference.compiled import interpreted
-    from ema_tools.reference.point import Data, Point
-
-    terms = [(interpreted(getattr(module, equation)), plain(effect)) for module, effect in active]
-    given = () if level_Nm is None else (level_Nm,)
-    values = adjusted(actuator)
-    data = Data(
-        values["motor.torque_constant_Nm_per_A"], values["screw.viscous_Nm_s_per_rad"], values["screw.lead_mm"], values["drive.supply_V"]
-    )
     voltage = np.zeros(total.size) if voltage_V is None else voltage_V
-    columns = (motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage)
-    rows_at = zip(*(column[kept].tolist() for column in columns), strict=True)
-    points = (Point(current, speed, angle, motor, volts, data) for current, speed, angle, motor, volts in rows_at)
-    total[kept] = [sum(term(effect, *given, point) for term, effect in terms) for point in points]
+    level = np.full(total.size, level_Nm)
+    points = np.stack([motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage, level])
+    total[kept] = library().site(*actuator.arrays(), site, points[:, kept])
     return total
 
 
@@ -235,12 +217,9 @@ def drive_current(actuator: Actuator, record: Record, held: bool = False) -> Rea
 
 def _learned_reading_mm(actuator: Actuator, rod_mm: Reals) -> Reals:
     """What learned tables add to the rod sensor's reading, [rows]."""
-    functions = list(_active(actuator, "READING"))
-    if not functions:
-        return np.zeros_like(rod_mm)
     nothing = np.zeros_like(rod_mm)
     seen = Motion(nothing, nothing, nothing, rod_mm / actuator.lead_mm_per_rad, rod_mm)
-    return _at_points(actuator, seen, "READING", "reading_mm")
+    return _at_points(actuator, seen, "READING")
 
 
 def _read_right(actuator: Actuator, record: Record) -> Reals:
@@ -275,22 +254,9 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool
 
 def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
     """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
-    found = [float(effect.stretch_rad) for _, effect in _active(actuator, "PRESLIDING")]
-    direction = np.sign(motion.speed_rad_s)
-    return (stretched(motion.angle_rad, found[0]), True) if found else (direction, False)
-
-
-def stretched(angle_rad: Reals, stretch_rad: float) -> Reals:
-    """Share of the sliding level that a contact carries which stretches before it slides, [rows]: dz/dtheta = (1 - z sgn w) / stretch, from zero."""
-    turns = np.diff(angle_rad, prepend=angle_rad[:1])
-    out = np.empty_like(turns)
-    share = 0.0
-    for row, (side, kept) in enumerate(
-        zip(np.where(turns < 0.0, -1.0, 1.0).tolist(), np.exp(-np.abs(turns) / stretch_rad).tolist(), strict=True)
-    ):
-        share = side + (share - side) * kept
-        out[row] = share
-    return out
+    if acts(actuator, "PRESLIDING"):
+        return library().contact(*actuator.arrays(), motion.angle_rad), True
+    return np.sign(motion.speed_rad_s), False
 
 
 @dataclass(frozen=True)
@@ -353,23 +319,23 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
     motion = motion_of(actuator, record, use, held)
-    ripple = _at_points(actuator, motion, "MOTOR", "motor_change")
+    ripple = _at_points(actuator, motion, "MOTOR")
     drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:
         drive = np.clip(drive, -values["motor.torque_limit_Nm"], values["motor.torque_limit_Nm"])
     contact, elastic = _contact(actuator, motion)
     asymmetry = values["screw.friction_asymmetry"]
-    load = _at_points(actuator, motion, "LOAD", "load_Nm")
+    load = _at_points(actuator, motion, "LOAD")
     passed = load + values["screw.load_torque_Nm"]
     still = replace(motion, speed_rad_s=np.zeros_like(contact))
-    torque = _at_points(actuator, motion, "TORQUE", "torque_Nm")
+    torque = _at_points(actuator, motion, "TORQUE")
 
     def added(level: float, side: float, seen: Motion, rows: NDArray[np.bool_]) -> Reals:
         """What effects and efficiency add to a level of friction to one side; holds on `rows`."""
         passing = np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(
             passed
         )
-        return passing + _at_points(actuator, seen, "FRICTION", "level_change_Nm", level_Nm=level * (1.0 + side * asymmetry), rows=rows)
+        return passing + _at_points(actuator, seen, "FRICTION", level_Nm=level * (1.0 + side * asymmetry), rows=rows)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
     resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
@@ -486,8 +452,8 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     angle = 0.5 * (motor_rad[1:] + motor_rad[:-1])
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
     voltage = _mixed(record.voltage_V[:-1], *_split(adjusted(actuator)["drive.output_delay_s"] / period))
-    known = _at_points(actuator, middle, "VOLTAGE", "voltage_change_V", voltage_V=voltage)
-    ripple = _at_points(actuator, middle, "MOTOR", "motor_change")
+    known = _at_points(actuator, middle, "VOLTAGE", voltage_V=voltage)
+    ripple = _at_points(actuator, middle, "MOTOR")
     known -= adjusted(actuator)["motor.back_emf_V_s_per_rad"] * ripple * speed
 
     smoother = Smoother.of(period)
@@ -511,17 +477,6 @@ def electrical(actuator: Actuator, record: Record) -> Balance:
     return Balance("electrical", "V", model.time_s, model.voltage_V, residual)
 
 
-def played(motor_mm: Reals, width_mm: float, start_mm: float) -> Reals:
-    """Output of a play of full width `width_mm` that follows `motor_mm` [rows], from `start_mm`."""
-    half = 0.5 * width_mm
-    out = np.empty_like(motor_mm)
-    position = start_mm
-    for row, motor in enumerate(motor_mm.tolist()):
-        position = min(max(position, motor - half), motor + half)
-        out[row] = position
-    return out
-
-
 def kinematic(actuator: Actuator, record: Record) -> Balance:
     """Rod position minus the motor position behind the play, mm. Raises MissingSignal."""
     if record.motor_position_mm is None:
@@ -531,7 +486,7 @@ def kinematic(actuator: Actuator, record: Record) -> Balance:
         raise MissingSignal(f"{transmission} moves the rod on its own; compare position_mm instead")
     values = adjusted(actuator)
     gain, offset = 1.0 + values["encoder.rod_gain_error"], values["encoder.rod_offset_mm"]
-    rod = played(record.motor_position_mm, values["screw.blk_mm"], (float(record.position_mm[0]) - offset) / gain)
+    rod = library().play(*actuator.arrays(), record.motor_position_mm, (float(record.position_mm[0]) - offset) / gain)
     inner = Smoother.of(record.period_s).inner
     return Balance(
         "kinematic",
@@ -551,33 +506,17 @@ def feedback_of(actuator: Actuator, record: Record) -> Reals:
     raise MissingSignal("motor_position_mm is not recorded, and the loop is closed on the motor encoder")
 
 
-def controller_output(values: Mapping[str, float], command_mm: Reals, feedback_mm: Reals) -> Reals:
+def controller_output(actuator: Actuator, command_mm: Reals, feedback_mm: Reals) -> Reals:
     """Normalised output of the control law for measured command and feedback, both [rows], one row per record period.
 
     Raises MissingSignal when the control law runs between the rows.
     """
-    from ema_tools.reference import encoder, pid
-    from ema_tools.reference.actuator import build, plain
-    from ema_tools.reference.compiled import interpreted
-
-    part = build(values)
-    row_steps = part.timing.record_every_steps
-    if part.control.every_steps % row_steps:
+    row_steps = int(actuator["timing.record_every_steps"])
+    if int(actuator["control.every_steps"]) % row_steps:
         raise MissingSignal("the control law runs between the recorded rows")
-    if row_steps > 1 and part.encoder.delay_s > 0.0:
+    if row_steps > 1 and adjusted(actuator)["encoder.delay_s"] > 0.0:
         raise MissingSignal("the feedback's delay needs a row at every model step")
-    every_rows = part.control.every_steps // row_steps
-    period_s = part.control.every_steps * part.timing.step_s
-    history = feedback_mm.tolist()
-    law, sensor, step_s = plain(part.control), plain(part.encoder), float(part.timing.step_s)
-    run, seen_mm = interpreted(pid.run), interpreted(encoder.feedback_mm)
-    state = interpreted(pid.at_rest)()
-    out = np.empty(len(history))
-    for row, command in enumerate(command_mm.tolist()):
-        if row % every_rows == 0:
-            state = run(law, period_s, 1e-3 * command, 1e-3 * seen_mm(sensor, step_s, history, row), state)
-        out[row] = state.output
-    return out
+    return library().controller(*actuator.arrays(), command_mm, feedback_mm)
 
 
 def controller(actuator: Actuator, record: Record) -> Balance:
@@ -591,7 +530,7 @@ def controller(actuator: Actuator, record: Record) -> Balance:
             raise MissingSignal("the drive's command is not recorded, only the motor's voltage")
     else:
         scale = values["drive.supply_V"]
-    output = controller_output(values, record.command_mm, feedback_of(actuator, record))
+    output = controller_output(actuator, record.command_mm, feedback_of(actuator, record))
     inner = Smoother.of(record.period_s).inner
     return Balance("controller", "V", inner(record.time_s), inner(record.voltage_V), inner(record.voltage_V - scale * output))
 
