@@ -7,16 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools.balances.balances import (
-    BALANCES,
-    Balance,
-    Smoother,
-    all_balances,
-    noise_of,
-    quiet_smoother,
-)
+from ema_tools.balances.all import BALANCES, all_balances
+from ema_tools.balances.balance import Balance
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import quiet_smoother
 from ema_tools.base import leastsquares
 from ema_tools.base.errors import InputError
+from ema_tools.base.noise import white_noise
 from ema_tools.data.actuator import reference_actuator
 from support import chirp_record
 
@@ -175,9 +172,9 @@ def test_late_current_is_told_by_its_command(changes: dict[str, float]) -> None:
 
 def test_noise_is_measured_and_lowers_the_filter() -> None:
     record = chirp_record()
-    assert noise_of(record.position_mm) < 1e-6
+    assert white_noise(record.position_mm) < 1e-6
     noisy = record.with_noise({"position_mm": 0.005, "motor_position_mm": 0.005}, 1)
-    assert noise_of(noisy.position_mm) == pytest.approx(0.005, rel=0.05)
+    assert white_noise(noisy.position_mm) == pytest.approx(0.005, rel=0.05)
     assert quiet_smoother(reference_actuator(), record) == Smoother(record.period_s, 100.0)
     assert quiet_smoother(reference_actuator(), noisy).cutoff_hz < 100.0
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.balances.balances import mechanical, quiet_smoother
+from ema_tools.balances.mechanical import mechanical, quiet_smoother
 from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.data.emps import emps_actuator

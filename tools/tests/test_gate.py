@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.compare.validity import Gate, Remark, judge, lag_s
+from ema_tools.compare.validity import Gate, RecordRemark, judge, lag_s
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.emps import import_emps
 from ema_tools.data.records import Record
@@ -30,7 +30,7 @@ def repeats() -> list[Record]:
     return [replace(good(seed), file=f"repeat {seed}") for seed in range(1, 6)]
 
 
-def remark(gate: Gate, topic: str) -> Remark:
+def remark(gate: Gate, topic: str) -> RecordRemark:
     """The gravest remark on a topic."""
     return next(one for one in gate.remarks if one.topic == topic)
 

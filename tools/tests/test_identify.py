@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, read_record, write_record
-from ema_tools.plant.native import Search
+from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.identify import identify, weight_of
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
@@ -134,9 +134,9 @@ def test_missing_effect_is_not_called_a_fault() -> None:
 
 def test_seed_decides_the_path_and_nothing_else() -> None:
     record = read_record(RECORDINGS / "case_a.csv", reference_actuator())
-    first = identify(reference_actuator(), record, search=Search(seed=5))
-    second = identify(reference_actuator(), record, search=Search(seed=5))
-    third = identify(reference_actuator(), record, search=Search(seed=6))
+    first = identify(reference_actuator(), record, search=SearchSettings(seed=5))
+    second = identify(reference_actuator(), record, search=SearchSettings(seed=5))
+    third = identify(reference_actuator(), record, search=SearchSettings(seed=6))
     assert first.answer == second.answer
     assert first.costs == second.costs
     assert third.costs != first.costs
@@ -172,11 +172,11 @@ def test_weights_bring_in_other_channels() -> None:
         with pytest.raises(InputError, match=message):
             weight_of(text)
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
-    found = identify(reference_actuator(), record, search=Search(weight=(0.0, 0.0, 1.0, 0.0)))
+    found = identify(reference_actuator(), record, search=SearchSettings(weight=(0.0, 0.0, 1.0, 0.0)))
     assert found.answer.identified[0].estimate == pytest.approx(0.2, rel=1e-4)
     assert "mm2 s" not in found.sentence()
     with pytest.raises(InputError, match="current_A: weighted but not recorded"):
-        identify(reference_actuator(), replace(record, current_A=None), search=Search(weight=(0.0, 0.0, 1.0, 0.0)))
+        identify(reference_actuator(), replace(record, current_A=None), search=SearchSettings(weight=(0.0, 0.0, 1.0, 0.0)))
 
 
 def test_simulate_then_identify_on_the_command_line(tmp_path: Path) -> None:

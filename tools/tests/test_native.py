@@ -11,7 +11,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.library.definitions import load_definitions
-from ema_tools.plant.native import Library, LibraryError, Search, library
+from ema_tools.plant.native import Library, LibraryError, SearchSettings, library
 from support import chirp_record
 
 VALUES, OPTIONS = reference_actuator().arrays()
@@ -103,7 +103,7 @@ def test_progress_sees_the_search_and_can_end_it() -> None:
 def test_slices_and_threads_change_nothing() -> None:
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
     answers = each(
-        lambda steps: library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), Search(slice_steps=steps)),
+        lambda steps: library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), SearchSettings(slice_steps=steps)),
         [1, 777, 100_000, 777],
     )
     assert len(set(answers)) == 1
@@ -116,12 +116,12 @@ def test_search_takes_its_settings() -> None:
         OPTIONS,
         record.command_mm,
         record.table(),
-        Search(identified=("screw.csj_Nm",), lower=(0.1,), upper=(0.3,), start=(0.25,), evaluation_budget=150),
+        SearchSettings(identified=("screw.csj_Nm",), lower=(0.1,), upper=(0.3,), start=(0.25,), evaluation_budget=150),
     )
     assert [estimate.name for estimate in answer.identified] == ["screw.csj_Nm"]
     assert answer.identified[0].estimate == pytest.approx(0.2, abs=1e-5)
     assert answer.evaluations <= 155
-    short = library().identify(VALUES, OPTIONS, record.command_mm, record.table(), Search(evaluation_budget=5))
+    short = library().identify(VALUES, OPTIONS, record.command_mm, record.table(), SearchSettings(evaluation_budget=5))
     assert short.outcome == "budget"
     assert short.verdict == "undecided"
     assert any("used up" in reason for reason in short.reasons)

@@ -17,7 +17,7 @@ from ema_tools.benchmarks import onboard as benchmark
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.library.definitions import library_folder
-from ema_tools.plant.native import Search
+from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks import signature_table as onboard
 from ema_tools.tasks.export import fingerprint, header_text, signatures_text
 from ema_tools.tasks.identify import run as run_search
@@ -201,7 +201,7 @@ def test_session_behind_the_table(table: Signatures, tmp_path: Path) -> None:
     folder = _built(tmp_path, table, GUARDED)
     worn = {"screw.csj_Nm": 0.16, "screw.blk_mm": 0.05}
     record = _record(reference_actuator().changed(worn), 21)
-    plain = run_search(reference_actuator(), record, Search(), 32)
+    plain = run_search(reference_actuator(), record, SearchSettings(), 32)
     ((verdict, reasons, runs, _, *values),) = _run(folder, record)
     assert (verdict, reasons, plain.verdict) == ("1", "0", "fault")
     assert int(runs) < 0.8 * plain.evaluations

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools.compare.axes import Axis, explained, foretold, hats, motion_of
+from ema_tools.compare.axes import Axis, explained, foretold, hats, machine_state_of
 from ema_tools.compare.localisation import Where, binned, mean_record, where
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.fit.whitening import Whitener
@@ -184,9 +184,9 @@ def test_bins_hold_mean_band_and_share() -> None:
 
 def test_motion_tells_passes_and_halves_hold_both_directions() -> None:
     record = chirp_record()
-    from ema_tools.balances.balances import Smoother
+    from ema_tools.balances.filtering import Smoother
 
-    motion = motion_of(reference_actuator(), record, Smoother.of(record.period_s))
+    motion = machine_state_of(reference_actuator(), record, Smoother.of(record.period_s))
     half = motion.halves()
     assert motion.passes[-1] > 30
     for part in (half, ~half):

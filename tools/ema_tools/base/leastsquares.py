@@ -17,7 +17,7 @@ from ema_tools.base.errors import InputError
 
 
 @dataclass(frozen=True)
-class Fit:
+class LinearFit:
     """Parameters [p], their covariance [p, p], and the residual of every stretch of samples."""
 
     parameters: Reals
@@ -56,7 +56,7 @@ def _bandwidth(scores: Reals) -> int:
     return int(min(scores.shape[0] // 4, np.ceil(1.1447 * (alpha * scores.shape[0]) ** (1.0 / 3.0))))
 
 
-def fit(targets: Sequence[Reals], columns: Sequence[Reals], names: Sequence[str]) -> Fit:
+def fit(targets: Sequence[Reals], columns: Sequence[Reals], names: Sequence[str]) -> LinearFit:
     """Least squares of targets [samples] on columns [samples, p], one entry per unbroken stretch.
 
     Raises InputError that names a parameter which the data do not determine.
@@ -76,4 +76,4 @@ def fit(targets: Sequence[Reals], columns: Sequence[Reals], names: Sequence[str]
     residuals = tuple(target - column @ parameters for target, column in zip(targets, columns, strict=True))
     inverse = np.linalg.inv(scaled.T @ scaled)
     scores = sum(long_run(column / scale * residual[:, None]) for column, residual in zip(columns, residuals, strict=True))
-    return Fit(parameters, inverse @ scores @ inverse / np.outer(scale, scale), residuals)
+    return LinearFit(parameters, inverse @ scores @ inverse / np.outer(scale, scale), residuals)

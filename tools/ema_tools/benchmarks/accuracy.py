@@ -21,9 +21,9 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.cases import CASES, Case
+from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.data.records import Record, read_record
-from ema_tools.plant.native import CHANNELS, Search, library
+from ema_tools.plant.native import CHANNELS, SearchSettings, library
 
 IDENTIFIED = ("screw.csj_Nm", "screw.blk_mm")
 NOISE_MM = 0.005
@@ -66,17 +66,17 @@ class Trial:
 
 @dataclass(frozen=True)
 class _Job:
-    case: Case
+    case: PaperCase
     command_mm: Reals
     channels: Reals
-    search: Search
+    search: SearchSettings
 
 
 def _healthy(actuator: Actuator) -> Reals:
     return np.array([actuator[name] for name in IDENTIFIED])
 
 
-def faulty(actuator: Actuator, case: Case) -> Actuator:
+def faulty(actuator: Actuator, case: PaperCase) -> Actuator:
     """The actuator with the faults of `case`."""
     return actuator.changed({"screw.csj_Nm": case.csj_Nm, "screw.blk_mm": case.blk_mm})
 
@@ -113,7 +113,7 @@ def own(actuator: Actuator, chirp_mm: Reals, seeds: int, done: Done | None = Non
         made = library(32).simulate(*faulty(actuator, case).arrays(), chirp_mm)
         channels = np.column_stack([getattr(made, name) for name in CHANNELS])
         for seed, start in product(range(1, seeds + 1), starts):
-            jobs.append(_Job(case, chirp_mm, channels, Search(seed=seed, start=start, evaluation_budget=EVALUATION_BUDGET)))
+            jobs.append(_Job(case, chirp_mm, channels, SearchSettings(seed=seed, start=start, evaluation_budget=EVALUATION_BUDGET)))
     return _run(actuator, jobs, done)
 
 
@@ -128,7 +128,7 @@ def truth(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done
     for case in CASES:
         record = records[case.letter]
         for seed in range(1, seeds + 1):
-            jobs.append(_Job(case, record.command_mm, record.table(), Search(seed=seed, evaluation_budget=EVALUATION_BUDGET)))
+            jobs.append(_Job(case, record.command_mm, record.table(), SearchSettings(seed=seed, evaluation_budget=EVALUATION_BUDGET)))
     return _run(actuator, jobs, done)
 
 
@@ -138,11 +138,11 @@ def noise(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done
     for case in CASES:
         for seed in range(1, seeds + 1):
             record = records[case.letter].with_noise({"position_mm": NOISE_MM}, seed)
-            jobs.append(_Job(case, record.command_mm, record.table(), Search(seed=seed, evaluation_budget=EVALUATION_BUDGET)))
+            jobs.append(_Job(case, record.command_mm, record.table(), SearchSettings(seed=seed, evaluation_budget=EVALUATION_BUDGET)))
     return _run(actuator, jobs, done)
 
 
-def cramer_rao_percent(actuator: Actuator, case: Case, command_mm: Reals, share: float = _DIFFERENCE_SHARE) -> Reals:
+def cramer_rao_percent(actuator: Actuator, case: PaperCase, command_mm: Reals, share: float = _DIFFERENCE_SHARE) -> Reals:
     """Smallest standard error of CSJ and BLK that any unbiased estimate can have under NOISE_MM, [2], % of the healthy value.
 
     From the sensitivities of the rod position at the truth, central differences of `share` of the value with the float64 build.

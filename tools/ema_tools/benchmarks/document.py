@@ -14,7 +14,7 @@ from ema_tools.benchmarks.accuracy import (
     Trial,
 )
 from ema_tools.benchmarks.speed import Measured
-from ema_tools.data.cases import CASES, Case
+from ema_tools.data.cases import CASES, PaperCase
 
 _FAULTS = ("csj_Nm", "blk_mm")
 _NAMES = ("CSJ", "BLK")
@@ -71,7 +71,7 @@ healthy value (CSJ 0.138 Nm, BLK 0.033 mm). Only the rod position is used. Paper
 """
 
 
-def _paper_error(case: Case, name: str) -> float:
+def _paper_error(case: PaperCase, name: str) -> float:
     return abs(case.paper_shift_percent(name) - case.shift_percent(name))
 
 

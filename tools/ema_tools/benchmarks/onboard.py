@@ -24,7 +24,7 @@ from ema_tools.benchmarks.hidden.sealed import record_of
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.cases import CASES, HEALTHY_BLK_MM, HEALTHY_CSJ_NM
 from ema_tools.data.records import Record
-from ema_tools.plant.native import Identification, Search
+from ema_tools.plant.native import Identification, SearchSettings
 from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.identify import run
 from ema_tools.tasks.signature_table import RATE_HZ, SIGNALS, Judged, Signatures, judge, residual_of, signatures
@@ -153,12 +153,12 @@ class Guarded:
 def guarded(table: Signatures, kept: Kept) -> Guarded:
     """The record as ema_guarded_run treats it, and beside it the search without a table."""
     actuator = table.actuator
-    cold = run(actuator, kept.record, Search(), 32)
+    cold = run(actuator, kept.record, SearchSettings(), 32)
     first = judge(table, residual_of(table, kept.record))
     temperature = min(
         max(_WARMTH * cold.objective_before, actuator["search.function_tolerance_mm2s"]), actuator["search.initial_temperature_mm2s"]
     )
-    warm = run(actuator, kept.record, Search(start=_start(table, first), initial_temperature=temperature), 32)
+    warm = run(actuator, kept.record, SearchSettings(start=_start(table, first), initial_temperature=temperature), 32)
     at = actuator.changed({one.name: one.estimate for one in warm.identified})
     return Guarded(kept, cold, warm, judge(table, residual_of(table, kept.record, at), at))
 

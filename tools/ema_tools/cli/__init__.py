@@ -239,7 +239,7 @@ def identify(
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record, simulated
-    from ema_tools.plant.native import Search
+    from ema_tools.plant.native import SearchSettings
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.identify import weight_of
@@ -255,7 +255,7 @@ def identify(
             model,
             measured,
             references,
-            Search(seed=seed, weight=weight),
+            SearchSettings(seed=seed, weight=weight),
             seeds,
             int(precision),
             lambda run, _, best: bar.update(run, f"best {best:.3g}"),

@@ -18,11 +18,11 @@ from ema_tools.base.files import write_json
 from ema_tools.compare.comparison import compare
 from ema_tools.data import story
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
-from ema_tools.data.cases import CASES, Case
+from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.data.records import Record, read_record, simulated
 from ema_tools.library.definitions import library_folder
 from ema_tools.library.faults import FAULTS as CHANGEABLE
-from ema_tools.plant.native import Progress, Search
+from ema_tools.plant.native import Progress, SearchSettings
 from ema_tools.results.provenance import curves, provenance
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import answer
@@ -50,7 +50,7 @@ class Shipped:
     """One recording of the paper's cases: the case that it holds and the sensor noise in it."""
 
     file: str
-    case: Case
+    case: PaperCase
     noise: str = ""
 
 
@@ -204,7 +204,7 @@ def _command(output: Console, place: int, line: str) -> None:
 
 def _searched(unit: _Unit, actuator: Actuator) -> Found:
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
-        return identify(actuator, unit.today, search=Search(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
+        return identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
 
 
 def _verdict(found: Found) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ema_tools.balances.balances import Smoother
+from ema_tools.balances.filtering import Smoother
 from ema_tools.base.arrays import Reals
 from ema_tools.compare.comparison import since_reversal_s
 from ema_tools.data.actuator import Actuator
@@ -35,9 +35,12 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Motion:
-    """What moves, on every row [rows]: time s, motor speed rad/s, acceleration rad/s2, motor angle rad, motor position at the rod mm, rod position mm, direction -1, 0 or 1, time since
-    reversal s, and current A and voltage V where recorded. All from smoothed signals."""
+class MachineState:
+    """The machine on every row [rows]: time s, motor speed rad/s, acceleration rad/s2, motor angle rad, motor position at the rod mm, rod position mm, direction -1, 0 or 1, time since
+    reversal s, and current A and voltage V where recorded. All from smoothed signals.
+
+    What pictures are drawn against; any record has it. The balances' `Motion`, which equations are evaluated at, needs the motor's place and current and is refused without them.
+    """
 
     time_s: Reals
     speed_rad_s: Reals
@@ -51,14 +54,14 @@ class Motion:
     voltage_V: Reals | None
     lead_mm: float
 
-    def at(self, time_s: Reals) -> Motion:
+    def at(self, time_s: Reals) -> MachineState:
         """The same at other times, [samples]."""
 
         def there(values: Reals) -> Reals:
             return np.asarray(np.interp(time_s, self.time_s, values))
 
         rows = np.clip(np.searchsorted(self.time_s, time_s), 0, self.time_s.size - 1)
-        return Motion(
+        return MachineState(
             time_s,
             there(self.speed_rad_s),
             there(self.acceleration_rad_s2),
@@ -115,7 +118,7 @@ class Motion:
         return np.asarray(block % 2 == 0)
 
 
-def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
+def machine_state_of(actuator: Actuator, record: Record, smoother: Smoother) -> MachineState:
     """What moves in a record, from the motor encoder where it is recorded, else from the rod."""
     motor = record.position_mm if record.motor_position_mm is None else record.motor_position_mm
     period_s = record.period_s
@@ -124,7 +127,7 @@ def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
     speed = np.gradient(angle, period_s)
     fastest = float(np.max(np.abs(speed[smoother.edge_rows : -smoother.edge_rows]), initial=0.0))
     direction = np.sign(speed) * (np.abs(speed) > _RESTING_SHARE * fastest)
-    return Motion(
+    return MachineState(
         record.time_s,
         speed,
         np.gradient(speed, period_s),

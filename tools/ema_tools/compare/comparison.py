@@ -10,8 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ema_tools.balances.balances import BALANCES, Balance, Smoother, all_balances, filter_of, noise_of
+from ema_tools.balances.all import BALANCES, all_balances
+from ema_tools.balances.balance import Balance
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import filter_of
 from ema_tools.base.arrays import Reals
+from ema_tools.base.noise import white_noise
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
@@ -64,7 +68,7 @@ class BalanceError:
 
 
 @dataclass(frozen=True)
-class Place:
+class ErrorPart:
     """A part of a residual: which residual, by what it was divided, which part, its share of the squared residual and of the time."""
 
     source: str
@@ -92,7 +96,7 @@ class Comparison:
 
     channels: dict[str, ChannelError]
     balances: dict[str, BalanceError]
-    where: tuple[Place, ...]
+    where: tuple[ErrorPart, ...]
     sentence: str
     simulation: Simulation
 
@@ -168,7 +172,7 @@ def _with_own_noise(record: Record) -> Record:
     """The record with as much white noise again as it seems to hold, to see what noise makes of a result."""
     random = np.random.default_rng(1)
     measured = {name: record.recorded(name) for name in ("position_mm", "motor_position_mm", "current_A") if name in record.present}
-    return record.with_columns({name: values + random.normal(0.0, noise_of(values), record.rows) for name, values in measured.items()})
+    return record.with_columns({name: values + random.normal(0.0, white_noise(values), record.rows) for name, values in measured.items()})
 
 
 def _as_recorded(simulation: Simulation, record: Record) -> Record:
@@ -186,13 +190,13 @@ def _balance_error(found: Balance | str, noisy: Balance | str, own: Balance | st
 
 def _where(
     actuator: Actuator, record: Record, found: dict[str, Balance | str], errors: dict[str, Balance], balances: dict[str, BalanceError]
-) -> tuple[Place, ...]:
+) -> tuple[ErrorPart, ...]:
     """Every residual divided by state and frequency, and the balances among themselves, largest share first."""
     places = []
     weights = {name: error.excess_percent**2 for name, error in balances.items() if not error.reason}
     total = sum(weights.values())
     if total > 0.0:
-        places = [Place("all balances", "", name, weight / total, None) for name, weight in weights.items()]
+        places = [ErrorPart("all balances", "", name, weight / total, None) for name, weight in weights.items()]
     states = states_of(actuator, record)
     for balance in found.values():
         if isinstance(balance, Balance):
@@ -262,7 +266,7 @@ def since_reversal_s(direction: Reals, period_s: float) -> Reals:
     return np.asarray((rows - last) * period_s, dtype=np.float64)
 
 
-def divided(source: str, balance: Balance, states: list[State], first_time_s: float) -> list[Place]:
+def divided(source: str, balance: Balance, states: list[State], first_time_s: float) -> list[ErrorPart]:
     """Shares of one residual by every state and by frequency."""
     square = balance.residual**2
     total = float(np.sum(square))
@@ -276,11 +280,11 @@ def divided(source: str, balance: Balance, states: list[State], first_time_s: fl
             here: NDArray[np.bool_] = index == place
             share = float(np.sum(square[here])) / total
             if share > 0.0:
-                places.append(Place(source, state.by, part, share, float(np.mean(here))))
+                places.append(ErrorPart(source, state.by, part, share, float(np.mean(here))))
     return places
 
 
-def _by_frequency(source: str, balance: Balance) -> list[Place]:
+def _by_frequency(source: str, balance: Balance) -> list[ErrorPart]:
     """Shares of a residual by octaves from half a hertz."""
     period_s = float(balance.time_s[1] - balance.time_s[0]) if balance.time_s.size > 1 else 1.0
     power = np.abs(np.fft.rfft(balance.residual)) ** 2
@@ -293,7 +297,7 @@ def _by_frequency(source: str, balance: Balance) -> list[Place]:
         share = float(np.sum(power[octave == place]) / np.sum(power))
         low, high = (0.0, _LOWEST_BAND_HZ) if place == 0 else (_LOWEST_BAND_HZ * 2.0 ** (place - 1), _LOWEST_BAND_HZ * 2.0**place)
         if share > 0.0:
-            found.append(Place(source, "frequency", f"{low:g} to {high:g} Hz", share, None))
+            found.append(ErrorPart(source, "frequency", f"{low:g} to {high:g} Hz", share, None))
     return found
 
 
@@ -305,7 +309,7 @@ GROUPS = {
 }
 
 
-def _sentence(balances: dict[str, BalanceError], where: tuple[Place, ...], record: Record) -> str:
+def _sentence(balances: dict[str, BalanceError], where: tuple[ErrorPart, ...], record: Record) -> str:
     """The comparison in one sentence."""
     there = {name: error for name, error in balances.items() if not error.reason}
     if not there:

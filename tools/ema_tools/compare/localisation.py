@@ -15,10 +15,13 @@ from typing import Any
 import numpy as np
 from scipy import signal
 
-from ema_tools.balances.balances import BALANCES, Balance, Smoother, all_balances, filter_of
+from ema_tools.balances.all import BALANCES, all_balances
+from ema_tools.balances.balance import Balance
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import filter_of
 from ema_tools.base.arrays import Reals
-from ema_tools.compare.axes import Axis, Motion, explained, fitted_energy, motion_of
-from ema_tools.compare.comparison import FLOOR_MARGIN, GROUPS, TITLES, UNITS, Place, divided, judged_balances, states_of
+from ema_tools.compare.axes import Axis, MachineState, explained, fitted_energy, machine_state_of
+from ema_tools.compare.comparison import FLOOR_MARGIN, GROUPS, TITLES, UNITS, ErrorPart, divided, judged_balances, states_of
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
@@ -119,7 +122,7 @@ class Where:
     sentence: str
     blocks: tuple[Block, ...]
     channels: tuple[Channel, ...]
-    places: tuple[Place, ...]
+    places: tuple[ErrorPart, ...]
     pictures: dict[str, Any]
     residuals: dict[str, Balance] = field(repr=False)
     references: dict[str, Reference] = field(repr=False)
@@ -205,7 +208,7 @@ def coarse(balance: Balance, smoother: Smoother) -> Balance:
     return replace(balance, time_s=balance.time_s[::every], measured=kept(balance.measured), residual=kept(balance.residual))
 
 
-def terms_of(balance: str, motion: Motion) -> dict[str, list[Reals]]:
+def terms_of(balance: str, motion: MachineState) -> dict[str, list[Reals]]:
     """Simple terms on samples, by what is said of them; several columns where a term has a phase. All [samples]."""
     w, a, x = motion.speed_rad_s, motion.acceleration_rad_s2, motion.position_mm
     one, sign = np.ones_like(w), motion.direction
@@ -264,7 +267,7 @@ class Lines:
         kept = (smooth if smoother.every == 1 else signal.sosfiltfilt(smoother.low_pass, smooth))[:, :: smoother.every]
         return Lines(name, orders, np.stack([kept[: orders.size], kept[orders.size :]], axis=2))
 
-    def amplitudes(self, residual: Reals, at: Motion) -> tuple[Reals, Reals]:
+    def amplitudes(self, residual: Reals, at: MachineState) -> tuple[Reals, Reals]:
         """Amplitude of every order by least squares over the angle, which also holds for motion to and fro, and what noise of the residual's size makes of it, both
         [orders]; NaN where the filter leaves too little of an order."""
         # a constant, the sign of the motion and the speed are no lines
@@ -282,7 +285,7 @@ class Lines:
             chance[seen] = 2.0 * np.sqrt(np.mean(left**2) / power[seen])
         return found, chance
 
-    def strongest(self, residual: Reals, at: Motion) -> tuple[str, list[Reals]] | None:
+    def strongest(self, residual: Reals, at: MachineState) -> tuple[str, list[Reals]] | None:
         """The order that stands out most, as a term."""
         amplitudes, chance = self.amplitudes(residual, at)
         if not np.any(chance > 0.0):
@@ -291,14 +294,14 @@ class Lines:
         return f"in {self.orders[place]:g} periods per {self.name}", [self.waves[place, :, 0], self.waves[place, :, 1]]
 
 
-def lines_of(motion: Motion, smoother: Smoother) -> tuple[Lines, Lines]:
+def lines_of(motion: MachineState, smoother: Smoother) -> tuple[Lines, Lines]:
     """Orders per motor turn and per screw lead."""
     return Lines.of("motor turn", motion.angle_rad, _MOTOR_ORDERS, smoother), Lines.of(
         "screw lead", 2.0 * math.pi / motion.lead_mm * motion.motor_mm, _LEAD_ORDERS, smoother
     )
 
 
-def _terms(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> tuple[Term, ...]:
+def _terms(balance: Balance, motion: MachineState, lines: Sequence[Lines]) -> tuple[Term, ...]:
     """Every term with what it explains, best first."""
     at = motion.at(balance.time_s)
     half = at.halves()
@@ -317,7 +320,7 @@ def _terms(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> tuple[Te
     return tuple(sorted(found, key=lambda term: -term.explained))
 
 
-def _usual(actuator: Actuator, name: str, at: Motion) -> list[Reals]:
+def _usual(actuator: Actuator, name: str, at: MachineState) -> list[Reals]:
     """What the usual scatter of friction, grease and winding from run to run makes of a balance, as large as it is seldom, [samples] each."""
     found = []
     for balance, value, direction in (
@@ -334,7 +337,7 @@ _Judged = tuple[list[Block], dict[str, Balance], dict[str, Reference]]
 
 
 def _blocks_against_repeats(
-    actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, motion: Motion, lines: Sequence[Lines]
+    actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, motion: MachineState, lines: Sequence[Lines]
 ) -> _Judged:
     """Blocks with share 0 yet, and their judged residuals. The mean is taken of the balances, not of the signals: a play takes noise to one side."""
     count = len(healthy)
@@ -369,7 +372,7 @@ def _blocks_against_repeats(
     return blocks, residuals, references
 
 
-def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, lines: Sequence[Lines]) -> _Judged:
+def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother, motion: MachineState, lines: Sequence[Lines]) -> _Judged:
     """The same against the model, where noise and method are the floor."""
     found, errors = judged_balances(actuator, record, simulated(actuator, record), smoother)
     blocks, residuals = [], {}
@@ -467,7 +470,7 @@ def where(
     """
     mean = mean_record(healthy) if len(healthy) > 1 else None
     smoother = filter_of(actuator, record)
-    motion = motion_of(actuator, record, smoother)
+    motion = machine_state_of(actuator, record, smoother)
     lines = lines_of(motion, smoother)
     if mean is not None:
         raw, residuals, references = _blocks_against_repeats(actuator, record, healthy, smoother, motion, lines)
@@ -493,10 +496,10 @@ def where(
 
 def _places(
     actuator: Actuator, record: Record, blocks: Sequence[Block], residuals: dict[str, Balance], units: dict[str, Reals], smoother: Smoother
-) -> tuple[Place, ...]:
+) -> tuple[ErrorPart, ...]:
     """Parts of every telling balance and of every signal, the most telling first."""
     states = states_of(actuator, record)
-    places: list[Place] = []
+    places: list[ErrorPart] = []
     for block in blocks:
         if block.telling:
             places += divided(f"{block.name} balance", residuals[block.name], states, record.first_time_s)
@@ -507,7 +510,7 @@ def _places(
     return tuple(sorted(kept, key=lambda place: (-place.surprise, -place.share))[:_PLACES_MAX])
 
 
-def _sentence(blocks: Sequence[Block], channels: Sequence[Channel], places: Sequence[Place], relative: bool, record: Record) -> str:
+def _sentence(blocks: Sequence[Block], channels: Sequence[Channel], places: Sequence[ErrorPart], relative: bool, record: Record) -> str:
     there = [block for block in blocks if not block.reason]
     against = "the healthy repeats" if relative else "sensor noise and method"
     if not there:
@@ -576,7 +579,7 @@ def _pictures(
     actuator: Actuator,
     record: Record,
     smoother: Smoother,
-    motion: Motion,
+    motion: MachineState,
     lines: Sequence[Lines],
     residuals: dict[str, Balance],
     mean: Record | None,
@@ -604,7 +607,7 @@ def _pictures(
     return pictures
 
 
-def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: Motion) -> dict[str, Any]:
+def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: MachineState) -> dict[str, Any]:
     """Torque without inertia against speed: the measured points, their bins, and the bins of the model, or of the healthy repeats."""
     at = motion.at(judged.time_s)
     torque = judged.measured - actuator["screw.inertia_kgm2"] * at.acceleration_rad_s2
@@ -623,7 +626,7 @@ def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: M
     }
 
 
-def _orders(balance: Balance, motion: Motion, lines: Sequence[Lines]) -> dict[str, Any]:
+def _orders(balance: Balance, motion: MachineState, lines: Sequence[Lines]) -> dict[str, Any]:
     """Amplitudes over orders, in turns of the motor and in leads of the screw."""
     at = motion.at(balance.time_s)
     found: dict[str, Any] = {"unit": balance.unit}
@@ -642,7 +645,7 @@ def _thin(*columns: Reals) -> list[list[float]]:
 
 
 def _hysteresis(
-    actuator: Actuator, record: Record, smoother: Smoother, motion: Motion, mechanical: Balance | None, mean: Record | None
+    actuator: Actuator, record: Record, smoother: Smoother, motion: MachineState, mechanical: Balance | None, mean: Record | None
 ) -> dict[str, Any]:
     """Loops at reversals: rod minus motor position over motor position in um, of record, repeats and model; torque without inertia over position."""
     found: dict[str, Any] = {}

@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.balances.balances import Balance, all_balances
+from ema_tools.balances.all import all_balances
+from ema_tools.balances.balance import Balance
 from ema_tools.base.arrays import Reals
-from ema_tools.compare.axes import Axis, Halves, Motion, explained, hats, motion_of
+from ema_tools.compare.axes import Axis, Halves, MachineState, explained, hats, machine_state_of
 from ema_tools.compare.localisation import Reference, Where, binned, coarse, short
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
@@ -163,7 +164,7 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
 
     `actuator` holds the effects that are known by now; `found` is where the model without them failed on the same record, from which the healthy repeats are taken.
     """
-    motion = motion_of(actuator, record, found.smoother)
+    motion = machine_state_of(actuator, record, found.smoother)
     here = {
         name: coarse(one, found.smoother)
         for name, one in all_balances(actuator, record, found.smoother).items()
@@ -179,7 +180,7 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
     return tuple(sorted(unknowns, key=lambda one: -one.merit))
 
 
-def unknown_of(balance: Balance, motion: Motion, reference: Reference | None = None) -> Unknown:
+def unknown_of(balance: Balance, motion: MachineState, reference: Reference | None = None) -> Unknown:
     """The unknown that a balance's residual stands for; `reference`: what healthy repeats leave of the same balance."""
     what, sign, _ = KINDS[balance.name]
     turns, rod = balance.name == "mechanical", balance.name == "kinematic"
@@ -231,7 +232,7 @@ def _squared_share(balance: Balance) -> float:
     return (0.01 * relative) ** 2 if math.isfinite(relative) else 0.0
 
 
-def _ranked(values: Reals, at: Motion, half: Halves, turns: bool, rod: bool) -> tuple[Ranked, ...]:
+def _ranked(values: Reals, at: MachineState, half: Halves, turns: bool, rod: bool) -> tuple[Ranked, ...]:
     """Every axis, best first, the constant among them; `turns`: also as friction, against the motion; `rod`: over the rod's position."""
     leads = float(np.ptp(at.motor_mm)) / at.lead_mm
     found = []
@@ -303,7 +304,7 @@ def _stiffness(columns: Reals, periodic: bool) -> Reals:
     return weight * bend
 
 
-def _sentence(what: str, ranked: Sequence[Ranked], at: Motion) -> str:
+def _sentence(what: str, ranked: Sequence[Ranked], at: MachineState) -> str:
     best = ranked[0]
     if best.of_excess < REPEATS_SHARE:
         return f"the unknown {what} repeats with none of the axes: the best, {best.axis}, foretells {max(0.0, 100.0 * best.explained):.0f} % of it on other passes"

@@ -15,10 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, signal
 
-from ema_tools.balances.balances import Smoother, drive_current, filter_of, motor_position, noise_of
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import filter_of
+from ema_tools.balances.motion import drive_current, motor_position
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
-from ema_tools.compare.axes import Motion, motion_of
+from ema_tools.base.noise import white_noise
+from ema_tools.compare.axes import MachineState, machine_state_of
 from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
@@ -69,7 +72,7 @@ _ROWS_PER_PERIOD = 20.0
 
 
 @dataclass(frozen=True)
-class Remark:
+class RecordRemark:
     """One thing looked at: what about, how much it matters, a sentence, and what to do next (empty where nothing is to be done)."""
 
     topic: str
@@ -83,7 +86,7 @@ class Gate:
     """The judgement of a record. `signals`: by name whether it is there; `coverage`: numbers about the motion."""
 
     signals: dict[str, bool]
-    remarks: tuple[Remark, ...]
+    remarks: tuple[RecordRemark, ...]
     coverage: dict[str, float]
 
     @property
@@ -119,7 +122,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     smoother = Smoother.of(record.period_s)
     if record.rows < 4 * smoother.edge_rows:
         wanted = 4 * smoother.edge_rows * record.period_s
-        short = Remark(
+        short = RecordRemark(
             "coverage",
             "blocks",
             f"{record.file} has {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter",
@@ -127,7 +130,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
         )
         return Gate(present, (short,), {})
     smoother = filter_of(actuator, record)
-    motion = motion_of(actuator, record, smoother)
+    motion = machine_state_of(actuator, record, smoother)
     run = simulated(actuator, record)
     coverage = _coverage(actuator, record, motion, smoother)
     remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
@@ -144,16 +147,16 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
 
 
-def _signals(actuator: Actuator, record: Record) -> list[Remark]:
+def _signals(actuator: Actuator, record: Record) -> list[RecordRemark]:
     missing = [name for name in HIDES if record.channel(name) is None]
     found = []
     for name in missing:
         other = _instead(actuator, record, name)
         if other:
-            found.append(Remark("signals", "fine", f"{name} is not recorded; {other} stands for it"))
+            found.append(RecordRemark("signals", "fine", f"{name} is not recorded; {other} stands for it"))
         else:
-            found.append(Remark("signals", "weakens", f"{name} is not recorded: {HIDES[name]}", f"record {name} too"))
-    return found or [Remark("signals", "fine", "rod position, motor position, current and voltage are recorded")]
+            found.append(RecordRemark("signals", "weakens", f"{name} is not recorded: {HIDES[name]}", f"record {name} too"))
+    return found or [RecordRemark("signals", "fine", "rod position, motor position, current and voltage are recorded")]
 
 
 def _instead(actuator: Actuator, record: Record, name: str) -> str:
@@ -170,17 +173,19 @@ def _instead(actuator: Actuator, record: Record, name: str) -> str:
     return ""
 
 
-def _repeats(record: Record, healthy: Sequence[Record]) -> list[Remark]:
+def _repeats(record: Record, healthy: Sequence[Record]) -> list[RecordRemark]:
     if not healthy:
         text = "there are no healthy repeats, so what is smaller than the model's own standing error cannot be seen"
         return [
-            Remark("repeats", "weakens", text, "record the same command five times on the healthy machine and give them with --healthy")
+            RecordRemark(
+                "repeats", "weakens", text, "record the same command five times on the healthy machine and give them with --healthy"
+            )
         ]
     found = []
     for other in healthy:
         if other.rows != record.rows or not np.allclose(other.command_mm, record.command_mm, atol=1e-6):
             found.append(
-                Remark(
+                RecordRemark(
                     "repeats",
                     "blocks",
                     f"{other.file} holds another command than {record.file}",
@@ -189,14 +194,16 @@ def _repeats(record: Record, healthy: Sequence[Record]) -> list[Remark]:
             )
         elif other.period_s != record.period_s:
             found.append(
-                Remark("repeats", "blocks", f"{other.file} is sampled at another rate than {record.file}", "record both at one rate")
+                RecordRemark("repeats", "blocks", f"{other.file} is sampled at another rate than {record.file}", "record both at one rate")
             )
         elif float(np.max(np.abs(other.position_mm - record.position_mm))) <= _IDENTICAL:
-            found.append(Remark("repeats", "blocks", f"{other.file} is the record itself", "leave the record out of its healthy repeats"))
+            found.append(
+                RecordRemark("repeats", "blocks", f"{other.file} is the record itself", "leave the record out of its healthy repeats")
+            )
         lost = [name for name in record.present if name not in other.present]
         if lost:
             found.append(
-                Remark(
+                RecordRemark(
                     "repeats",
                     "weakens",
                     f"{other.file} lacks {', '.join(lost)}, which is then of no use in {record.file} either",
@@ -204,17 +211,19 @@ def _repeats(record: Record, healthy: Sequence[Record]) -> list[Remark]:
                 )
             )
     if len(healthy) < 3:
-        found.append(Remark("repeats", "weakens", f"{len(healthy)} healthy repeats show little of how the machine scatters", "record five"))
-    return found or [Remark("repeats", "fine", f"{len(healthy)} healthy repeats of the same command")]
+        found.append(
+            RecordRemark("repeats", "weakens", f"{len(healthy)} healthy repeats show little of how the machine scatters", "record five")
+        )
+    return found or [RecordRemark("repeats", "fine", f"{len(healthy)} healthy repeats of the same command")]
 
 
-def _coverage(actuator: Actuator, record: Record, motion: Motion, smoother: Smoother) -> dict[str, float]:
+def _coverage(actuator: Actuator, record: Record, motion: MachineState, smoother: Smoother) -> dict[str, float]:
     """Numbers about the motion: what moves how far, how fast, how often to and fro."""
     inner = smoother.inner
     speed, position, direction = inner(motion.speed_rad_s), inner(motion.position_mm), inner(motion.direction)
     fastest = float(np.max(np.abs(speed)))
     moving = direction[direction != 0.0]
-    stroke, noise = float(np.ptp(position)), noise_of(record.position_mm)
+    stroke, noise = float(np.ptp(position)), white_noise(record.position_mm)
     reversals = _turns(position, max(_TURN_SHARE * stroke, _TURN_NOISE * noise)) if stroke > 0.0 else 0
     power = np.abs(np.fft.rfft(speed)) ** 2
     reached = np.cumsum(power) / max(float(power.sum()), 1e-300)
@@ -260,18 +269,18 @@ def _turns(position: Reals, least_mm: float) -> int:
     return turns
 
 
-def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Remark]:
+def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[RecordRemark]:
     found = []
     if coverage["stroke_over_noise"] < _MOVING_MIN:
         text = f"the rod moves {coverage['stroke_mm']:.3g} mm, no more than its sensor's noise"
-        return [Remark("coverage", "blocks", text, "check that the drive was on; record a chirp of 2 mm or more")]
+        return [RecordRemark("coverage", "blocks", text, "check that the drive was on; record a chirp of 2 mm or more")]
     reversals, leads, turns = coverage["reversals"], coverage["stroke_leads"], coverage["stroke_motor_turns"]
     if reversals < _REVERSALS_MIN:
         text = f"{reversals:.0f} reversal{'' if reversals == 1.0 else 's'} show little of play, presliding and friction near standstill"
-        found.append(Remark("coverage", "weakens", text, "record a command that turns back ten times or more"))
+        found.append(RecordRemark("coverage", "weakens", text, "record a command that turns back ten times or more"))
     if not 10.0 < coverage["forward_percent"] < 90.0:
         found.append(
-            Remark(
+            RecordRemark(
                 "coverage",
                 "weakens",
                 "the rod moves in one direction only, so that friction, load and asymmetry look alike",
@@ -280,7 +289,7 @@ def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Re
         )
     if turns < 1.0:
         found.append(
-            Remark(
+            RecordRemark(
                 "coverage",
                 "weakens",
                 f"the motor turns {turns:.2g} of a turn, so that cogging and ripple look like a load",
@@ -289,21 +298,21 @@ def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Re
         )
     elif leads < 1.0:
         text = f"the stroke is {leads:.2g} of a screw lead, so that what repeats with the lead looks like what depends on position"
-        found.append(Remark("coverage", "weakens", text, f"record a stroke above {actuator['screw.lead_mm']:g} mm"))
+        found.append(RecordRemark("coverage", "weakens", text, f"record a stroke above {actuator['screw.lead_mm']:g} mm"))
     if coverage["inertia_share_percent"] < 10.0:
         text = f"acceleration takes {coverage['inertia_share_percent']:.2g} % of the torque, so that inertia, delays and compliance hardly show"
-        found.append(Remark("coverage", "weakens", text, "record higher frequencies"))
+        found.append(RecordRemark("coverage", "weakens", text, "record higher frequencies"))
     if coverage["viscous_share_percent"] < 2.0 and actuator["screw.viscous_Nm_s_per_rad"] > 0.0:
         text = f"viscous friction takes {coverage['viscous_share_percent']:.2g} % of the torque, so that effects that grow with speed hardly show"
-        found.append(Remark("coverage", "weakens", text, "record higher speeds"))
+        found.append(RecordRemark("coverage", "weakens", text, "record higher speeds"))
     if coverage["speed_bins_percent"] < 60.0:
         text = f"only {coverage['speed_bins_percent']:.0f} % of the range of speeds is visited, so that shapes over speed are guesses"
-        found.append(Remark("coverage", "weakens", text, "record a chirp or a multisine"))
+        found.append(RecordRemark("coverage", "weakens", text, "record a chirp or a multisine"))
     if found:
         return found
     reached = f"speeds to {coverage['fastest_rad_s']:.3g} rad/s, frequencies to {coverage['top_hz']:.2g} Hz"
     text = f"{reversals:.0f} reversals, {leads:.2g} leads, {reached}, {coverage['slow_percent']:.0f} % of the time near standstill"
-    return [Remark("coverage", "fine", text)]
+    return [RecordRemark("coverage", "fine", text)]
 
 
 def _alike(measured: Reals, model: Reals) -> tuple[float, float]:
@@ -315,7 +324,7 @@ def _alike(measured: Reals, model: Reals) -> tuple[float, float]:
     return float(mine @ its) / (sizes[0] * sizes[1]), sizes[0] / sizes[1]
 
 
-def _units(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
+def _units(actuator: Actuator, record: Record, run: Simulation) -> list[RecordRemark]:
     """Sign and scale of every signal beside the model's."""
     found = []
     for name in HIDES:
@@ -327,16 +336,16 @@ def _units(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
         correlation, scale = _alike(measured, model)
         if correlation == 0.0:
             found.append(
-                Remark("units", "blocks", f"{name} does not change while the command does", f"check that the {title} is connected")
+                RecordRemark("units", "blocks", f"{name} does not change while the command does", f"check that the {title} is connected")
             )
         elif correlation < _OPPOSITE:
-            found.append(Remark("units", "blocks", f"the {title} runs opposite to the model", f"change the sign of {name}"))
+            found.append(RecordRemark("units", "blocks", f"the {title} runs opposite to the model", f"change the sign of {name}"))
         elif not 1.0 / _SCALE_WRONG < scale < _SCALE_WRONG:
             guess = _unit_guess(name, scale, actuator)
-            found.append(Remark("units", "blocks", f"the {title} is {scale:.3g} times the model's{guess}", f"give {name} in {unit}"))
+            found.append(RecordRemark("units", "blocks", f"the {title} is {scale:.3g} times the model's{guess}", f"give {name} in {unit}"))
         elif correlation < _ALIKE:
             found.append(
-                Remark(
+                RecordRemark(
                     "units",
                     "weakens",
                     f"the {title} hardly follows the model (correlation {correlation:.2f})",
@@ -345,14 +354,14 @@ def _units(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
             )
         elif not 1.0 / _SCALE_DOUBTFUL < scale < _SCALE_DOUBTFUL:
             found.append(
-                Remark(
+                RecordRemark(
                     "units",
                     "weakens",
                     f"the {title} is {scale:.3g} times the model's",
                     f"check unit and scale of {name} and the actuator's data",
                 )
             )
-    return found or [Remark("units", "fine", "signs and scales agree with the model")]
+    return found or [RecordRemark("units", "fine", "signs and scales agree with the model")]
 
 
 def _unit_guess(name: str, scale: float, actuator: Actuator) -> str:
@@ -384,41 +393,49 @@ def lag_s(signal_one: Reals, signal_two: Reals, period_s: float, most_s: float =
     return (top - most) * period_s
 
 
-def _clock(actuator: Actuator, record: Record, run: Simulation, smoother: Smoother) -> list[Remark]:
+def _clock(actuator: Actuator, record: Record, run: Simulation, smoother: Smoother) -> list[RecordRemark]:
     """Lag of the record against the model, and between its own two positions."""
     found = []
     speed, model = np.gradient(smoother.smooth(record.position_mm)), np.gradient(smoother.smooth(run.position_mm))
     ahead = -lag_s(speed, np.gradient(record.command_mm), record.period_s)
     if ahead > _AHEAD_S:
         text = f"the rod moves {1e3 * ahead:.3g} ms before its command, which no machine does"
-        return [Remark("clock", "blocks", text, "check that command_mm and position_mm are not exchanged, and that one clock records both")]
+        return [
+            RecordRemark(
+                "clock", "blocks", text, "check that command_mm and position_mm are not exchanged, and that one clock records both"
+            )
+        ]
     late = lag_s(speed, model, record.period_s)
     # at low speed a play is a delay too
     played = 0.5 * actuator["screw.blk_mm"] / max(float(np.mean(np.abs(speed))) / record.period_s, 1e-9)
     if abs(late) > max(_LAG_DOUBTFUL_S, 2.5 * record.period_s) + played:
         side = "later" if late > 0.0 else "earlier"
         text = f"the rod comes {1e3 * abs(late):.3g} ms {side} than in the model, more than effects of the library usually make"
-        found.append(Remark("clock", "weakens", text, "check that command and signals are recorded by one clock, and the actuator's gains"))
+        found.append(
+            RecordRemark("clock", "weakens", text, "check that command and signals are recorded by one clock, and the actuator's gains")
+        )
     if record.motor_position_mm is not None:
         between = lag_s(speed, np.gradient(smoother.smooth(record.motor_position_mm)), record.period_s)
         if abs(between) > max(_LAG_BETWEEN_S, 1.5 * record.period_s) + played:
             text = f"rod and motor position are {1e3 * abs(between):.3g} ms apart"
-            found.append(Remark("clock", "weakens", text, "record both by one clock, or correct the delay of one of them"))
-    return found or [Remark("clock", "fine", f"the rod is {1e3 * abs(late):.2g} ms {'behind' if late >= 0.0 else 'ahead of'} the model")]
+            found.append(RecordRemark("clock", "weakens", text, "record both by one clock, or correct the delay of one of them"))
+    return found or [
+        RecordRemark("clock", "fine", f"the rod is {1e3 * abs(late):.2g} ms {'behind' if late >= 0.0 else 'ahead of'} the model")
+    ]
 
 
-def _sampling(actuator: Actuator, record: Record, coverage: dict[str, float]) -> list[Remark]:
+def _sampling(actuator: Actuator, record: Record, coverage: dict[str, float]) -> list[RecordRemark]:
     found = []
     if 1.0 / record.period_s < _ROWS_PER_PERIOD * coverage["top_hz"]:
         text = f"{1.0 / record.period_s:.3g} rows per second are few for a motion at {coverage['top_hz']:.3g} Hz"
-        found.append(Remark("sampling", "weakens", text, f"record {_ROWS_PER_PERIOD * coverage['top_hz']:.3g} Hz or more"))
+        found.append(RecordRemark("sampling", "weakens", text, f"record {_ROWS_PER_PERIOD * coverage['top_hz']:.3g} Hz or more"))
     if record.period_s > 1.5 * actuator["timing.step_s"] * actuator["control.every_steps"]:
         text = "the control law runs between the recorded rows, so that the controller cannot be judged exactly"
-        found.append(Remark("sampling", "weakens", text, "record at the rate of the control law"))
-    return found or [Remark("sampling", "fine", f"{1.0 / record.period_s:.4g} rows per second")]
+        found.append(RecordRemark("sampling", "weakens", text, "record at the rate of the control law"))
+    return found or [RecordRemark("sampling", "fine", f"{1.0 / record.period_s:.4g} rows per second")]
 
 
-def _saturation(actuator: Actuator, record: Record) -> list[Remark]:
+def _saturation(actuator: Actuator, record: Record) -> list[RecordRemark]:
     """The share of time in which the drive gives all it has and the loop is open."""
     voltage = record.voltage_V
     scale = actuator["drive.supply_V"] if actuator["drive.mode"] == 0.0 else actuator["drive.command_scale_V"]
@@ -428,15 +445,15 @@ def _saturation(actuator: Actuator, record: Record) -> list[Remark]:
     share = float(np.mean(np.abs(voltage) >= _LIMIT_SHARE * most))
     if share > _SATURATED_BLOCKS:
         return [
-            Remark(
+            RecordRemark(
                 "saturation", "blocks", f"the drive is at its limit {100.0 * share:.0f} % of the time", "record a smaller or slower command"
             )
         ]
     if share > _SATURATED_WEAKENS:
         text = f"the drive is at its limit {100.0 * share:.0f} % of the time, where the loop is open and the controller does not show"
-        return [Remark("saturation", "weakens", text, "record a smaller or slower command")]
+        return [RecordRemark("saturation", "weakens", text, "record a smaller or slower command")]
     return [
-        Remark(
+        RecordRemark(
             "saturation",
             "fine",
             f"the drive is at its limit {100.0 * share:.1f} % of the time, its largest output {100.0 * float(np.max(np.abs(voltage))) / most:.0f} %",
@@ -444,7 +461,7 @@ def _saturation(actuator: Actuator, record: Record) -> list[Remark]:
     ]
 
 
-def _clipping(record: Record) -> list[Remark]:
+def _clipping(record: Record) -> list[RecordRemark]:
     """Flat tops of current and speed: many samples at exactly the same extreme."""
     found = []
     for name in ("current_A", "speed_mm_s"):
@@ -457,7 +474,7 @@ def _clipping(record: Record) -> list[Remark]:
             if longest >= _CLIPPED_ROWS and abs(extreme) > 0.2 * float(np.max(np.abs(values))):
                 text = f"{name} stands at its {side} value {extreme:.4g} {UNITS[name]} for {longest} rows from row {start + 1}: its sensor clips, or the drive limits it"
                 found.append(
-                    Remark("clipping", "weakens", text, f"check the range of the {TITLES[name]}'s sensor against the drive's limit")
+                    RecordRemark("clipping", "weakens", text, f"check the range of the {TITLES[name]}'s sensor against the drive's limit")
                 )
     return found
 
@@ -474,7 +491,7 @@ def _stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-def _spikes(record: Record) -> list[Remark]:
+def _spikes(record: Record) -> list[RecordRemark]:
     """Samples that jump away from their neighbours on both sides and back."""
     found = []
     for name in HIDES:
@@ -486,19 +503,19 @@ def _spikes(record: Record) -> list[Remark]:
         # the widest step of the calm signal nearby: an edge of a command is no spike
         step = ndimage.maximum_filter1d(np.abs(np.diff(calm, prepend=calm[0])), _SPIKE_WINDOW)
         rows = np.flatnonzero(
-            away > np.maximum(np.maximum(_SPIKE_NOISE * noise_of(values), 2.0 * step), _SPIKE_SHARE * float(np.ptp(calm)))
+            away > np.maximum(np.maximum(_SPIKE_NOISE * white_noise(values), 2.0 * step), _SPIKE_SHARE * float(np.ptp(calm)))
         )
         if rows.size:
             first = int(rows[0])
             more = f", and so do {rows.size - 1} other rows" if rows.size > 1 else ""
             text = f"{name} jumps by {values[first] - calm[first]:+.3g} {UNITS[name]} in row {first + 1} and back{more}: no machine does"
             found.append(
-                Remark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again")
+                RecordRemark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again")
             )
     return found
 
 
-def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
+def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[RecordRemark]:
     """Samples that repeat while the model's signal moves on, the longest stretch of each signal: lost data, or a held sensor; a rod that stays may be seized, unless the motor turns on."""
     found = []
     for name in HIDES:
@@ -522,10 +539,12 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
                 and motor is not None
                 and np.ptp(motor[start : start + longest + 1]) > _PLAYS * actuator["screw.blk_mm"] + _STUCK_MOVES * np.ptp(motor)
             ):
-                found.append(Remark("stuck", "blocks", f"{text}motor turns on", "check the rod's sensor, and what joins it to the motor"))
+                found.append(
+                    RecordRemark("stuck", "blocks", f"{text}motor turns on", "check the rod's sensor, and what joins it to the motor")
+                )
             else:
                 found.append(
-                    Remark(
+                    RecordRemark(
                         "stuck",
                         "weakens",
                         f"{text}model moves on",
@@ -535,11 +554,11 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[Remark]:
     return found
 
 
-def _start(actuator: Actuator, record: Record, motion: Motion) -> list[Remark]:
+def _start(actuator: Actuator, record: Record, motion: MachineState) -> list[RecordRemark]:
     """The model starts at rest."""
     begun = slice(1, max(2, round(0.01 / record.period_s)))
     fastest = float(np.max(np.abs(motion.speed_rad_s)))
     if fastest > 0.0 and float(np.mean(np.abs(motion.speed_rad_s[begun]))) > 0.1 * fastest:
         text = "the rod already moves in the first rows, while the model starts at rest"
-        return [Remark("start", "weakens", text, "begin the recording before the command begins")]
+        return [RecordRemark("start", "weakens", text, "begin the recording before the command begins")]
     return []

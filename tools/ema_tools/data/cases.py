@@ -14,7 +14,7 @@ HEALTHY_BLK_MM = 0.033
 
 
 @dataclass(frozen=True)
-class Case:
+class PaperCase:
     """One case: what was put in, and what the paper found. CSJ in Nm at the motor shaft, BLK in mm at the rod."""
 
     letter: str
@@ -42,7 +42,7 @@ def _shift_percent(name: str, value: float) -> float:
 
 
 CASES = (
-    Case("A", "moderate seizure, low backlash", 0.3, 0.04125, 0.297, 0.0403, -99.94, 2535, 75.0),
-    Case("B", "low seizure, high backlash", 0.1449, 0.066, 0.14771, 0.06545, -96.5, 1651, 45.0),
-    Case("C", "one percent of each", 0.13938, 0.03333, 0.13896, 0.03608, -92.6, 1500, 40.0),
+    PaperCase("A", "moderate seizure, low backlash", 0.3, 0.04125, 0.297, 0.0403, -99.94, 2535, 75.0),
+    PaperCase("B", "low seizure, high backlash", 0.1449, 0.066, 0.14771, 0.06545, -96.5, 1651, 45.0),
+    PaperCase("C", "one percent of each", 0.13938, 0.03333, 0.13896, 0.03608, -92.6, 1500, 40.0),
 )

@@ -126,7 +126,7 @@ class Simulation:
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchSettings:
     """Settings of one identification; None keeps what the actuator's [search] and [verdict] tables say.
 
     `identified` are names of real values (`section.field`), `start` their first values (None: the healthy ones) and `lower`, `upper` their
@@ -149,7 +149,7 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class IdentifiedValue:
     """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value."""
 
     name: str
@@ -163,7 +163,7 @@ class Estimate:
 class Identification:
     """What the onboard session answers; objectives in mm^2 s when only the rod position is weighted."""
 
-    identified: tuple[Estimate, ...]
+    identified: tuple[IdentifiedValue, ...]
     objective_before: float
     objective_after: float
     residual_rms_mm: float
@@ -356,7 +356,7 @@ class Library:
         self._raise_on(status, "objective", values, options)
         return out.value
 
-    def _search(self, values: Reals, options: Integers, search: Search) -> _Search:
+    def _search(self, values: Reals, options: Integers, search: SearchSettings) -> _Search:
         raw = _Search()
         self._raise_on(
             self._lib.ema_desk_search_default(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(raw)),
@@ -392,7 +392,7 @@ class Library:
         options: Integers,
         command_mm: Reals,
         channels: Reals,
-        search: Search | None = None,
+        search: SearchSettings | None = None,
         progress: Progress | None = None,
     ) -> Identification:
         """Run the onboard session on a record: `command_mm` [rows], `channels` [rows, 4] (CHANNELS, NaN where not recorded).
@@ -402,7 +402,7 @@ class Library:
         """
         command = np.ascontiguousarray(command_mm, dtype=np.float64)
         measured = _flat(channels, (command.size, len(CHANNELS)), "channels")
-        raw = self._search(values, options, search or Search())
+        raw = self._search(values, options, search or SearchSettings())
         names = list(load_definitions().ids)
         raised: list[BaseException] = []
 
@@ -435,7 +435,7 @@ class Library:
             raise InputError(f"identify: sample {bad_row.value + 1} of the record: {self.status_text(status)}: correct the record")
         self._raise_on(status, "identify", values, options)
         identified = tuple(
-            Estimate(
+            IdentifiedValue(
                 names[raw.identified_id[place]],
                 result.estimate[place],
                 _std(result.std[place], result.reasons),

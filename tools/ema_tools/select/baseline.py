@@ -13,9 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ema_tools.balances.balances import noise_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
+from ema_tools.base.noise import white_noise
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
@@ -189,7 +189,7 @@ def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> 
     place = np.linspace(0.0, 1.0, lines)
     power = np.array([np.interp(place, np.linspace(0.0, 1.0, one.size), one) for one in evidence.noise])
     power = np.maximum(power, least_noise(measured)[:, None] ** 2)
-    level = np.array([noise_of(signal) for signal in measured])
+    level = np.array([white_noise(signal) for signal in measured])
     floor = float(np.sum(np.minimum(1.0, (level**2)[:, None] / power))) * record.rows / lines
     additive = _zeros_of_sensors(names, measured)
     return Evidence(
@@ -228,7 +228,7 @@ def gather(
         return _against_repeats(actuator, record, healthy, names, report)
     measured = measured_channels(record, names)
     start = start_of(actuator, record)
-    noise = np.array([noise_of(signal) for signal in measured])
+    noise = np.array([white_noise(signal) for signal in measured])
     level = np.maximum(noise, least_noise(measured))
     power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
     floor = float(np.sum((noise / level) ** 2)) * record.rows

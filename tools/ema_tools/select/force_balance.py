@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
-from ema_tools.balances.balances import MECHANICAL_PARAMETERS, Smoother, adjusted, mechanical, quiet_smoother
+from ema_tools.balances.effects import adjusted
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, quiet_smoother
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.progress import Report

@@ -12,7 +12,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ema_tools.balances.balances import Mechanical, Motion, Smoother, adjusted, mechanical_model, motion_of
+from ema_tools.balances.effects import adjusted
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import Mechanical, mechanical_model
+from ema_tools.balances.motion import Motion, motion_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.data.actuator import Actuator

@@ -14,19 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.balances.balances import (
-    ELECTRICAL_PARAMETERS,
-    MECHANICAL_PARAMETERS,
-    Mechanical,
-    adjusted,
-    electrical_model,
-    kinematic,
-    mechanical_model,
-    noise_of,
-)
+from ema_tools.balances.effects import adjusted
+from ema_tools.balances.electrical import ELECTRICAL_PARAMETERS, electrical_model
+from ema_tools.balances.kinematic import kinematic
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, Mechanical, mechanical_model
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
+from ema_tools.base.noise import white_noise
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
@@ -168,7 +163,9 @@ def _base_of(actuator: Actuator, name: str, effective: float) -> tuple[float, fl
     return actuator[name] + (effective - here) / slope, 1.0 / slope
 
 
-def _taken(actuator: Actuator, fitted: leastsquares.Fit, names: Sequence[str], scale: Sequence[float]) -> tuple[Actuator, list[Parameter]]:
+def _taken(
+    actuator: Actuator, fitted: leastsquares.LinearFit, names: Sequence[str], scale: Sequence[float]
+) -> tuple[Actuator, list[Parameter]]:
     """The actuator with the fitted effective values times `scale`, held inside their ranges."""
     found = []
     changes = {}
@@ -419,7 +416,7 @@ def calibrate(
     check_followed(fitted, records)
     parameters = [_begun(found[name], actuator) for name in free if name in found]
     after = channel_errors(fitted, records)
-    noise = {name: max(noise_of(record.recorded(name)) for record in records if name in record.present) for name in after}
+    noise = {name: max(white_noise(record.recorded(name)) for record in records if name in record.present) for name in after}
     return Calibration(fitted, tuple(parameters), before, after, noise, left_out)
 
 

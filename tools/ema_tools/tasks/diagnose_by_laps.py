@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ema_tools.balances.balances import mechanical
+from ema_tools.balances.mechanical import mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report
 from ema_tools.compare.localisation import Where, where

@@ -13,7 +13,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, nearest, row_of, shown
 from ema_tools.data.records import Record
-from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, library
+from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, library
 from ema_tools.select.beside_fault import Guarded, guard
 from ema_tools.tasks.diagnose import check_apart, size_text
 
@@ -83,7 +83,7 @@ class Identified:
             self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified)
         )
 
-    def _moved(self, estimate: Estimate) -> bool:
+    def _moved(self, estimate: IdentifiedValue) -> bool:
         beside = self.guarded.faults.get(estimate.name) if self.guarded is not None else None
         if beside is None:
             return False
@@ -185,7 +185,7 @@ class Identified:
         return f"Undecided, because {'; '.join(self.reasons)}: the search reads {shifts}, {found}."
 
 
-def _shift(estimate: Estimate, healthy: float) -> str:
+def _shift(estimate: IdentifiedValue, healthy: float) -> str:
     doubt = 100.0 * estimate.std / abs(healthy) if healthy else float("inf")
     title = TITLES.get(estimate.name, estimate.name)
     return f"{title} {estimate.shift_percent:+.{_decimals(doubt)}f} %"
@@ -236,7 +236,7 @@ def check_bounds(actuator: Actuator) -> None:
             )
 
 
-def check_record(actuator: Actuator, record: Record, search: Search) -> None:
+def check_record(actuator: Actuator, record: Record, search: SearchSettings) -> None:
     """Raises InputError when the search cannot begin: a healthy value or a bound that does not fit, or a weight on a signal that is not recorded."""
     for name, weight in zip(CHANNELS, search.weight or (), strict=False):
         if weight > 0.0 and record.channel(name) is None:
@@ -248,7 +248,7 @@ def check_record(actuator: Actuator, record: Record, search: Search) -> None:
     check_bounds(actuator)
 
 
-def run(actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None) -> Identification:
+def run(actuator: Actuator, record: Record, search: SearchSettings, bits: int, progress: Progress | None = None) -> Identification:
     """One search on one record. Raises InputError."""
     names = identified_of(actuator)
     if search.identified is None and len(names) < len(KEYS):
@@ -260,7 +260,7 @@ def run(actuator: Actuator, record: Record, search: Search, bits: int, progress:
     return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
 
 
-def baseline_of(actuator: Actuator, records: Sequence[Record], search: Search, bits: int) -> Baseline:
+def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSettings, bits: int) -> Baseline:
     """Healthy values as the same search reads them on healthy records, so that what it reads wrongly, it reads wrongly on both.
 
     Raises InputError when a healthy record does not determine them, or the model does not explain it.
@@ -292,7 +292,7 @@ def identify(
     actuator: Actuator,
     record: Record,
     healthy: Sequence[Record] = (),
-    search: Search | None = None,
+    search: SearchSettings | None = None,
     seeds: int = 1,
     bits: int = 32,
     progress: Progress | None = None,
@@ -303,7 +303,7 @@ def identify(
     Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches
     (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
     """
-    settings = search or Search()
+    settings = search or SearchSettings()
     check_record(actuator, record, settings)
     check_apart(record, healthy)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])

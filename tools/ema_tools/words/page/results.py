@@ -11,7 +11,7 @@ import numpy as np
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import read_json
-from ema_tools.data.cases import CASES, Case
+from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.words.page.reader import Reader, Series
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class Identified:
     adequate: bool
     reasons: tuple[str, ...]
     wall_s: float | None
-    case: Case | None
+    case: PaperCase | None
     noise: str
     search: Search | None
     curves: Curves | None
@@ -105,7 +105,7 @@ class Identified:
         return f"Case {self.case.letter}: {self.case.title}{', ' + self.noise if self.noise else ''}"
 
     @property
-    def paper(self) -> Case | None:
+    def paper(self) -> PaperCase | None:
         """What the paper prints for this record; it prints nothing for one with noise."""
         return None if self.noise else self.case
 

@@ -1,0 +1,91 @@
+"""The zero-phase filter through which every channel of a balance passes, and the decimation behind it.
+
+A Butterworth filter of fourth order, forward and backward, before differences are taken; edges are dropped, and the result is decimated to the filter's band.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from ema_tools.base.arrays import Reals
+
+# Rows at both ends that carry the filters' edges: 50 at 1 kHz.
+EDGE_S = 0.05
+_ORDER = 4
+_RATE_OVER_CUTOFF = 10
+_CUTOFF_MAX_HZ = 100.0
+
+
+@functools.cache
+def _butterworth(share: float) -> Reals:
+    """Second-order sections for a cutoff as share of half the sample rate."""
+    return np.asarray(signal.butter(_ORDER, share, output="sos"))
+
+
+@functools.cache
+def _chebyshev(every: int) -> Reals:
+    """Second-order sections in front of a decimation."""
+    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))
+
+
+@dataclass(frozen=True)
+class Smoother:
+    """The zero-phase filter of all channels and the decimation behind it."""
+
+    period_s: float
+    cutoff_hz: float
+
+    @staticmethod
+    def of(period_s: float) -> Smoother:
+        """The usual one: a tenth of the sample rate, at most 100 Hz."""
+        return Smoother(period_s, min(_CUTOFF_MAX_HZ, 1.0 / (_RATE_OVER_CUTOFF * period_s)))
+
+    @property
+    def every(self) -> int:
+        """Rows per decimated sample: its rate is the filter's cutoff."""
+        return max(1, round(1.0 / (self.cutoff_hz * self.period_s)))
+
+    @property
+    def edge_rows(self) -> int:
+        """Rows dropped at each end."""
+        return max(1, round(EDGE_S / self.period_s))
+
+    def smooth(self, values: Reals) -> Reals:
+        """Filtered forward and backward, [rows]."""
+        return np.asarray(signal.sosfiltfilt(_butterworth(2.0 * self.cutoff_hz * self.period_s), values))
+
+    @property
+    def low_pass(self) -> Reals:
+        """Second-order sections of the filter in front of the decimation."""
+        return _chebyshev(self.every)
+
+    def inner(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Without the edges, [rows - 2 edge_rows]."""
+        return values[self.edge_rows : -self.edge_rows]
+
+    def decimated(self, values: Reals) -> Reals:
+        """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples]."""
+        inner = self.inner(values)
+        return inner if self.every == 1 else np.asarray(signal.sosfiltfilt(self.low_pass, inner))[:: self.every]
+
+    def kept(self, values: NDArray[Any]) -> NDArray[Any]:
+        """The rows at which `decimated` has its samples, without filtering, [samples]."""
+        return self.inner(values)[:: self.every]
+
+
+def gain_of_noise(smoother: Smoother, derivatives: int) -> float:
+    """What smoothing and differences make of white noise of unit standard deviation: the norm of their impulse response."""
+    impulse = np.zeros(2 * round(10.0 / (smoother.cutoff_hz * smoother.period_s)) + 1)
+    impulse[impulse.size // 2] = 1.0
+    response = smoother.smooth(impulse)
+    for _ in range(derivatives):
+        response = np.gradient(response, smoother.period_s)
+    if derivatives == 2 and smoother.every > 1:
+        response = signal.sosfiltfilt(smoother.low_pass, response)
+    return float(np.linalg.norm(response))

@@ -1,0 +1,183 @@
+"""The mechanical balance: kt i - (J dw/dt + D w + F sgn w + load).
+
+While the shaft rests, friction is taken as whatever balances the torque, up to its static level. On the record of a real ball-screw axis this reproduces the published force
+error: A. Janot, M. Gautier, M. Brunot, Data Set and Reference Models of EMPS, 2019.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ema_tools.balances.balance import Balance
+from ema_tools.balances.effects import acts, adjusted, transmission_of
+from ema_tools.balances.filtering import Smoother, gain_of_noise
+from ema_tools.balances.motion import Motion, at_points, drive_current, motion_of, motor_position
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import MissingSignal
+from ema_tools.base.noise import white_noise
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.plant.native import library
+
+MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
+# The shaft rests where it stays below this share of its largest speed for at least this time.
+SLOW_SHARE = 0.01
+REST_S = 0.01
+# Largest noise of the inertia torque over the drive torque, by which the filter is chosen, and the lowest filter.
+NOISE_SHARE = 0.02
+CUTOFF_MIN_HZ = 12.5
+
+
+@dataclass(frozen=True)
+class Mechanical:
+    """The mechanical balance as a linear model on smoothed rows, all [rows] or [rows, 4].
+
+    drive = load + extra contact + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
+    one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
+    `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level backward and forward, where the shaft rests.
+    """
+
+    smoother: Smoother
+    drive_Nm: Reals
+    load_Nm: Reals
+    extra_Nm: Reals
+    static_extra_Nm: tuple[Reals, Reals]
+    contact: Reals
+    asymmetry: float
+    columns: Reals
+    time_s: Reals
+    resting: NDArray[np.bool_]
+
+    @property
+    def added_Nm(self) -> Reals:
+        """Torque of the friction that effects and efficiency add while sliding, against extension, [rows]."""
+        return self.extra_Nm * self.contact
+
+    def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
+        """What balances the torque, up to the static level, on every row; holds where the shaft rests. `parameters` [4] of the columns."""
+        net = self.drive_Nm - self.load_Nm - self.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
+        backward, forward = self.static_extra_Nm
+        return np.clip(net, -((1.0 - self.asymmetry) * static_Nm + backward), (1.0 + self.asymmetry) * static_Nm + forward)
+
+
+def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
+    """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
+    if acts(actuator, "PRESLIDING"):
+        return library().contact(*actuator.arrays(), motion.angle_rad), True
+    return np.sign(motion.speed_rad_s), False
+
+
+def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[np.bool_]:
+    """Rows of lasting rest, where friction may have any value up to its level. A reversal that only passes zero is none."""
+    inner = slice(smoother.edge_rows, -smoother.edge_rows)
+    fastest = float(np.max(np.abs(motion.speed_rad_s[inner]), initial=0.0))
+    slow = np.abs(motion.speed_rad_s) <= max(SLOW_SHARE * fastest, 3.0 * noise_rad_s)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(np.int8), [0]))))
+    resting = np.zeros(slow.size, dtype=bool)
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        if (last - first) * smoother.period_s >= REST_S:
+            resting[first:last] = True
+    return resting
+
+
+def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None, held: bool = False) -> Mechanical:
+    """Drive torque, what the effects add, and the columns of the base parameters; `held` as in `drive_current`. Raises MissingSignal."""
+    values = adjusted(actuator)
+    use = smoother or quiet_smoother(actuator, record)
+    motion = motion_of(actuator, record, use, held)
+    ripple = at_points(actuator, motion, "MOTOR")
+    drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
+    if values["motor.torque_limit_Nm"] > 0.0:
+        drive = np.clip(drive, -values["motor.torque_limit_Nm"], values["motor.torque_limit_Nm"])
+    contact, elastic = _contact(actuator, motion)
+    asymmetry = values["screw.friction_asymmetry"]
+    load = at_points(actuator, motion, "LOAD")
+    passed = load + values["screw.load_torque_Nm"]
+    still = replace(motion, speed_rad_s=np.zeros_like(contact))
+    torque = at_points(actuator, motion, "TORQUE")
+
+    def added(level: float, side: float, seen: Motion, rows: NDArray[np.bool_]) -> Reals:
+        """What effects and efficiency add to a level of friction to one side; holds on `rows`."""
+        passing = np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(
+            passed
+        )
+        return passing + at_points(actuator, seen, "FRICTION", level_Nm=level * (1.0 + side * asymmetry), rows=rows)
+
+    sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
+    resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
+    backward = contact < 0.0
+    return Mechanical(
+        smoother=use,
+        drive_Nm=drive,
+        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use),
+        extra_Nm=np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward)),
+        static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
+        contact=contact,
+        asymmetry=asymmetry,
+        columns=np.column_stack(
+            [motion.acceleration_rad_s2, motion.speed_rad_s, contact * (1.0 + asymmetry * np.sign(contact)), np.ones_like(contact)]
+        ),
+        time_s=record.time_s,
+        resting=resting,
+    )
+
+
+def _soft_mass_Nm(actuator: Actuator, record: Record, motion: Motion, smoother: Smoother) -> Reals:
+    """What a mass behind a soft transmission takes more than one that is rigidly coupled, as torque against extension, [rows]."""
+    if not transmission_of(actuator):
+        return np.zeros(record.rows)
+    mass_kg, lead_m = actuator["transmission_compliance.mass_kg"], 1e-3 * actuator.lead_mm_per_rad
+    rod_m = 1e-3 * smoother.smooth(record.position_mm) / (1.0 + adjusted(actuator)["encoder.rod_gain_error"])
+    acceleration = np.gradient(np.gradient(rod_m, record.period_s), record.period_s)
+    return np.asarray(mass_kg * lead_m * (acceleration - lead_m * motion.acceleration_rad_s2))
+
+
+def _speed_noise_rad_s(actuator: Actuator, record: Record, smoother: Smoother) -> float:
+    """Standard deviation that the position's white noise leaves on the smoothed speed."""
+    return white_noise(motor_position(actuator, record)) / actuator.lead_mm_per_rad * gain_of_noise(smoother, 1)
+
+
+def quiet_smoother(actuator: Actuator, record: Record) -> Smoother:
+    """The usual filter, or a lower one while sensor noise in the inertia torque exceeds its allowed share of the drive torque."""
+    values = adjusted(actuator)
+    drive = values["motor.torque_constant_Nm_per_A"] * drive_current(actuator, record)
+    noise_Nm = values["screw.inertia_kgm2"] * white_noise(motor_position(actuator, record)) / actuator.lead_mm_per_rad
+    smoother = Smoother.of(record.period_s)
+    allowed = NOISE_SHARE * float(np.std(drive))
+    while noise_Nm * gain_of_noise(smoother, 2) > allowed and smoother.cutoff_hz > CUTOFF_MIN_HZ:
+        smoother = Smoother(record.period_s, 0.5 * smoother.cutoff_hz)
+    return smoother
+
+
+def filter_of(actuator: Actuator, record: Record) -> Smoother:
+    """The filter of a record's mechanical balance; the usual one where there is no such balance."""
+    try:
+        return quiet_smoother(actuator, record)
+    except MissingSignal:
+        return Smoother.of(record.period_s)
+
+
+def mechanical(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Balance:
+    """Drive torque minus what the mechanics need, Nm at the motor shaft. At rest friction answers the torque up to its static level.
+
+    Raises MissingSignal.
+    """
+    model = mechanical_model(actuator, record, smoother)
+    values = adjusted(actuator)
+    static = values["screw.csj_Nm"]
+    parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
+    sliding = values["screw.dynamic_ratio"] * static * model.columns[:, 2] + model.added_Nm
+    friction = np.where(model.resting, model.friction_at_rest_Nm(parameters, static), sliding)
+    residual = model.drive_Nm - model.load_Nm - model.columns @ parameters - friction
+    use = model.smoother
+    return Balance(
+        "mechanical",
+        "Nm",
+        use.kept(model.time_s),
+        use.decimated(model.drive_Nm),
+        use.decimated(residual),
+        100.0 * float(np.mean(use.inner(model.resting))),
+    )

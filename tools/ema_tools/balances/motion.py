@@ -1,0 +1,125 @@
+"""The motor's current, speed, acceleration and angle as the equations need them, and what effects do there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from ema_tools.balances.effects import acts, adjusted, transmission_of
+from ema_tools.balances.filtering import Smoother
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import MissingSignal
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.plant.native import library
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motor signals on every row: current A, speed rad/s, acceleration rad/s2, angle rad, all smoothed; and the unsmoothed motor position mm."""
+
+    current_A: Reals
+    speed_rad_s: Reals
+    acceleration_rad_s2: Reals
+    angle_rad: Reals
+    motor_mm: Reals
+
+
+def at_points(
+    actuator: Actuator,
+    motion: Motion,
+    site: str,
+    level_Nm: float = 0.0,
+    voltage_V: Reals | None = None,
+    rows: NDArray[np.bool_] | None = None,
+) -> Reals:
+    """Sum over the active effects of a site, on every row, or on `rows` and zero elsewhere; zeros at no cost when there are none.
+
+    `level_Nm`: of friction, `voltage_V` [rows]: for effects that look at them.
+    """
+    total = np.zeros(motion.speed_rad_s.size)
+    kept = np.ones(total.size, dtype=bool) if rows is None else rows
+    if not acts(actuator, site) or not kept.any():
+        return total
+    voltage = np.zeros(total.size) if voltage_V is None else voltage_V
+    level = np.full(total.size, level_Nm)
+    points = np.stack([motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage, level])
+    total[kept] = library().site(*actuator.arrays(), site, points[:, kept])
+    return total
+
+
+def between_rows(values: Reals, rows: int, share: float) -> Reals:
+    """(1 - share) of `values` [rows] `rows` earlier and `share` of one more row earlier; the first and the last value go on beyond the record."""
+    place = np.arange(values.size) - rows
+    last = values.size - 1
+    return (1.0 - share) * values[np.clip(place, 0, last)] + share * values[np.clip(place - 1, 0, last)]
+
+
+def whole_and_rest(rows: float) -> tuple[int, float]:
+    """A delay in whole rows and the rest of one; what is a whole number but for rounding counts as one."""
+    whole = math.floor(rows + 1e-9)
+    return whole, max(rows - whole, 0.0)
+
+
+def drive_current(actuator: Actuator, record: Record, held: bool = False) -> Reals:
+    """The motor current, [rows]: as recorded, or from the command of a current drive that is never short of voltage.
+
+    A drive without lag and delay has the command of the row, as published models take it, which leads by half a row what is held from row to row. That half counts as soon as
+    a delay is known, or with `held`: the drive then has the mean of what it holds over half a row to both sides. Raises MissingSignal.
+    """
+    values = adjusted(actuator)
+    current_drive = values["drive.mode"] == 1.0
+    lag_s = values["drive.current_loop_s"]
+    delay = values["drive.output_delay_s"] / record.period_s
+    late, rest = whole_and_rest(delay)
+    whole, share = whole_and_rest(delay + 0.5)
+    stands = (delay == 0.0 and not held) or not current_drive or lag_s > 0.0
+    if record.current_A is not None:
+        # the row shows what the drive holds at its instant: with a part of a row of delay, still the command before
+        shown = late + (1 if rest > 0.0 else 0)
+        return record.current_A if stands else between_rows(record.current_A, whole - shown, share)
+    if not (current_drive and values["drive.command_scale_V"] > 0.0 and record.voltage_V is not None):
+        raise MissingSignal("current_A is not recorded")
+    asked = record.voltage_V * (values["drive.current_scale_A"] / values["drive.command_scale_V"])
+    if lag_s == 0.0:
+        return asked if stands else between_rows(asked, whole, share)
+    # exact for a reference that is held: over a row the older command acts first
+    fade, newer = math.exp(-record.period_s / lag_s), math.exp(-(1.0 - rest) * record.period_s / lag_s)
+    weights = (0.0, 1.0 - newer, newer - fade)
+    reference = between_rows(asked, late, 0.0)
+    start = signal.lfiltic(weights, (1.0, -fade), [reference[0]], [reference[0], reference[0]])
+    return np.asarray(signal.lfilter(weights, (1.0, -fade), reference, zi=start)[0])
+
+
+def learned_reading_mm(actuator: Actuator, rod_mm: Reals) -> Reals:
+    """What learned tables add to the rod sensor's reading, [rows]."""
+    nothing = np.zeros_like(rod_mm)
+    seen = Motion(nothing, nothing, nothing, rod_mm / actuator.lead_mm_per_rad, rod_mm)
+    return at_points(actuator, seen, "READING")
+
+
+def _read_right(actuator: Actuator, record: Record) -> Reals:
+    """The recorded rod position without what learned tables add to it, [rows]."""
+    return record.position_mm - learned_reading_mm(actuator, record.position_mm)
+
+
+def motor_position(actuator: Actuator, record: Record) -> Reals:
+    """The motor position at the rod in mm, [rows]; the rod's own where nothing lies between them. Raises MissingSignal."""
+    if record.motor_position_mm is not None:
+        return record.motor_position_mm
+    if actuator["screw.blk_mm"] == 0.0 and not transmission_of(actuator):
+        return (_read_right(actuator, record) - actuator["encoder.rod_offset_mm"]) / (1.0 + actuator["encoder.rod_gain_error"])
+    between = transmission_of(actuator) or "play"
+    raise MissingSignal(f"motor_position_mm is not recorded, and the rod follows the motor with {between}")
+
+
+def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool = False) -> Motion:
+    """Smoothed motor signals. Raises MissingSignal."""
+    motor_mm = motor_position(actuator, record)
+    angle = smoother.smooth(motor_mm) / actuator.lead_mm_per_rad
+    speed = np.gradient(angle, record.period_s)
+    return Motion(smoother.smooth(drive_current(actuator, record, held)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
