@@ -1,4 +1,4 @@
-# Effects of one's own, outside the project's files: a folder with own_effects.def and the files of its rows. docs/YOUR_OWN_EFFECT.md tells how.
+# Effects of one's own, outside the project's files: a folder with own_effects.def and the C files of its rows. docs/YOUR_OWN_EFFECT.md tells how.
 
 set(EMA_OWN_EFFECTS "" CACHE PATH "Folder with effects of your own; own_effects in the project's folder when empty")
 
@@ -24,12 +24,8 @@ if(PROJECT_IS_TOP_LEVEL)
 endif()
 if(EMA_OWN_FOLDER)
     file(GLOB EMA_OWN_SOURCES CONFIGURE_DEPENDS "${EMA_OWN_FOLDER}/*.c")
-    file(GLOB ema_own_files CONFIGURE_DEPENDS "${EMA_OWN_FOLDER}/own_effects.def" "${EMA_OWN_FOLDER}/*.py")
     message(STATUS "Own effects: ${EMA_OWN_FOLDER}")
     if(PROJECT_IS_TOP_LEVEL)
-        foreach(file IN LISTS ema_own_files)
-            get_filename_component(name "${file}" NAME)
-            configure_file("${file}" "${ema_own_copy}/${name}" COPYONLY)
-        endforeach()
+        configure_file("${EMA_OWN_FOLDER}/own_effects.def" "${ema_own_copy}/own_effects.def" COPYONLY)
     endif()
 endif()

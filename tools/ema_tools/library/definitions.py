@@ -214,7 +214,7 @@ def library_folder() -> Path:
 
 
 def own_folder() -> Path | None:
-    """Folder of the user's own effects that the libraries were built with: `own_effects.def` and references; None without any."""
+    """Folder of the user's own `own_effects.def` that the libraries were built with; None without any."""
     return _own_folder(library_folder())
 
 
@@ -405,6 +405,11 @@ def read_definitions(folder: Path, own: Path | None = None) -> Definitions:
 def load_definitions() -> Definitions:
     """Both lists from where `definition_folder` finds them, with the user's own effects of the libraries in use."""
     return read_definitions(definition_folder(), own_folder())
+
+
+def project_definitions() -> Definitions:
+    """Both lists as the project has them, without effects of the user's own."""
+    return read_definitions(definition_folder())
 
 
 def defaults() -> dict[str, float]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.library.definitions import Definitions, defaults, load_definitions
+from ema_tools.library.definitions import Definitions, defaults, project_definitions
 from ema_tools.reference.compiled import HAS_NUMBA
 
 
@@ -18,7 +18,7 @@ def _tuple_type(name: str, fields: Iterable[str]) -> Any:
     return namedtuple(name, fields)
 
 
-_DEFINITIONS: Definitions = load_definitions()
+_DEFINITIONS: Definitions = project_definitions()
 _BLOCK_SECTIONS = ("control", "drive", "motor", "gearbox", "screw", "encoder", "timing")
 _Effects = _tuple_type("Effects", [effect.name for effect in _DEFINITIONS.effects])
 Actuator = _tuple_type("Actuator", [*_BLOCK_SECTIONS, "effects"])

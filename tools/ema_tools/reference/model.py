@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ema_tools.library.definitions import defaults, load_definitions
+from ema_tools.library.definitions import defaults, project_definitions
 from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
 from ema_tools.reference.actuator import build, filled, is_active
 from ema_tools.reference.compiled import compiled
@@ -177,7 +177,7 @@ def prepared(values: Mapping[str, float]) -> plant.Plant:
     """
     complete = filled(values)
     whole = build(complete)
-    for effect in load_definitions().effects:
+    for effect in project_definitions().effects:
         if effect.site == "PARAMETER" and is_active(effect.name, complete):
             complete.update(module_of(effect.name).change_values(getattr(whole.effects, effect.name), complete))
     whole = build(complete)

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.library.definitions import load_definitions
+from ema_tools.library.definitions import project_definitions
 from ema_tools.reference.compiled import compiled
 from ema_tools.reference.effects import module_of
 from ema_tools.reference.point import Point
 
-_ROWS = load_definitions().effects
+_ROWS = project_definitions().effects
 EFFECT_MEMORY = sum(effect.memory for effect in _ROWS)
 FIRST_MEMORY = 3  # current, speed and angle stand before it
 

@@ -21,14 +21,10 @@ the effect's reference vector records: fields of the effect, and `section.field`
 
 from __future__ import annotations
 
-import functools
 import importlib
-import importlib.util
-from pathlib import Path
 from types import ModuleType
 
-from ema_tools.base.errors import InputError
-from ema_tools.library.definitions import load_definitions, own_folder
+from ema_tools.library.definitions import project_definitions
 
 SITE_FUNCTIONS = {
     "PARAMETER": ("change_values",),
@@ -46,12 +42,9 @@ SITE_FUNCTIONS = {
 def module_of(name: str) -> ModuleType:
     """The reference of the effect `name`.
 
-    Raises LookupError when the module or a function of its site is missing, InputError where it is the user's to write.
+    Raises LookupError when the module or a function of its site is missing.
     """
-    effect = load_definitions().effect(name)
-    site = effect.site
-    if effect.is_own:
-        return _own_module(name, site)
+    site = project_definitions().effect(name).site
     path = f"{__name__}.{name}"
     try:
         module = importlib.import_module(path)
@@ -64,24 +57,6 @@ def module_of(name: str) -> ModuleType:
     for needed in (*SITE_FUNCTIONS[site], "EXAMPLE"):
         if not hasattr(module, needed):
             raise LookupError(f"reference/effects/{name}.py: no {needed}, which site {site} needs: write it")
-    return module
-
-
-@functools.cache
-def _own_module(name: str, site: str) -> ModuleType:
-    """The reference of an effect of the user's own, as it lay beside the list when the libraries were built."""
-    path = (own_folder() or Path()) / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(f"own_effects_{name}", path)
-    if spec is None or spec.loader is None or not path.is_file():
-        needed = " and ".join(SITE_FUNCTIONS.get(site, ()))
-        raise InputError(
-            f"effects.{name}: its equation in Python is missing, which balances need: write {name}.py with {needed} beside own_effects.def and build again"
-        )
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    for needed in SITE_FUNCTIONS[site]:
-        if not hasattr(module, needed):
-            raise InputError(f"{path.name}: no {needed}, which site {site} needs: write it and build again")
     return module
 
 
