@@ -69,8 +69,8 @@ def test_bound_does_not_hang_on_the_difference(chirp_mm: np.ndarray) -> None:
         assert coarse == pytest.approx(fine, rel=2e-3)
 
 
-def _trial(letter: str, error: float, evaluations: float = 200.0) -> accuracy.Trial:
-    return accuracy.Trial(letter, np.full((2, 2), error), np.full((2, 2), error), np.full(2, evaluations))
+def _trial(letter: str, error: float, evaluations: float = 200.0) -> accuracy.SearchTrial:
+    return accuracy.SearchTrial(letter, np.full((2, 2), error), np.full((2, 2), error), np.full(2, evaluations))
 
 
 def test_missed_limits_are_named() -> None:

@@ -43,7 +43,7 @@ Done = Callable[[int], None]
 
 
 @dataclass(frozen=True)
-class Trial:
+class SearchTrial:
     """One case of one trial. `errors_percent` and `std_percent` are [searches, 2]: CSJ, BLK in % of the healthy value."""
 
     letter: str
@@ -81,7 +81,7 @@ def faulty(actuator: Actuator, case: PaperCase) -> Actuator:
     return actuator.changed({"screw.csj_Nm": case.csj_Nm, "screw.blk_mm": case.blk_mm})
 
 
-def _run(actuator: Actuator, jobs: list[_Job], done: Done | None) -> list[Trial]:
+def _run(actuator: Actuator, jobs: list[_Job], done: Done | None) -> list[SearchTrial]:
     """Every job on all cores; one trial per case, in the order of the cases."""
     values, options = actuator.arrays()
     healthy = _healthy(actuator)
@@ -97,11 +97,13 @@ def _run(actuator: Actuator, jobs: list[_Job], done: Done | None) -> list[Trial]
     trials = []
     for letter in dict.fromkeys(job.case.letter for job in jobs):
         own = [outcome for outcome in outcomes if outcome[0] == letter]
-        trials.append(Trial(letter, np.array([o[1] for o in own]), np.array([o[2] for o in own]), np.array([float(o[3]) for o in own])))
+        trials.append(
+            SearchTrial(letter, np.array([o[1] for o in own]), np.array([o[2] for o in own]), np.array([float(o[3]) for o in own]))
+        )
     return trials
 
 
-def own(actuator: Actuator, chirp_mm: Reals, seeds: int, done: Done | None = None) -> list[Trial]:
+def own(actuator: Actuator, chirp_mm: Reals, seeds: int, done: Done | None = None) -> list[SearchTrial]:
     """Records of the C model itself, float32: `seeds` x (healthy start + four corners of the bounds) per case; `chirp_mm` [rows]."""
     corners = product(
         (actuator["search.csj_lower_Nm"], actuator["search.csj_upper_Nm"]),
@@ -122,7 +124,7 @@ def truth_records(folder: Path) -> dict[str, Record]:
     return {case.letter: read_record(folder / f"case_{case.letter.lower()}.csv") for case in CASES}
 
 
-def truth(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done | None = None) -> list[Trial]:
+def truth(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done | None = None) -> list[SearchTrial]:
     """Noise-free records of the truth plant: `seeds` searches per case from the healthy values."""
     jobs = []
     for case in CASES:
@@ -132,7 +134,7 @@ def truth(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done
     return _run(actuator, jobs, done)
 
 
-def noise(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done | None = None) -> list[Trial]:
+def noise(actuator: Actuator, records: dict[str, Record], seeds: int, done: Done | None = None) -> list[SearchTrial]:
     """The truth plant's records with white noise of NOISE_MM on the rod position, another in each of `seeds` searches per case."""
     jobs = []
     for case in CASES:

@@ -11,7 +11,7 @@ from ema_tools.benchmarks.accuracy import (
     NOISE_MM,
     OWN_LIMIT_PERCENT,
     TRUTH_LIMIT_PERCENT,
-    Trial,
+    SearchTrial,
 )
 from ema_tools.benchmarks.speed import Measured
 from ema_tools.data.cases import CASES, PaperCase
@@ -20,7 +20,7 @@ _FAULTS = ("csj_Nm", "blk_mm")
 _NAMES = ("CSJ", "BLK")
 
 
-def missed(own: list[Trial], truth: list[Trial], noise: list[Trial], bounds: list[Reals]) -> list[str]:
+def missed(own: list[SearchTrial], truth: list[SearchTrial], noise: list[SearchTrial], bounds: list[Reals]) -> list[str]:
     """One line per limit that was not kept."""
     problems = []
     for title, trials, limits in (("own record", own, OWN_LIMIT_PERCENT), ("truth plant's record", truth, TRUTH_LIMIT_PERCENT)):
@@ -45,7 +45,13 @@ def missed(own: list[Trial], truth: list[Trial], noise: list[Trial], bounds: lis
 
 
 def written(
-    own: list[Trial], truth: list[Trial], noise: list[Trial], bounds: list[Reals], seeds: int, noise_seeds: int, speed: Measured | None
+    own: list[SearchTrial],
+    truth: list[SearchTrial],
+    noise: list[SearchTrial],
+    bounds: list[Reals],
+    seeds: int,
+    noise_seeds: int,
+    speed: Measured | None,
 ) -> str:
     """The document as Markdown."""
     parts = [
@@ -75,7 +81,7 @@ def _paper_error(case: PaperCase, name: str) -> float:
     return abs(case.paper_shift_percent(name) - case.shift_percent(name))
 
 
-def _own(trials: list[Trial], seeds: int) -> str:
+def _own(trials: list[SearchTrial], seeds: int) -> str:
     rows = []
     for case, trial in zip(CASES, trials, strict=True):
         for place, (name, shown) in enumerate(zip(_FAULTS, _NAMES, strict=True)):
@@ -93,7 +99,7 @@ def _own(trials: list[Trial], seeds: int) -> str:
 """
 
 
-def _truth(trials: list[Trial], seeds: int) -> str:
+def _truth(trials: list[SearchTrial], seeds: int) -> str:
     rows = [
         f"| {trial.letter} | {trial.worst_percent()[0]:.1e} | {trial.worst_percent()[1]:.1e} | {np.mean(trial.evaluations):.0f} | {np.max(trial.evaluations):.0f} |"
         for trial in trials
@@ -109,7 +115,7 @@ module. {seeds} seeds per case from the healthy values. Limits: CSJ {TRUTH_LIMIT
 """
 
 
-def _noise(trials: list[Trial], bounds: list[Reals], seeds: int) -> str:
+def _noise(trials: list[SearchTrial], bounds: list[Reals], seeds: int) -> str:
     rows = []
     for trial, bound in zip(trials, bounds, strict=True):
         for place, shown in enumerate(_NAMES):

@@ -36,7 +36,7 @@ _THRESHOLD_PERCENT = {"csj_Nm": 5.0, "blk_mm": 10.0}
 
 
 @dataclass(frozen=True)
-class Machine:
+class ShippedMachine:
     """One machine: its shipped record and its true values."""
 
     name: str
@@ -56,14 +56,14 @@ class Machine:
 
 
 MACHINES = (
-    Machine("healthy", "healthy.csv", 0.138, 0.033),
-    Machine("worn A", "case_a.csv", 0.3, 0.04125),
-    Machine("worn B", "case_b.csv", 0.1449, 0.066),
+    ShippedMachine("healthy", "healthy.csv", 0.138, 0.033),
+    ShippedMachine("worn A", "case_a.csv", 0.3, 0.04125),
+    ShippedMachine("worn B", "case_b.csv", 0.1449, 0.066),
 )
 
 
 @dataclass(frozen=True)
-class Sheet:
+class SpoiltTable:
     """What stands in the file: every array [rows]; NaN is written as such."""
 
     time_s: Reals
@@ -76,11 +76,11 @@ class Sheet:
         return "time_s,command_mm,position_mm\n" + "".join(f"{time:.9g},{command:.9g},{position:.9g}\n" for time, command, position in rows)
 
 
-Spoil = Callable[[Sheet, Record, np.random.Generator], Sheet]
+Spoil = Callable[[SpoiltTable, Record, np.random.Generator], SpoiltTable]
 
 
 @dataclass(frozen=True)
-class Fault:
+class InputFault:
     """One row of the table: `kind` and `strength` in words, what it does, and whether the verdict must still be the right one."""
 
     kind: str
@@ -90,11 +90,11 @@ class Fault:
     quick: bool = False
 
 
-def _with(sheet: Sheet, **columns: Reals) -> Sheet:
-    return Sheet(**{"time_s": sheet.time_s, "command_mm": sheet.command_mm, "position_mm": sheet.position_mm, **columns})
+def _with(sheet: SpoiltTable, **columns: Reals) -> SpoiltTable:
+    return SpoiltTable(**{"time_s": sheet.time_s, "command_mm": sheet.command_mm, "position_mm": sheet.position_mm, **columns})
 
 
-def _plain(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+def _plain(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
     return sheet
 
 
@@ -103,7 +103,7 @@ def _quantised(step_mm: float) -> Spoil:
 
 
 def _no_number(count: int, value: float) -> Spoil:
-    def spoil(sheet: Sheet, _record: Record, random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, random: np.random.Generator) -> SpoiltTable:
         position = sheet.position_mm.copy()
         position[random.choice(position.size, count, replace=False)] = value
         return _with(sheet, position_mm=position)
@@ -112,7 +112,7 @@ def _no_number(count: int, value: float) -> Spoil:
 
 
 def _stuck(first: int, rows: int) -> Spoil:
-    def spoil(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
         position = sheet.position_mm.copy()
         position[first : first + rows] = position[first]
         return _with(sheet, position_mm=position)
@@ -128,7 +128,7 @@ def _every(rows: int) -> Spoil:
 def _dropout(first: int, rows: int, times: int = 1) -> Spoil:
     """The reading falls to zero, `times` times over the record."""
 
-    def spoil(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
         position = sheet.position_mm.copy()
         for begin in np.linspace(first, position.size - rows, times).astype(int) if times > 1 else [first]:
             position[begin : begin + rows] = 0.0
@@ -138,10 +138,10 @@ def _dropout(first: int, rows: int, times: int = 1) -> Spoil:
 
 
 def _lost(first: int, rows: int, renumbered: bool) -> Spoil:
-    def spoil(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
         left = np.r_[0:first, first + rows : sheet.time_s.size]
         time = sheet.time_s[: left.size] if renumbered else sheet.time_s[left]
-        return Sheet(time, sheet.command_mm[left], sheet.position_mm[left])
+        return SpoiltTable(time, sheet.command_mm[left], sheet.position_mm[left])
 
     return spoil
 
@@ -149,7 +149,7 @@ def _lost(first: int, rows: int, renumbered: bool) -> Spoil:
 def _late(rows: int) -> Spoil:
     """The position stands `rows` rows too late beside its command; less than zero: too early."""
 
-    def spoil(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
         at = np.clip(np.arange(sheet.position_mm.size) - rows, 0, sheet.position_mm.size - 1)
         return _with(sheet, position_mm=sheet.position_mm[at])
 
@@ -157,7 +157,7 @@ def _late(rows: int) -> Spoil:
 
 
 def _spikes(count: int, height_mm: float) -> Spoil:
-    def spoil(sheet: Sheet, _record: Record, random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, random: np.random.Generator) -> SpoiltTable:
         position = sheet.position_mm.copy()
         places = random.choice(position.size, count, replace=False)
         position[places] += height_mm * random.choice((-1.0, 1.0), count)
@@ -169,7 +169,7 @@ def _spikes(count: int, height_mm: float) -> Spoil:
 def _clipped(share: float, sides: int = 2) -> Spoil:
     """The sensor's range ends at this share of the rod's way from its middle, on both sides or on the far one alone."""
 
-    def spoil(sheet: Sheet, record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, record: Record, _random: np.random.Generator) -> SpoiltTable:
         least, most = share * float(np.min(record.position_mm)), share * float(np.max(record.position_mm))
         return _with(sheet, position_mm=np.clip(sheet.position_mm, least if sides == 2 else -np.inf, most))
 
@@ -177,9 +177,9 @@ def _clipped(share: float, sides: int = 2) -> Spoil:
 
 
 def _cut(first: int, last: int) -> Spoil:
-    def spoil(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
         part = slice(first, last)
-        return Sheet(sheet.time_s[part], sheet.command_mm[part], sheet.position_mm[part])
+        return SpoiltTable(sheet.time_s[part], sheet.command_mm[part], sheet.position_mm[part])
 
     return spoil
 
@@ -187,7 +187,7 @@ def _cut(first: int, last: int) -> Spoil:
 def _jitter(std_s: float) -> Spoil:
     """Samples are taken at other instants than their rows say."""
 
-    def spoil(sheet: Sheet, _record: Record, random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, random: np.random.Generator) -> SpoiltTable:
         seen = np.interp(sheet.time_s + random.normal(0.0, std_s, sheet.time_s.size), sheet.time_s, sheet.position_mm)
         return _with(sheet, position_mm=seen)
 
@@ -202,7 +202,7 @@ def _stamps(std_s: float) -> Spoil:
 def _clock(share: float) -> Spoil:
     """The recorder's clock runs faster than the controller's: the same rows, taken over a longer or shorter time."""
 
-    def spoil(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+    def spoil(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
         return _with(sheet, position_mm=np.interp(sheet.time_s * (1.0 + share), sheet.time_s, sheet.position_mm))
 
     return spoil
@@ -212,8 +212,8 @@ def _gain(position: float, command: float = 1.0) -> Spoil:
     return lambda sheet, _record, _random: _with(sheet, position_mm=position * sheet.position_mm, command_mm=command * sheet.command_mm)
 
 
-def _swapped(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
-    return Sheet(sheet.time_s, sheet.position_mm, sheet.command_mm)
+def _swapped(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
+    return SpoiltTable(sheet.time_s, sheet.position_mm, sheet.command_mm)
 
 
 def _instead(column: str) -> Spoil:
@@ -238,96 +238,96 @@ def _other(amplitude_mm: float, end_hz: float) -> Spoil:
     return lambda sheet, _record, _random: _with(sheet, command_mm=_chirp_mm(sheet.time_s, amplitude_mm, end_hz))
 
 
-def _backwards(sheet: Sheet, _record: Record, _random: np.random.Generator) -> Sheet:
+def _backwards(sheet: SpoiltTable, _record: Record, _random: np.random.Generator) -> SpoiltTable:
     return _with(sheet, command_mm=sheet.command_mm[::-1])
 
 
 FAULTS = (
-    Fault("none", "as recorded", _plain, decided=True, quick=True),
-    Fault("resolution", "1 um", _quantised(0.001), decided=True),
-    Fault("resolution", "5 um", _quantised(0.005), decided=True),
-    Fault("resolution", "10 um", _quantised(0.010)),
-    Fault("resolution", "20 um", _quantised(0.020)),
-    Fault("resolution", "0.1 mm", _quantised(0.1)),
-    Fault("no number", "one NaN", _no_number(1, np.nan), quick=True),
-    Fault("no number", "1 % NaN", _no_number(100, np.nan)),
-    Fault("no number", "one infinity", _no_number(1, np.inf)),
-    Fault("stuck sensor", "20 ms", _stuck(6200, 20)),
-    Fault("stuck sensor", "50 ms", _stuck(6200, 50), quick=True),
-    Fault("stuck sensor", "0.2 s", _stuck(6200, 200)),
-    Fault("stuck sensor", "0.2 s at a reversal", _stuck(1550, 200)),
-    Fault("stuck sensor", "2 s", _stuck(6200, 2000)),
-    Fault("stuck sensor", "from 0.5 s on", _stuck(500, 9500)),
-    Fault("stuck sensor", "throughout", _stuck(0, 10000)),
-    Fault("old values", "new one every 2 ms", _every(2)),
-    Fault("old values", "new one every 5 ms", _every(5)),
-    Fault("old values", "new one every 20 ms", _every(20)),
-    Fault("dropout to zero", "1 row", _dropout(6200, 1), quick=True),
-    Fault("dropout to zero", "10 rows", _dropout(6200, 10)),
-    Fault("dropout to zero", "0.5 s", _dropout(6200, 500)),
-    Fault("dropout to zero", "1 row, 50 times", _dropout(100, 1, 50)),
-    Fault("lost rows", "1, time tells", _lost(6200, 1, False)),
-    Fault("lost rows", "100, time tells", _lost(6200, 100, False)),
-    Fault("lost rows", "1, renumbered", _lost(6200, 1, True)),
-    Fault("lost rows", "10, renumbered", _lost(6200, 10, True)),
-    Fault("lost rows", "100, renumbered", _lost(6200, 100, True)),
-    Fault("spikes", "1 of 0.05 mm", _spikes(1, 0.05)),
-    Fault("spikes", "1 of 0.5 mm", _spikes(1, 0.5)),
-    Fault("spikes", "1 of 5 mm", _spikes(1, 5.0), quick=True),
-    Fault("spikes", "1 of 100 mm", _spikes(1, 100.0)),
-    Fault("spikes", "20 of 0.05 mm", _spikes(20, 0.05)),
-    Fault("spikes", "20 of 0.5 mm", _spikes(20, 0.5)),
-    Fault("spikes", "500 of 0.05 mm", _spikes(500, 0.05)),
-    Fault("saturation", "at 99.9 % of the peak", _clipped(0.999)),
-    Fault("saturation", "at 99.5 %", _clipped(0.995)),
-    Fault("saturation", "at 99 %", _clipped(0.99), quick=True),
-    Fault("saturation", "at 97 %", _clipped(0.97)),
-    Fault("saturation", "at 90 %", _clipped(0.90)),
-    Fault("saturation", "at 50 %", _clipped(0.50)),
-    Fault("saturation", "at 99.5 %, one side", _clipped(0.995, 1)),
-    Fault("saturation", "at 99 %, one side", _clipped(0.99, 1)),
-    Fault("saturation", "at 90 %, one side", _clipped(0.90, 1)),
-    Fault("cut record", "last 1 s missing", _cut(0, 9000)),
-    Fault("cut record", "first 3 s alone", _cut(0, 3000)),
-    Fault("cut record", "first 0.5 s alone", _cut(0, 500)),
-    Fault("cut record", "first 50 ms alone", _cut(0, 50)),
-    Fault("cut record", "first 0.2 s missing", _cut(200, 10000)),
-    Fault("cut record", "first 5 s missing", _cut(5000, 10000)),
-    Fault("time jitter", "of the samples, 20 us rms", _jitter(2.0e-5)),
-    Fault("time jitter", "of the samples, 0.1 ms rms", _jitter(1.0e-4)),
-    Fault("time jitter", "of the samples, 0.5 ms rms", _jitter(5.0e-4), quick=True),
-    Fault("time jitter", "of the samples, 2 ms rms", _jitter(2.0e-3)),
-    Fault("time jitter", "of the written instants, 10 us", _stamps(1.0e-5)),
-    Fault("time jitter", "of the written instants, 0.2 ms", _stamps(2.0e-4)),
-    Fault("clock", "0.01 % fast", _clock(1.0e-4)),
-    Fault("clock", "0.1 % fast", _clock(1.0e-3)),
-    Fault("clock", "1 % fast", _clock(1.0e-2)),
-    Fault("lag", "1 ms late", _late(1)),
-    Fault("lag", "1 ms early", _late(-1)),
-    Fault("lag", "5 ms late", _late(5)),
-    Fault("lag", "50 ms late", _late(50)),
-    Fault("wrong sign", "of the position", _gain(-1.0), quick=True),
-    Fault("wrong sign", "of the command", _gain(1.0, -1.0)),
-    Fault("wrong scale", "position 0.1 % large", _gain(1.001)),
-    Fault("wrong scale", "position 0.5 % small", _gain(0.995)),
-    Fault("wrong scale", "position 2 % small", _gain(0.98)),
-    Fault("wrong scale", "command 1 % large", _gain(1.0, 1.01)),
-    Fault("wrong scale", "position in metres", _gain(1.0e-3)),
-    Fault("offset", "10 um", _offset(0.01)),
-    Fault("offset", "0.1 mm", _offset(0.1)),
-    Fault("offset", "1 mm", _offset(1.0)),
-    Fault("drift", "10 um", _drift(0.01)),
-    Fault("drift", "0.1 mm", _drift(0.1)),
-    Fault("swapped channels", "command and position", _swapped, quick=True),
-    Fault("swapped channels", "motor position as position", _instead("motor_position_mm")),
-    Fault("swapped channels", "current as position", _instead("current_A")),
-    Fault("swapped channels", "command as position", _instead("command_mm")),
-    Fault("another command", "chirp to 4.01 Hz", _other(2.0, 4.01)),
-    Fault("another command", "chirp to 4.2 Hz", _other(2.0, 4.2), quick=True),
-    Fault("another command", "chirp to 8 Hz", _other(2.0, 8.0)),
-    Fault("another command", "2.01 mm", _other(2.01, 4.0)),
-    Fault("another command", "2.2 mm", _other(2.2, 4.0)),
-    Fault("another command", "backwards", _backwards),
+    InputFault("none", "as recorded", _plain, decided=True, quick=True),
+    InputFault("resolution", "1 um", _quantised(0.001), decided=True),
+    InputFault("resolution", "5 um", _quantised(0.005), decided=True),
+    InputFault("resolution", "10 um", _quantised(0.010)),
+    InputFault("resolution", "20 um", _quantised(0.020)),
+    InputFault("resolution", "0.1 mm", _quantised(0.1)),
+    InputFault("no number", "one NaN", _no_number(1, np.nan), quick=True),
+    InputFault("no number", "1 % NaN", _no_number(100, np.nan)),
+    InputFault("no number", "one infinity", _no_number(1, np.inf)),
+    InputFault("stuck sensor", "20 ms", _stuck(6200, 20)),
+    InputFault("stuck sensor", "50 ms", _stuck(6200, 50), quick=True),
+    InputFault("stuck sensor", "0.2 s", _stuck(6200, 200)),
+    InputFault("stuck sensor", "0.2 s at a reversal", _stuck(1550, 200)),
+    InputFault("stuck sensor", "2 s", _stuck(6200, 2000)),
+    InputFault("stuck sensor", "from 0.5 s on", _stuck(500, 9500)),
+    InputFault("stuck sensor", "throughout", _stuck(0, 10000)),
+    InputFault("old values", "new one every 2 ms", _every(2)),
+    InputFault("old values", "new one every 5 ms", _every(5)),
+    InputFault("old values", "new one every 20 ms", _every(20)),
+    InputFault("dropout to zero", "1 row", _dropout(6200, 1), quick=True),
+    InputFault("dropout to zero", "10 rows", _dropout(6200, 10)),
+    InputFault("dropout to zero", "0.5 s", _dropout(6200, 500)),
+    InputFault("dropout to zero", "1 row, 50 times", _dropout(100, 1, 50)),
+    InputFault("lost rows", "1, time tells", _lost(6200, 1, False)),
+    InputFault("lost rows", "100, time tells", _lost(6200, 100, False)),
+    InputFault("lost rows", "1, renumbered", _lost(6200, 1, True)),
+    InputFault("lost rows", "10, renumbered", _lost(6200, 10, True)),
+    InputFault("lost rows", "100, renumbered", _lost(6200, 100, True)),
+    InputFault("spikes", "1 of 0.05 mm", _spikes(1, 0.05)),
+    InputFault("spikes", "1 of 0.5 mm", _spikes(1, 0.5)),
+    InputFault("spikes", "1 of 5 mm", _spikes(1, 5.0), quick=True),
+    InputFault("spikes", "1 of 100 mm", _spikes(1, 100.0)),
+    InputFault("spikes", "20 of 0.05 mm", _spikes(20, 0.05)),
+    InputFault("spikes", "20 of 0.5 mm", _spikes(20, 0.5)),
+    InputFault("spikes", "500 of 0.05 mm", _spikes(500, 0.05)),
+    InputFault("saturation", "at 99.9 % of the peak", _clipped(0.999)),
+    InputFault("saturation", "at 99.5 %", _clipped(0.995)),
+    InputFault("saturation", "at 99 %", _clipped(0.99), quick=True),
+    InputFault("saturation", "at 97 %", _clipped(0.97)),
+    InputFault("saturation", "at 90 %", _clipped(0.90)),
+    InputFault("saturation", "at 50 %", _clipped(0.50)),
+    InputFault("saturation", "at 99.5 %, one side", _clipped(0.995, 1)),
+    InputFault("saturation", "at 99 %, one side", _clipped(0.99, 1)),
+    InputFault("saturation", "at 90 %, one side", _clipped(0.90, 1)),
+    InputFault("cut record", "last 1 s missing", _cut(0, 9000)),
+    InputFault("cut record", "first 3 s alone", _cut(0, 3000)),
+    InputFault("cut record", "first 0.5 s alone", _cut(0, 500)),
+    InputFault("cut record", "first 50 ms alone", _cut(0, 50)),
+    InputFault("cut record", "first 0.2 s missing", _cut(200, 10000)),
+    InputFault("cut record", "first 5 s missing", _cut(5000, 10000)),
+    InputFault("time jitter", "of the samples, 20 us rms", _jitter(2.0e-5)),
+    InputFault("time jitter", "of the samples, 0.1 ms rms", _jitter(1.0e-4)),
+    InputFault("time jitter", "of the samples, 0.5 ms rms", _jitter(5.0e-4), quick=True),
+    InputFault("time jitter", "of the samples, 2 ms rms", _jitter(2.0e-3)),
+    InputFault("time jitter", "of the written instants, 10 us", _stamps(1.0e-5)),
+    InputFault("time jitter", "of the written instants, 0.2 ms", _stamps(2.0e-4)),
+    InputFault("clock", "0.01 % fast", _clock(1.0e-4)),
+    InputFault("clock", "0.1 % fast", _clock(1.0e-3)),
+    InputFault("clock", "1 % fast", _clock(1.0e-2)),
+    InputFault("lag", "1 ms late", _late(1)),
+    InputFault("lag", "1 ms early", _late(-1)),
+    InputFault("lag", "5 ms late", _late(5)),
+    InputFault("lag", "50 ms late", _late(50)),
+    InputFault("wrong sign", "of the position", _gain(-1.0), quick=True),
+    InputFault("wrong sign", "of the command", _gain(1.0, -1.0)),
+    InputFault("wrong scale", "position 0.1 % large", _gain(1.001)),
+    InputFault("wrong scale", "position 0.5 % small", _gain(0.995)),
+    InputFault("wrong scale", "position 2 % small", _gain(0.98)),
+    InputFault("wrong scale", "command 1 % large", _gain(1.0, 1.01)),
+    InputFault("wrong scale", "position in metres", _gain(1.0e-3)),
+    InputFault("offset", "10 um", _offset(0.01)),
+    InputFault("offset", "0.1 mm", _offset(0.1)),
+    InputFault("offset", "1 mm", _offset(1.0)),
+    InputFault("drift", "10 um", _drift(0.01)),
+    InputFault("drift", "0.1 mm", _drift(0.1)),
+    InputFault("swapped channels", "command and position", _swapped, quick=True),
+    InputFault("swapped channels", "motor position as position", _instead("motor_position_mm")),
+    InputFault("swapped channels", "current as position", _instead("current_A")),
+    InputFault("swapped channels", "command as position", _instead("command_mm")),
+    InputFault("another command", "chirp to 4.01 Hz", _other(2.0, 4.01)),
+    InputFault("another command", "chirp to 4.2 Hz", _other(2.0, 4.2), quick=True),
+    InputFault("another command", "chirp to 8 Hz", _other(2.0, 8.0)),
+    InputFault("another command", "2.01 mm", _other(2.01, 4.0)),
+    InputFault("another command", "2.2 mm", _other(2.2, 4.0)),
+    InputFault("another command", "backwards", _backwards),
 )
 
 
@@ -336,8 +336,8 @@ class Row:
     """One run: what went in, what came out. `refused` is the program's line, else None; shifts and what they may be off (three standard errors and bias) in % of the healthy
     value."""
 
-    fault: Fault
-    machine: Machine
+    fault: InputFault
+    machine: ShippedMachine
     noise_mm: float
     refused: str | None
     verdict: str
@@ -367,12 +367,12 @@ def _program() -> Path:
     return (Path(folder) if folder else ROOT / "build" / "bin") / "ema_identify"
 
 
-def sheet_of(record: Record, noise_mm: float, random: np.random.Generator) -> Sheet:
+def sheet_of(record: Record, noise_mm: float, random: np.random.Generator) -> SpoiltTable:
     """The unspoilt file of a record, with noise on the rod position."""
-    return Sheet(record.time_s, record.command_mm, record.position_mm + noise_mm * random.standard_normal(record.rows))
+    return SpoiltTable(record.time_s, record.command_mm, record.position_mm + noise_mm * random.standard_normal(record.rows))
 
 
-def run(fault: Fault, machine: Machine, noise_mm: float, record: Record, program: Path) -> Row:
+def run(fault: InputFault, machine: ShippedMachine, noise_mm: float, record: Record, program: Path) -> Row:
     """One record through the host program. Raises RuntimeError when the program itself fails."""
     random = np.random.Generator(np.random.PCG64(SEED))
     sheet = sheet_of(record, noise_mm, random)
@@ -399,8 +399,8 @@ def run(fault: Fault, machine: Machine, noise_mm: float, record: Record, program
 
 
 def table(
-    faults: Sequence[Fault] = FAULTS,
-    machines: Sequence[Machine] = MACHINES,
+    faults: Sequence[InputFault] = FAULTS,
+    machines: Sequence[ShippedMachine] = MACHINES,
     noises_mm: Sequence[float] = (0.0, NOISE_MM),
     done: Callable[[int], None] | None = None,
 ) -> list[Row]:

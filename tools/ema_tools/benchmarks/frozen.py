@@ -43,7 +43,7 @@ _MEDIUM, _LARGE, _SMALL = "medium", "large", "small"
 
 
 @dataclass(frozen=True)
-class Case:
+class FrozenCase:
     """One call. `hidden`: effects in the truth plant's machine; `repeats`: healthy records given; `signals`: those left in the files, none for all;
     `holdout`: a record of another command is held out; `files`: for a case of shipped or measured files, the actuator and the options."""
 
@@ -59,10 +59,10 @@ class Case:
     change: str = ""
 
 
-def _cases() -> Iterator[Case]:
-    def named(kind: str, hidden: Sequence[str], severity: str, **more: Any) -> Case:
+def _cases() -> Iterator[FrozenCase]:
+    def named(kind: str, hidden: Sequence[str], severity: str, **more: Any) -> FrozenCase:
         told = (f"{name}={value}" for name, value in more.items() if name in ("machine", "command", "holdout"))
-        return Case(" ".join((kind, "+".join(hidden) or "healthy", severity, *told)), tuple(hidden), severity, **more)
+        return FrozenCase(" ".join((kind, "+".join(hidden) or "healthy", severity, *told)), tuple(hidden), severity, **more)
 
     for effect in ("stribeck_friction", "presliding", "cogging_torque", "torque_ripple", "inverter_dead_time", "transmission_compliance"):
         yield named("repeats", (effect,), _MEDIUM)
@@ -107,17 +107,17 @@ def _cases() -> Iterator[Case]:
         yield named("repeats", (), "", machine=number, command=command)
     for number, command in ((601, "chirp"), (602, "multisine"), (603, "triangle")):
         yield named("alone", (), "", repeats=0, machine=number, command=command)
-    yield Case("exchanged columns", ("stribeck_friction",), _MEDIUM, change="exchange")
-    yield Case("a row that is no number", (), "", change="nan", repeats=0)
-    yield Case("healthy of another command", (), "", change="command", repeats=2)
+    yield FrozenCase("exchanged columns", ("stribeck_friction",), _MEDIUM, change="exchange")
+    yield FrozenCase("a row that is no number", (), "", change="nan", repeats=0)
+    yield FrozenCase("healthy of another command", (), "", change="command", repeats=2)
     story = [f"--healthy=story/healthy_{k}.csv" for k in range(1, 6)]
-    yield Case("story", files=("reference.toml", "story/today.csv", *story))
-    yield Case("story held out", files=("reference.toml", "story/today.csv", *story, "--holdout=story/today_multisine.csv"))
-    yield Case("story as shipped", files=("reference.toml", "case_a_noisy.csv"))
-    yield Case("emps", files=("emps",))
+    yield FrozenCase("story", files=("reference.toml", "story/today.csv", *story))
+    yield FrozenCase("story held out", files=("reference.toml", "story/today.csv", *story, "--holdout=story/today_multisine.csv"))
+    yield FrozenCase("story as shipped", files=("reference.toml", "case_a_noisy.csv"))
+    yield FrozenCase("emps", files=("emps",))
 
 
-CASES: tuple[Case, ...] = tuple(_cases())
+CASES: tuple[FrozenCase, ...] = tuple(_cases())
 
 
 def _exchanged(table: dict[str, Any]) -> None:
@@ -142,7 +142,7 @@ def _write(path: Path, run: Any, signals: Sequence[str], change: str = "") -> No
     path.write_text("\n".join([",".join(table), *(",".join(f"{value:.9g}" for value in row) for row in rows)]) + "\n", encoding="utf-8")
 
 
-def _made(case: Case, folder: Path) -> list[str] | None:
+def _made(case: FrozenCase, folder: Path) -> list[str] | None:
     """The arguments of `ema diagnose` for a case, its files in the folder; None where what it needs is absent."""
     if case.files == ("emps",):
         return _emps(folder)
@@ -196,7 +196,7 @@ def _called(arguments: Sequence[str]) -> str:
     return ""
 
 
-def answered(case: Case) -> dict[str, Any] | None:
+def answered(case: FrozenCase) -> dict[str, Any] | None:
     """The answer of a case, None where its files are absent."""
     with tempfile.TemporaryDirectory() as name, contextlib.chdir(name):
         arguments = _made(case, Path(name))

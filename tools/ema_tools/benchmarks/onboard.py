@@ -141,7 +141,7 @@ def _start(table: Signatures, found: Judged) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Guarded:
+class GuardedRun:
     """One record through search and table: from the healthy start, and from the table's."""
 
     kept: Kept
@@ -150,7 +150,7 @@ class Guarded:
     found: Judged
 
 
-def guarded(table: Signatures, kept: Kept) -> Guarded:
+def guarded(table: Signatures, kept: Kept) -> GuardedRun:
     """The record as ema_guarded_run treats it, and beside it the search without a table."""
     actuator = table.actuator
     cold = run(actuator, kept.record, SearchSettings(), 32)
@@ -160,16 +160,16 @@ def guarded(table: Signatures, kept: Kept) -> Guarded:
     )
     warm = run(actuator, kept.record, SearchSettings(start=_start(table, first), initial_temperature=temperature), 32)
     at = actuator.changed({one.name: one.estimate for one in warm.identified})
-    return Guarded(kept, cold, warm, judge(table, residual_of(table, kept.record, at), at))
+    return GuardedRun(kept, cold, warm, judge(table, residual_of(table, kept.record, at), at))
 
 
 def _row(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
-def verdicts(answers: Sequence[Guarded]) -> list[str]:
+def verdicts(answers: Sequence[GuardedRun]) -> list[str]:
     """Rows: what is hidden, records, those that the session alone calls explained, and faulty; those to which the table objects, and rightly named ones."""
-    groups: list[tuple[str, list[Guarded]]] = [("nothing", [one for one in answers if one.kept.kind == "healthy"])]
+    groups: list[tuple[str, list[GuardedRun]]] = [("nothing", [one for one in answers if one.kept.kind == "healthy"])]
     for kind, title in (("fault", "CSJ +5 % / +15 %, BLK +25 % / +75 %"), ("case", "cases A, B, C")):
         groups.append((title, [one for one in answers if one.kept.kind == kind]))
     for kind, title in (("effect", "effect of the library"), ("outside", "effect outside it")):
@@ -187,7 +187,7 @@ def verdicts(answers: Sequence[Guarded]) -> list[str]:
     return rows
 
 
-def searches(answers: Sequence[Guarded]) -> list[str]:
+def searches(answers: Sequence[GuardedRun]) -> list[str]:
     """Rows: what is hidden, model runs without and with a table (its own two counted), and how far the estimates lie apart at most, in standard errors."""
     rows = []
     for title, kinds in (
@@ -212,7 +212,7 @@ def searches(answers: Sequence[Guarded]) -> list[str]:
     return rows
 
 
-def written(first: int, machines: int, choices: Sequence[Sequence[str]], answers: Sequence[Guarded]) -> str:
+def written(first: int, machines: int, choices: Sequence[Sequence[str]], answers: Sequence[GuardedRun]) -> str:
     """The block of the document."""
     lines = [
         BEGIN,
@@ -267,7 +267,7 @@ def measure(machines: int, first: int, output: Path | None) -> None:
             units.append(known(number))
             bar.update(len(units))
     choices = [naming(units, signals, rate) for signals, rate in CHOICES]
-    answers: list[Guarded] = []
+    answers: list[GuardedRun] = []
     with progress("searches", sum(kept.strength != "small" for one in units for kept in one.kept)) as bar:
         for one in units:
             table = signatures(one.actuator, one.healthy)

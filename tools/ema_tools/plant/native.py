@@ -64,7 +64,7 @@ class _Row(ctypes.Structure):
     ]
 
 
-class _Search(ctypes.Structure):
+class _SearchStructure(ctypes.Structure):
     _fields_ = [
         ("identified_count", c_int32),
         ("identified_id", c_int32 * IDENTIFIED_MAX),
@@ -228,10 +228,10 @@ class Library:
         self._declare("ema_desk_simulate", [real, whole, real, c_int32, c_double, real, whole])
         self._declare("ema_desk_command", [c_int32, real, c_double, c_int32, real])
         self._declare("ema_desk_objective", [real, whole, real, real, real, c_int32, c_double, real])
-        self._declare("ema_desk_search_default", [real, whole, POINTER(_Search)])
+        self._declare("ema_desk_search_default", [real, whole, POINTER(_SearchStructure)])
         self._declare(
             "ema_desk_identify",
-            [real, whole, real, real, c_int32, POINTER(_Search), _PROGRESS, c_void_p, POINTER(_Result), whole],
+            [real, whole, real, real, c_int32, POINTER(_SearchStructure), _PROGRESS, c_void_p, POINTER(_Result), whole],
         )
         text = [c_char_p, c_int32]
         self._declare("ema_csv_count", [c_char_p, POINTER(c_int64), *text])
@@ -356,8 +356,8 @@ class Library:
         self._raise_on(status, "objective", values, options)
         return out.value
 
-    def _search(self, values: Reals, options: Integers, search: SearchSettings) -> _Search:
-        raw = _Search()
+    def _search(self, values: Reals, options: Integers, search: SearchSettings) -> _SearchStructure:
+        raw = _SearchStructure()
         self._raise_on(
             self._lib.ema_desk_search_default(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(raw)),
             "identify",

@@ -24,7 +24,7 @@ SEED = 20_240_517
 
 
 @dataclass(frozen=True)
-class Shipped:
+class ShippedRecord:
     """One file: the shifted fault parameters, the sensors, and what it shows."""
 
     name: str
@@ -36,11 +36,11 @@ class Shipped:
 
 NOISY = Sensors(position_noise_mm=0.005, motor_position_noise_mm=0.005, current_noise_A=0.03)
 SHIPPED = (
-    Shipped("healthy", "healthy", 0.138, 0.033),
-    Shipped("case_a", "case A: moderate seizure, low backlash", 0.3, 0.04125),
-    Shipped("case_b", "case B: low seizure, high backlash", 0.1449, 0.066),
-    Shipped("case_c", "case C: one percent more of each", 0.13938, 0.03333),
-    Shipped("case_a_noisy", "case A with sensor noise", 0.3, 0.04125, NOISY),
+    ShippedRecord("healthy", "healthy", 0.138, 0.033),
+    ShippedRecord("case_a", "case A: moderate seizure, low backlash", 0.3, 0.04125),
+    ShippedRecord("case_b", "case B: low seizure, high backlash", 0.1449, 0.066),
+    ShippedRecord("case_c", "case C: one percent more of each", 0.13938, 0.03333),
+    ShippedRecord("case_a_noisy", "case A with sensor noise", 0.3, 0.04125, NOISY),
 )
 
 
@@ -69,13 +69,13 @@ STORY_SENSORS = Sensors(
 STORY_DECIMALS = {"time_s": 3, "command_mm": 5, "position_mm": 4, "motor_position_mm": 4, "current_A": 2, "voltage_V": 2}
 
 
-def record(shipped: Shipped) -> Recording:
+def record(shipped: ShippedRecord) -> Recording:
     """The record of one file, from the truth plant on the reference chirp."""
     values = {"screw.csj_Nm": shipped.csj_Nm, "screw.blk_mm": shipped.blk_mm}
     return simulate_truth(values, chirp(times_s(ROWS)), sensors=shipped.sensors, seed=SEED)
 
 
-def as_text(shipped: Shipped, recording: Recording) -> str:
+def as_text(shipped: ShippedRecord, recording: Recording) -> str:
     """The file: a head that says what made it, the names, the rows with nine significant digits."""
     noise = "none"
     if shipped.sensors != Sensors():
