@@ -38,7 +38,7 @@ int32_t ema_desk_adjusted(const double* values, const int32_t* options, double* 
     ema_actuator_from(values, options, &actuator);
     ema_effects_t effects = actuator.effects;
     ema_real* value = (ema_real*)(void*)&effects;
-    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+    for (size_t k = 0; k < (sizeof(ema_effect_rows) / sizeof(ema_effect_rows[0])); ++k) {
         if (ema_effect_rows[k].site == (uint8_t)EMA_SITE_TRANSMISSION) {
             *value = EMA_R(0.0);
         }

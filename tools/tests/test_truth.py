@@ -13,7 +13,7 @@ from ema_tools.reference.commands import chirp, times_s, triangle
 from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.reference.effects import example_of
 from ema_tools.truth import Sensors, effects, outside, recordings, scattered, simulate_truth
-from ema_tools.vectors.cases import CASES, VectorCase
+from ema_tools.vectors.cases import CASES, Case
 from ema_tools.vectors.records import samples_of
 
 pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record")
@@ -80,7 +80,7 @@ def test_hides_effects_as_the_reference_has_them(name: str) -> None:
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if not case.name.startswith("effect_")], ids=lambda case: case.name)
-def test_agrees_in_every_block(case: VectorCase) -> None:
+def test_agrees_in_every_block(case: Case) -> None:
     command = samples_of(case)[:1_000]
     truth = simulate_truth(case.values, command, start_mm=case.start_mm, step_s=2e-6)
     reference = simulate(case.values, command, case.start_mm)

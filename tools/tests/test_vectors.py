@@ -15,7 +15,7 @@ from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.reference.random import Pcg32
 from ema_tools.vectors import __main__ as generator
 from ema_tools.vectors import parts, text
-from ema_tools.vectors.cases import CASES, CHANNELS, VectorCase
+from ema_tools.vectors.cases import CASES, CHANNELS, Case
 from ema_tools.vectors.records import rows_of, samples_of
 
 STORED = Path(__file__).parents[2] / "tests" / "vectors"
@@ -100,7 +100,7 @@ def test_control_law_inputs_are_exact_in_float32_and_saturate_sometimes() -> Non
 
 @needs_numba
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_records_show_what_they_are_for(case: VectorCase) -> None:
+def test_records_show_what_they_are_for(case: Case) -> None:
     rows = rows_of(case)
     position, motor, current, voltage, speed = rows.T
     name = case.name

@@ -25,7 +25,7 @@ _ROWS_MAX = 10_000_000
 
 
 @dataclass(frozen=True)
-class Command:
+class SampledCommand:
     """Samples of a command [rows] at the actuator's record period, where the rod starts, and how it was asked for."""
 
     samples_mm: Reals
@@ -57,7 +57,7 @@ def parsed_numbers(kind: str, text: str) -> dict[str, float]:
     return numbers
 
 
-def make_command(text: str, actuator: Actuator) -> Command:
+def make_command(text: str, actuator: Actuator) -> SampledCommand:
     """The command that `text` asks for. Raises InputError for an unknown one, a bad number or a record at another rate."""
     kind, _, numbers_text = text.partition(":")
     period_s = actuator.record_period_s
@@ -68,10 +68,10 @@ def make_command(text: str, actuator: Actuator) -> Command:
             raise InputError(f"command {kind}: duration_s={numbers['duration_s']:g}: {rows} rows: ask for 1 to {_ROWS_MAX}")
         given = {name: numbers[name] for name in COMMAND_NUMBERS if name in numbers}
         samples = library().command(kind, given, period_s, rows)
-        return Command(samples, 0.0, f"{kind}:{','.join(f'{name}={value:g}' for name, value in numbers.items())}")
+        return SampledCommand(samples, 0.0, f"{kind}:{','.join(f'{name}={value:g}' for name, value in numbers.items())}")
     if not Path(text).exists():
         raise InputError(
             f"command {text}: neither a file nor a command{nearest(kind, DEFAULTS)}: use a recording or one of {', '.join(DEFAULTS)}"
         )
     record = read_record(text, actuator)
-    return Command(record.command_mm, start_of(actuator, record), Path(text).name)
+    return SampledCommand(record.command_mm, start_of(actuator, record), Path(text).name)

@@ -9,7 +9,7 @@ import functools
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -409,7 +409,8 @@ def load_definitions() -> Definitions:
 
 def project_definitions() -> Definitions:
     """Both lists as the project has them, without effects of the user's own."""
-    return read_definitions(definition_folder())
+    known = load_definitions()
+    return replace(known, effects=tuple(effect for effect in known.effects if not effect.is_own))
 
 
 def defaults() -> dict[str, float]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, nearest, parsed, row_of
-from ema_tools.data.commands import Command
+from ema_tools.data.commands import SampledCommand
 from ema_tools.data.records import COLUMNS, Record, from_simulation
 from ema_tools.plant.native import library
 
@@ -40,7 +40,9 @@ def noise_of(text: str | None) -> dict[str, float]:
     return std
 
 
-def simulate_record(actuator: Actuator, command: Command, bits: int = 64, noise: dict[str, float] | None = None, seed: int = 1) -> Record:
+def simulate_record(
+    actuator: Actuator, command: SampledCommand, bits: int = 64, noise: dict[str, float] | None = None, seed: int = 1
+) -> Record:
     """The record that the actuator leaves under `command`, with white noise where asked. Raises InputError when the model refuses."""
     values, options = actuator.arrays()
     simulation = library(bits).simulate(values, options, command.samples_mm, command.start_mm)

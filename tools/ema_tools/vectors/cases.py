@@ -11,7 +11,7 @@ CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V", "speed
 
 
 @dataclass(frozen=True)
-class CommandNumbers:
+class Command:
     """The fields of `ema_command_config_t` that `kind` reads."""
 
     kind: str
@@ -79,12 +79,12 @@ FLIPPED32 = Tolerance(
 
 
 @dataclass(frozen=True)
-class VectorCase:
+class Case:
     """One record of the whole model, with values that bring out one block or effect."""
 
     name: str
     shows: str
-    command: CommandNumbers
+    command: Command
     steps: int
     every_rows: int
     values: dict[str, float] = field(default_factory=dict)
@@ -93,14 +93,14 @@ class VectorCase:
     tolerance32: Tolerance = ROUNDED32
 
 
-REFERENCE_CHIRP = CommandNumbers("CHIRP", 2.0, 0.1, 4.0, 10.0)
-SHORT_CHIRP = CommandNumbers("CHIRP", 2.0, 0.2, 4.0, 2.5)
+REFERENCE_CHIRP = Command("CHIRP", 2.0, 0.1, 4.0, 10.0)
+SHORT_CHIRP = Command("CHIRP", 2.0, 0.2, 4.0, 2.5)
 
 _OPEN_LOOP = {"screw.lead_mm": 0.5, "gearbox.ratio": 100.0, "control.ki_per_m_s": 0.0, "screw.blk_mm": 0.0}
 
-_BLOCK_CASES: tuple[VectorCase, ...] = (
-    VectorCase("whole_healthy", "reference chirp, healthy", REFERENCE_CHIRP, 10_000, 20),
-    VectorCase(
+_BLOCK_CASES: tuple[Case, ...] = (
+    Case("whole_healthy", "reference chirp, healthy", REFERENCE_CHIRP, 10_000, 20),
+    Case(
         "whole_case_a",
         "reference chirp, CSJ 0.3 Nm, BLK 0.04125 mm",
         REFERENCE_CHIRP,
@@ -108,15 +108,15 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         20,
         {"screw.csj_Nm": 0.3, "screw.blk_mm": 0.04125},
     ),
-    VectorCase(
+    Case(
         "whole_start_aside",
         "start at 5 mm, command to zero and on",
-        CommandNumbers("STEP", -1.0, time_s=0.3),
+        Command("STEP", -1.0, time_s=0.3),
         800,
         4,
         start_mm=5.0,
     ),
-    VectorCase(
+    Case(
         "whole_periods",
         "control at every fourth step, record at every second",
         SHORT_CHIRP,
@@ -125,35 +125,35 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         {"control.every_steps": 4, "timing.record_every_steps": 2, "timing.step_s": 5e-4, "control.kp_per_m": 200.0},
     ),
     # 1. PID control logic
-    VectorCase(
+    Case(
         "pid_derivative_of_error",
         "PID with derivative of the error",
-        CommandNumbers("TRIANGLE", 2.0, 2.0),
+        Command("TRIANGLE", 2.0, 2.0),
         1_000,
         5,
         {"control.kd_s_per_m": 2.0},
     ),
-    VectorCase(
+    Case(
         "pid_derivative_of_speed",
         "PID with derivative of the averaged measured position",
-        CommandNumbers("STEP", 3.0, time_s=0.05),
+        Command("STEP", 3.0, time_s=0.05),
         500,
         2,
         {"control.kd_s_per_m": 3.0, "control.derivative": 1, "control.average_speed": 1},
     ),
-    VectorCase(
+    Case(
         "pid_anti_windup",
         "output saturated for long, integrator held back",
-        CommandNumbers("STEP", 15.0, time_s=0.02),
+        Command("STEP", 15.0, time_s=0.02),
         900,
         4,
         {"control.ki_per_m_s": 4_000.0, "control.output_limit": 0.6},
         tolerance32=ROUNDED32.scaled(6.0, "rounding of float32 on a stroke of 15 mm, and a tenfold integral gain"),
     ),
-    VectorCase(
+    Case(
         "pid_cascade",
         "position loop over speed loop, limited speed",
-        CommandNumbers("TRAPEZOID", 5.0, 1.0, share=0.3),
+        Command("TRAPEZOID", 5.0, 1.0, share=0.3),
         1_500,
         6,
         {
@@ -167,8 +167,8 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         tolerance32=ROUNDED32.scaled(3.0, "rounding of float32 on a stroke of 5 mm, through a speed gain that makes 24 V of 0.1 m/s"),
     ),
     # 2. controller and drive electronics
-    VectorCase("drive_voltage", "voltage mode at a low bus voltage", SHORT_CHIRP, 2_500, 10, {"drive.supply_V": 16.0}),
-    VectorCase(
+    Case("drive_voltage", "voltage mode at a low bus voltage", SHORT_CHIRP, 2_500, 10, {"drive.supply_V": 16.0}),
+    Case(
         "drive_current_loop",
         "current mode with a loop of 0.7 ms, terminal voltage recorded",
         SHORT_CHIRP,
@@ -176,32 +176,32 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         10,
         {"drive.mode": 1, "drive.current_scale_A": 10.0, "drive.current_loop_s": 7e-4, "control.kd_s_per_m": 8.0},
     ),
-    VectorCase(
+    Case(
         "drive_current_saturated",
         "current mode that runs into the bus voltage",
-        CommandNumbers("STEP", 10.0, time_s=0.02),
+        Command("STEP", 10.0, time_s=0.02),
         500,
         2,
         {"drive.mode": 1, "drive.current_scale_A": 20.0, "drive.current_loop_s": 5e-4, "control.kd_s_per_m": 8.0},
         tolerance32=ROUNDED32.scaled(12.0, "rounding of float32 on a stroke of 10 mm, through a derivative gain of 160 A s/m over 1 ms"),
     ),
-    VectorCase(
+    Case(
         "drive_current_at_once",
         "ideal current mode with a scaled command as recorded voltage",
-        CommandNumbers("MULTISINE", 1.5, 0.8, duration_s=2.5, count=5),
+        Command("MULTISINE", 1.5, 0.8, duration_s=2.5, count=5),
         2_000,
         8,
         {"drive.mode": 1, "drive.current_scale_A": 10.0, "drive.command_scale_V": 10.0, "control.kd_s_per_m": 8.0},
     ),
-    VectorCase(
+    Case(
         "drive_current_limit",
         "voltage mode with the current held at 6 A",
-        CommandNumbers("STEP", 4.0, time_s=0.02),
+        Command("STEP", 4.0, time_s=0.02),
         400,
         2,
         {"drive.current_limit_A": 6.0},
     ),
-    VectorCase(
+    Case(
         "drive_output_delay",
         "current mode that passes the output on 0.6 of a step late and runs into the bus voltage",
         SHORT_CHIRP,
@@ -217,15 +217,15 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         },
     ),
     # 3. motor
-    VectorCase(
+    Case(
         "motor_locked",
         "shaft stuck: the current rises with L/R",
-        CommandNumbers("STEP", 1.0, time_s=0.002),
+        Command("STEP", 1.0, time_s=0.002),
         100,
         1,
         {"screw.csj_Nm": 100.0, "control.ki_per_m_s": 0.0},
     ),
-    VectorCase(
+    Case(
         "motor_torque_saturation",
         "torque limited at 0.35 Nm",
         SHORT_CHIRP,
@@ -235,21 +235,21 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         tolerance64=SATURATED,
         tolerance32=SATURATED,
     ),
-    VectorCase("motor_no_inductance", "current in balance with the voltage", SHORT_CHIRP, 2_500, 10, {"motor.inductance_H": 0.0}),
+    Case("motor_no_inductance", "current in balance with the voltage", SHORT_CHIRP, 2_500, 10, {"motor.inductance_H": 0.0}),
     # 4. gearbox
-    VectorCase(
+    Case(
         "gearbox_efficiency",
         "load of 0.2 Nm opposing and aiding, efficiency 0.8",
-        CommandNumbers("TRIANGLE", 2.0, 1.0),
+        Command("TRIANGLE", 2.0, 1.0),
         2_000,
         8,
         {"gearbox.efficiency": 0.8, "screw.load_torque_Nm": 0.2},
     ),
     # 5. ball screw
-    VectorCase(
+    Case(
         "screw_coast_down",
         "driven by a pulse of current, then free until dry friction stops it",
-        CommandNumbers("CHIRP", 100.0, 10.0, 10.0, 0.05),
+        Command("CHIRP", 100.0, 10.0, 10.0, 0.05),
         200,
         1,
         {
@@ -260,15 +260,15 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
             "screw.csj_Nm": 0.05,
         },
     ),
-    VectorCase(
+    Case(
         "screw_stick_slip",
         "static level twice the dynamic one: sticks at every reversal, then slips",
-        CommandNumbers("TRIANGLE", 1.0, 2.0),
+        Command("TRIANGLE", 1.0, 2.0),
         2_000,
         8,
         {"screw.csj_Nm": 0.3, "screw.dynamic_ratio": 0.5},
     ),
-    VectorCase(
+    Case(
         "screw_asymmetry",
         "dry friction 20 % larger forward and smaller backward, static above dynamic",
         SHORT_CHIRP,
@@ -276,33 +276,33 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         20,
         {"screw.friction_asymmetry": 0.2, "screw.dynamic_ratio": 0.8},
     ),
-    VectorCase(
+    Case(
         "screw_stays",
         "a command too small to break away",
-        CommandNumbers("TRIANGLE", 0.1, 2.0),
+        Command("TRIANGLE", 0.1, 2.0),
         500,
         4,
         {"control.ki_per_m_s": 0.0, "screw.csj_Nm": 0.3},
     ),
-    VectorCase(
+    Case(
         "screw_backlash",
         "strokes below and above a play of 0.3 mm",
-        CommandNumbers("MULTISINE", 0.4, 0.5, duration_s=2.0, count=7),
+        Command("MULTISINE", 0.4, 0.5, duration_s=2.0, count=7),
         2_000,
         8,
         {"screw.blk_mm": 0.3},
     ),
-    VectorCase("screw_no_backlash", "no play at all", SHORT_CHIRP, 2_500, 10, {"screw.blk_mm": 0.0}),
-    VectorCase(
+    Case("screw_no_backlash", "no play at all", SHORT_CHIRP, 2_500, 10, {"screw.blk_mm": 0.0}),
+    Case(
         "screw_ends",
         "travel shorter than the stroke",
-        CommandNumbers("CHIRP", 2.0, 1.0, 3.0, 2.0),
+        Command("CHIRP", 2.0, 1.0, 3.0, 2.0),
         2_000,
         8,
         {"screw.travel_mm": 1.25},
     ),
     # 6. encoder network
-    VectorCase(
+    Case(
         "encoder_delay",
         "feedback 2.3 steps old",
         SHORT_CHIRP,
@@ -310,7 +310,7 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         10,
         {"encoder.delay_s": 2.3e-3, "control.kp_per_m": 250.0},
     ),
-    VectorCase(
+    Case(
         "encoder_rod",
         "loop closed over the rod sensor with gain error and offset, play inside the loop",
         SHORT_CHIRP,
@@ -318,7 +318,7 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
         10,
         {"encoder.side": 1, "encoder.rod_gain_error": 0.01, "encoder.rod_offset_mm": 0.05},
     ),
-    VectorCase(
+    Case(
         "encoder_resolution",
         "feedback in steps of 5 um",
         SHORT_CHIRP,
@@ -334,11 +334,11 @@ _BLOCK_CASES: tuple[VectorCase, ...] = (
 _OF_EFFECT = {"current_limit": TOUCHED}
 
 
-def _of_effect(effect: Effect) -> VectorCase:
+def _of_effect(effect: Effect) -> Case:
     """The record that shows one effect, at the values of its reference module."""
     values = example_of(effect.name)
     shows = ", ".join(f"{name} {value:g}" for name, value in values.items())
-    case = VectorCase(f"effect_{effect.name}", shows, SHORT_CHIRP, 2_500, 20, values)
+    case = Case(f"effect_{effect.name}", shows, SHORT_CHIRP, 2_500, 20, values)
     if effect.name in _OF_EFFECT:
         tolerance = _OF_EFFECT[effect.name]
     elif effect.site in ("PARAMETER", "READING"):
@@ -348,4 +348,4 @@ def _of_effect(effect: Effect) -> VectorCase:
     return replace(case, tolerance64=tolerance, tolerance32=tolerance)
 
 
-CASES: tuple[VectorCase, ...] = (*_BLOCK_CASES, *map(_of_effect, load_definitions().effects))
+CASES: tuple[Case, ...] = (*_BLOCK_CASES, *map(_of_effect, load_definitions().effects))

@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.reference import pid
 from ema_tools.reference.actuator import build, filled
 from ema_tools.reference.random import Pcg32
-from ema_tools.vectors.cases import REFERENCE_CHIRP, CommandNumbers
+from ema_tools.vectors.cases import REFERENCE_CHIRP, Command
 from ema_tools.vectors.records import samples
 
 STEP_S = 1e-3
@@ -81,7 +81,7 @@ class CommandCase:
     """A command read at every `every`-th step; `tolerance64` and `tolerance32` are shares of the amplitude."""
 
     name: str
-    command: CommandNumbers
+    command: Command
     every: int
     tolerance64: float
     tolerance32: float
@@ -96,16 +96,16 @@ _LINES = "float64: rounding of nine sines; float32: rounding of the frequency, o
 _RAMP = "float64: the place in the period is held to 2^-32; float32: rounding of frequency and share to 6e-8, two periods long"
 COMMAND_CASES: tuple[CommandCase, ...] = (
     CommandCase("chirp", REFERENCE_CHIRP, 97, 5e-11, 2e-5, _SWEEP),
-    CommandCase("chirp_held", CommandNumbers("CHIRP", 1.5, 2.0, 20.0, 0.5), 13, 5e-11, 2e-5, _SWEEP),
-    CommandCase("multisine", CommandNumbers("MULTISINE", 2.0, 0.4, count=9), 41, 1e-12, 2e-5, _LINES),
-    CommandCase("triangle", CommandNumbers("TRIANGLE", 3.0, 1.25), 17, 1e-8, 5e-6, _RAMP),
-    CommandCase("trapezoid", CommandNumbers("TRAPEZOID", 3.0, 1.25, share=0.4), 17, 1e-8, 5e-6, _RAMP),
-    CommandCase("step", CommandNumbers("STEP", -2.5, time_s=0.25), 5, 0.0, 0.0, "the value is exact in float32"),
+    CommandCase("chirp_held", Command("CHIRP", 1.5, 2.0, 20.0, 0.5), 13, 5e-11, 2e-5, _SWEEP),
+    CommandCase("multisine", Command("MULTISINE", 2.0, 0.4, count=9), 41, 1e-12, 2e-5, _LINES),
+    CommandCase("triangle", Command("TRIANGLE", 3.0, 1.25), 17, 1e-8, 5e-6, _RAMP),
+    CommandCase("trapezoid", Command("TRAPEZOID", 3.0, 1.25, share=0.4), 17, 1e-8, 5e-6, _RAMP),
+    CommandCase("step", Command("STEP", -2.5, time_s=0.25), 5, 0.0, 0.0, "the value is exact in float32"),
 )
 COMMAND_ROWS = 120
 
 
-def command_rows(command: CommandNumbers, every: int) -> tuple[np.ndarray, np.ndarray]:
+def command_rows(command: Command, every: int) -> tuple[np.ndarray, np.ndarray]:
     """Step numbers and values in mm, [COMMAND_ROWS] each."""
     steps = np.arange(COMMAND_ROWS) * every
     return steps, samples(command, int(steps[-1]) + 1, STEP_S)[steps]

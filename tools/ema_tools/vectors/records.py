@@ -6,12 +6,12 @@ import numpy as np
 
 from ema_tools.library.definitions import load_definitions
 from ema_tools.reference import commands, simulate
-from ema_tools.vectors.cases import CHANNELS, CommandNumbers, VectorCase
+from ema_tools.vectors.cases import CHANNELS, Case, Command
 
 OVERSAMPLE = 100  # integration steps of the reference per model step
 
 
-def samples(command: CommandNumbers, count: int, step_s: float) -> np.ndarray:
+def samples(command: Command, count: int, step_s: float) -> np.ndarray:
     """The command in mm at every step, [count]."""
     time_s = commands.times_s(count, step_s)
     if command.kind == "CHIRP":
@@ -27,13 +27,13 @@ def samples(command: CommandNumbers, count: int, step_s: float) -> np.ndarray:
     raise ValueError(f"{command.kind}: no such kind of command: use CHIRP, MULTISINE, TRIANGLE, TRAPEZOID or STEP")
 
 
-def samples_of(case: VectorCase) -> np.ndarray:
+def samples_of(case: Case) -> np.ndarray:
     """The command of a case, one per model step."""
     nominal = load_definitions().find("timing.step_s").nominal
     return samples(case.command, case.steps, case.values.get("timing.step_s", nominal))
 
 
-def rows_of(case: VectorCase) -> np.ndarray:
+def rows_of(case: Case) -> np.ndarray:
     """Every `every_rows`-th record row of the reference model, [rows, channels]."""
     record = simulate(case.values, samples_of(case), case.start_mm, OVERSAMPLE)
     return np.stack([getattr(record, channel) for channel in CHANNELS], axis=1)[:: case.every_rows]

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from ema_tools.library.definitions import EffectParameter, load_definitions
-from ema_tools.vectors.cases import CommandNumbers, Tolerance, VectorCase
+from ema_tools.vectors.cases import Case, Command, Tolerance
 
 
 def bits64(value: float) -> str:
@@ -52,7 +52,7 @@ def real(value: float) -> str:
     return f"EMA_R({float(value)!r})"
 
 
-def initialiser(command: CommandNumbers) -> str:
+def initialiser(command: Command) -> str:
     """An `ema_command_config_t` with every field named."""
     numbers = ", ".join(
         f".{name} = {real(getattr(command, name))}" for name in ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "time_s")
@@ -85,7 +85,7 @@ def limits(prefix: str, tolerance: Tolerance) -> list[str]:
     ]
 
 
-def case_text(case: VectorCase, rows: np.ndarray) -> str:
+def case_text(case: Case, rows: np.ndarray) -> str:
     """The file of one record of the whole model; `rows` [n, channels]."""
     prefix = f"EMA_VEC_{case.name.upper()}"
     lines = head(f"{case.shows}: position mm, motor position mm, current A, voltage V, rod speed mm/s")

@@ -60,7 +60,7 @@ class Said:
 
 
 @dataclass(frozen=True)
-class SealedAnswer:
+class Answer:
     """What the search said. `known`: values of the healthy machine's model, from which the fitted values are changes; costs are sums of squared whitened residuals.
 
     `run_s`, `cpu_s`: time on the clock and of all cores together.
@@ -99,7 +99,7 @@ def _evidence(run: Recording, healthy: Sequence[Recording], channels: Sequence[s
     return gathering.gather(reference_actuator(), record_of(run, 0), repeats, channels)
 
 
-def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> SealedAnswer:
+def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> Answer:
     """The search on one run against healthy repeats (none: against the data sheet), in `channels` or all signals."""
     begun, work = time.perf_counter(), time.process_time()
     evidence = _evidence(run, healthy, channels)
@@ -108,12 +108,10 @@ def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[st
     said = tuple(Said(one.name, tuple(one.alike), dict(one.values), dict(one.std), one.score, one.accepted) for one in found.named)
     fitted = dict(found.fit.values) if found.fit is not None else {}
     costs = (found.cost_before, found.cost_after, found.cost_floor)
-    return SealedAnswer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s, cpu_s)
+    return Answer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s, cpu_s)
 
 
-def error_left(
-    answer: SealedAnswer, run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None
-) -> tuple[float, float]:
+def error_left(answer: Answer, run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> tuple[float, float]:
     """Weighted rms error of a run of another command over the floor of its healthy repeats: without what was found, and with it.
 
     As the answer's own record held out: the healthy machine and what was found are those of the first command; nothing is fitted to this run but what scatters.

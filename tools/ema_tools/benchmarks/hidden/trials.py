@@ -165,7 +165,7 @@ def _dealt(run: Recording, healthy: Sequence[Recording], seed: int) -> Recording
     return Recording(**{**{name: getattr(run, name) for name in run.__dataclass_fields__}, **changed})
 
 
-def _sizes(answer: sealed.SealedAnswer, hidden: Sequence[Change], effects: Sequence[str]) -> list[dict[str, Any]]:
+def _sizes(answer: sealed.Answer, hidden: Sequence[Change], effects: Sequence[str]) -> list[dict[str, Any]]:
     """Per hidden effect that was accepted by its own name: true change of its size, estimate, its standard error, whether the 95 % interval holds."""
     found = []
     for name, one in zip(effects, hidden, strict=True):
@@ -182,7 +182,7 @@ def _row(name: str) -> str:
     return name.removeprefix("effects.")
 
 
-def _estimated_change(answer: sealed.SealedAnswer, said: sealed.Said, size: str) -> float:
+def _estimated_change(answer: sealed.Answer, said: sealed.Said, size: str) -> float:
     """From the healthy machine's model, which may hold a little of the effect already; what has a phase changes as a vector."""
     phase = f"{size.rpartition('.')[0]}.phase_rad"
     if phase in said.values:
@@ -220,7 +220,7 @@ def perform(trial: Trial) -> dict[str, Any]:
     return row
 
 
-def _held_out(trial: Trial, unit: Machine, answer: sealed.SealedAnswer) -> dict[str, Any]:
+def _held_out(trial: Trial, unit: Machine, answer: sealed.Answer) -> dict[str, Any]:
     """The same effect under another command, with what was found added to the model."""
     command = HELD_OUT[trial.command]
     other, repeats = runs(trial, command, _same_hidden(unit, trial, command))
