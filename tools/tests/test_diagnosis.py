@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
@@ -16,7 +17,6 @@ from ema_tools.fit.evidence import repeat_residuals, settled
 from ema_tools.fit.whitening import Whitener
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.select.baseline import gather
 from ema_tools.select.candidates import candidates
 from ema_tools.select.holdout import Step, refuted

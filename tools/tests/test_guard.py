@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.benchmarks.hidden.machines import STEP_S, command_mm
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record, write_record
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.select.beside_fault import Guarded
 from ema_tools.tasks.add import add, add_to_known
 from ema_tools.tasks.identify import Identified, identify

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.benchmarks.hidden import documents, machines, observer, pictures, running, scoring, sealed, trials
 from ema_tools.benchmarks.hidden.__main__ import main
 from ema_tools.benchmarks.hidden.catalogue import LIBRARY, OUTSIDE, SEVERITIES, change
 from ema_tools.benchmarks.hidden.trials import KINDS, Plan, Trial
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.library.definitions import load_definitions
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.select import baseline as gathering
 from ema_tools.truth import outside
 

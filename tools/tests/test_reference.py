@@ -15,11 +15,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import defaults, load_definitions
 from ema_tools.reference import commands, elementary, encoder, simulate
 from ema_tools.reference.actuator import build
 from ema_tools.reference.commands import chirp, times_s
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.reference.effects import SITE_FUNCTIONS, example_of, module_of
 
 pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the reference would take minutes per record")

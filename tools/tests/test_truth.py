@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import load_definitions
 from ema_tools.reference import Recording, simulate
 from ema_tools.reference.commands import chirp, times_s, triangle
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.reference.effects import example_of
 from ema_tools.truth import Sensors, effects, outside, recordings, scattered, simulate_truth
 from ema_tools.vectors.cases import CASES, Case

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.benchmarks.hidden.catalogue import LIBRARY
 from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
@@ -16,7 +17,6 @@ from ema_tools.fit.confounded import TWINS, twins
 from ema_tools.fit.evidence import settled
 from ema_tools.fit.nuisance import SLIGHT, SLIGHT_REACH, is_slight
 from ema_tools.library.faults import effect_of
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.select.baseline import gather
 from ema_tools.select.search import diagnose
 from support import chirp_record

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import load_definitions
-from ema_tools.reference.compiled import HAS_NUMBA
 from ema_tools.reference.random import Pcg32
 from ema_tools.vectors import __main__ as generator
 from ema_tools.vectors import parts, text

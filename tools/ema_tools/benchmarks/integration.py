@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from ema_tools.base.compiled import compiled
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.plant.native import library
 from ema_tools.reference import simulate
-from ema_tools.reference.compiled import compiled
 
 Reals = NDArray[np.float64]
 

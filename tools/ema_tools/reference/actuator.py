@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import Definitions, defaults, project_definitions
-from ema_tools.reference.compiled import HAS_NUMBA
 
 
 def _tuple_type(name: str, fields: Iterable[str]) -> Any:
@@ -30,11 +30,6 @@ def _structure(fields: Mapping[str, float | int]) -> Any:
         return _tuple_type("Structure", fields)(**fields)
     kind = np.dtype([(name, np.int64 if isinstance(value, int) else np.float64) for name, value in fields.items()])
     return np.rec.array([tuple(fields.values())], dtype=kind)[0]
-
-
-def plain(structure: Any) -> Any:
-    """The same as a tuple, which Python itself reads faster."""
-    return _tuple_type("Structure", structure.dtype.names)(*structure.tolist()) if HAS_NUMBA else structure
 
 
 def filled(values: Mapping[str, float]) -> dict[str, float]:

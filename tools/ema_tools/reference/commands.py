@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import TWO_PI, sin
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 
 MOTOR_LAW = 0  # the voltage is given, the winding's own equation holds
 LOOP_LAW = 1  # the current follows its reference with the loop's time constant

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 
 TWO_PI = 6.283185307179586
 # pi/2 and ln 2 in parts whose products with a small whole number are exact.

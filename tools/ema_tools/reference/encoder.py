@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 
 
 @compiled

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import TWO_PI
 
 

@@ -12,13 +12,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ema_tools.base.compiled import compiled
+from ema_tools.base.recording import Recording
 from ema_tools.library.definitions import defaults, project_definitions
 from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
 from ema_tools.reference.actuator import build, filled, is_active
-from ema_tools.reference.compiled import compiled
 from ema_tools.reference.effects import module_of
 from ema_tools.reference.point import Data, Point
-from ema_tools.reference.recording import Recording
 
 __all__ = ["Recording", "defaults", "simulate"]
 

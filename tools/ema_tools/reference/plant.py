@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ema_tools.base.compiled import compiled
 from ema_tools.reference import drive, gearbox, motor, screw, sites
-from ema_tools.reference.compiled import compiled
 from ema_tools.reference.point import Data, Point
 
 CURRENT = 0

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ema_tools.base.compiled import compiled
 from ema_tools.library.definitions import project_definitions
-from ema_tools.reference.compiled import compiled
 from ema_tools.reference.effects import module_of
 from ema_tools.reference.point import Point
 

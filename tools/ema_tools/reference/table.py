@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import TWO_PI
 from ema_tools.reference.point import Point
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 
 
 @compiled

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.truth import effects, outside
 
 COULOMB = 0

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_tools.base.recording import Recording
 from ema_tools.library.definitions import defaults, load_definitions
-from ema_tools.reference.recording import Recording
 from ema_tools.truth import effects, kernel, outside
 
 _FRICTION_LAWS = {"coulomb": kernel.COULOMB, "lugre": kernel.LUGRE}

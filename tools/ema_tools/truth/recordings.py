@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ema_tools.base.recording import Recording
 from ema_tools.data import story
 from ema_tools.reference.commands import chirp, multisine, times_s
-from ema_tools.reference.recording import Recording
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 
 COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V")

@@ -13,9 +13,9 @@ from functools import lru_cache
 import numpy as np
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.recording import Recording
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.plant.native import library
-from ema_tools.reference.recording import Recording
 from ema_tools.truth import effects
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES, change, same_class
 from ema_tools.benchmarks.hidden.machines import CHANNELS, ROWS, SCATTER, Machine, exact, machine, measured, seed_of, unit_errors
 from ema_tools.data.actuator import reference_actuator
-from ema_tools.reference.recording import Recording
 
 _REPEATS = 24
 # Sizes at which an alternative's signature is taken; in between and beyond it is scaled.

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden.machines import STEP_S
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, settled
-from ema_tools.reference.recording import Recording
 from ema_tools.select import baseline as gathering
 from ema_tools.select.search import diagnose
 

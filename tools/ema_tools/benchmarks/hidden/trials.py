@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden import observer, sealed
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES, Change, change
 from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, Machine, machine, measured, seed_of
-from ema_tools.reference.recording import Recording
 
 KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position", "alone", "same", "placebo", "time")
 OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")

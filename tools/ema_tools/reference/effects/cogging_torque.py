@@ -5,7 +5,7 @@ Source: D. C. Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 10.
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import sin
 from ema_tools.reference.point import Point
 

@@ -6,7 +6,7 @@ Source: L. Simoni et al., Friction modeling with temperature effects (2015).
 import math
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.point import Point
 
 EXAMPLE = {"drag_Nm_per_sqrt_rad_s": 0.004}

@@ -6,7 +6,7 @@ Source: D. Leggate and R. J. Kerkman, Pulse-based dead-time compensator, IEEE Tr
 import math
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.point import Point
 
 EXAMPLE = {"drop_V": 0.6, "width_A": 0.3}

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.point import Point
 from ema_tools.reference.table import value
 

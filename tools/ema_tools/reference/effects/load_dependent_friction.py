@@ -5,7 +5,7 @@ Source: M. D. L. Dalla Vedova et al., load-dependent dry friction (2012).
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.point import Point
 
 EXAMPLE = {"ratio": 0.1}

@@ -5,7 +5,7 @@ Source: periodic lead error of a ball screw, ISO 3408-3.
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import TWO_PI, sin
 from ema_tools.reference.point import Point
 

@@ -8,7 +8,7 @@ Source: P. R. Dahl, A solid friction model, Aerospace Corp. TOR-158 (1968).
 import math
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 
 EXAMPLE = {"stretch_rad": 0.05}
 

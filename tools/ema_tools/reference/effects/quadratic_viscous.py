@@ -5,7 +5,7 @@ Source: F. M. White, Fluid Mechanics (2011), ch. 7.
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.point import Point
 
 EXAMPLE = {"drag_Nm_s2_per_rad2": 1e-6}

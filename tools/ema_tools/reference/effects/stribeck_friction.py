@@ -5,7 +5,7 @@ Source: H. Olsson et al., Friction models and friction compensation, Eur. J. Con
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import exp, power
 from ema_tools.reference.point import Point
 

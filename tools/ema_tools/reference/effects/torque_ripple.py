@@ -5,7 +5,7 @@ Source: T. M. Jahns and W. L. Soong, Pulsating torque minimization techniques, I
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import cos
 from ema_tools.reference.point import Point
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.elementary import TWO_PI
 
 EXAMPLE = {"period_s": 0.025, "mass_kg": 8.0, "damping_ratio": 0.08}

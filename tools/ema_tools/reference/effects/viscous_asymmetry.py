@@ -5,7 +5,7 @@ Source: A. Janot, M. Gautier, M. Brunot, direction-dependent friction of the EMP
 
 from typing import Any
 
-from ema_tools.reference.compiled import compiled
+from ema_tools.base.compiled import compiled
 from ema_tools.reference.point import Point
 
 EXAMPLE = {"asymmetry": 0.4}

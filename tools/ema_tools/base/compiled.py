@@ -1,7 +1,7 @@
 """Compilation of the inner loops: Numba where it is installed, plain Python where it is not. Same results either way.
 
-Numba keeps IEEE arithmetic in the order written (no fast-math, no contraction), and the model calls no library's sine or
-exponential, so results have the same bits with and without it and on every machine.
+Numba keeps IEEE arithmetic in the order written (no fast-math, no contraction), and the models compiled by it call no
+library's sine or exponential, so results have the same bits with and without it and on every machine.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 try:
     import numba
-except ImportError:  # the model then runs some hundred times slower
+except ImportError:  # a model then runs some hundred times slower
     HAS_NUMBA = False
 else:
     HAS_NUMBA = not numba.config.DISABLE_JIT
@@ -22,8 +22,3 @@ else:
 def compiled(function: Function) -> Function:
     """`function`, compiled when Numba is there."""
     return numba.njit(function) if HAS_NUMBA else function
-
-
-def interpreted(function: Function) -> Function:
-    """A `compiled` function as Python itself runs it: for calls from Python, row by row, of which there are too few to pay for the compilation."""
-    return getattr(function, "py_func", function)
