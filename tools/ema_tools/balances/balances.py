@@ -392,9 +392,10 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
 
 def _soft_mass_Nm(actuator: Actuator, record: Record, motion: Motion, smoother: Smoother) -> Reals:
     """What a mass behind a soft transmission takes more than one that is rigidly coupled, as torque against extension, [rows]."""
-    if not _transmission(actuator):
+    transmission = _transmission(actuator)
+    if not transmission:
         return np.zeros(record.rows)
-    mass_kg, lead_m = actuator["transmission_compliance.mass_kg"], 1e-3 * actuator.lead_mm_per_rad
+    mass_kg, lead_m = actuator[f"{transmission}.mass_kg"], 1e-3 * actuator.lead_mm_per_rad
     rod_m = 1e-3 * smoother.smooth(record.position_mm) / (1.0 + adjusted(actuator)["encoder.rod_gain_error"])
     acceleration = np.gradient(np.gradient(rod_m, record.period_s), record.period_s)
     return np.asarray(mass_kg * lead_m * (acceleration - lead_m * motion.acceleration_rad_s2))
