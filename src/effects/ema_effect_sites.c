@@ -75,6 +75,7 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 #define EMA_ADJUST_VOLTAGE(name)
 #define EMA_ADJUST_MOTOR(name)
 #define EMA_ADJUST_PRESLIDING(name)
+#define EMA_ADJUST_READING(name)
 #define EMA_ADJUST_FRICTION_TABLE(name)
 #define EMA_ADJUST_TORQUE_TABLE(name)
 #define EMA_ADJUST_VOLTAGE_TABLE(name)
@@ -108,6 +109,7 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 #define EMA_CALL_MOTOR(name)
 #define EMA_CALL_PRESLIDING(name)
 #define EMA_CALL_TRANSMISSION(name)
+#define EMA_CALL_READING(name)
 #define EMA_CALL_TORQUE_TABLE(name)
 #define EMA_CALL_VOLTAGE_TABLE(name)
 #define EMA_CALL_READING_TABLE(name)
@@ -194,13 +196,20 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real reading_mm = EMA_R(0.0);
+#undef EMA_CALL_READING
 #undef EMA_CALL_READING_TABLE
+#define EMA_CALL_READING(name)                                                                                         \
+    if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) {                                                          \
+        reading_mm += ema_effect_##name(&plant->effects.name, site);                                                   \
+    }
 #define EMA_CALL_READING_TABLE(name)                                                                                   \
     if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) {                                                          \
         reading_mm += ema_effect_##name(EMA_LEARNED(plant, name), site);                                               \
     }
 #include "ema/ema_effects.def"
+#undef EMA_CALL_READING
 #undef EMA_CALL_READING_TABLE
+#define EMA_CALL_READING(name)
 #define EMA_CALL_READING_TABLE(name)
     return reading_mm;
 }

@@ -44,8 +44,9 @@ typedef struct {
 #define EMA_DECLARE_FRICTION_TABLE(name) EMA_DECLARE_FRICTION(name)
 #define EMA_DECLARE_TORQUE_TABLE(name) EMA_DECLARE_TORQUE(name)
 #define EMA_DECLARE_VOLTAGE_TABLE(name) EMA_DECLARE_VOLTAGE(name)
-#define EMA_DECLARE_READING_TABLE(name)                                                                                \
+#define EMA_DECLARE_READING(name)                                                                                      \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_DECLARE_READING_TABLE(name) EMA_DECLARE_READING(name)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_DECLARE_##site(name)
 #include "ema/ema_effects.def"
 #undef EMA_EFFECT
@@ -57,6 +58,7 @@ typedef struct {
 #undef EMA_DECLARE_MOTOR
 #undef EMA_DECLARE_PRESLIDING
 #undef EMA_DECLARE_TRANSMISSION
+#undef EMA_DECLARE_READING
 #undef EMA_DECLARE_FRICTION_TABLE
 #undef EMA_DECLARE_TORQUE_TABLE
 #undef EMA_DECLARE_VOLTAGE_TABLE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,14 @@ from ema_tools.data.commands import make_command
 from ema_tools.data.records import simulated
 from ema_tools.design import next_experiment as following
 from ema_tools.design.menu import limits_of, menu
-from ema_tools.design.next_experiment import HINTS, SEPARATE, Next, Option, next_experiment
+from ema_tools.design.next_experiment import SEPARATE, Next, Option, next_experiment
 from ema_tools.design.typical import scaled, typical_change, zero_of
 from ema_tools.fit.evidence import view
 from ema_tools.fit.refit import refit
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.measurements import MEASUREMENTS
+from ema_tools.library.registry import separating
 from ema_tools.select.candidates import signatures
 from ema_tools.tasks.simulate import simulate_record
 from support import REFERENCE, complaint, run_ema
@@ -176,7 +179,7 @@ def test_every_effect_has_a_size_that_the_model_takes() -> None:
     reference = reference_actuator()
     for effect in [*FAULTS, *(row.name for row in load_definitions().effects if not row.is_learned)]:
         values = typical_change(reference, effect, 7.0)
-        assert values is not None, f"{effect}: no usual size: give it one in typical.py"
+        assert values is not None, f"{effect}: no usual size: give its record one"
         size, present = zero_of(reference, effect)
         assert values[size] != present
         reference.changed(values)
@@ -193,11 +196,10 @@ def test_an_effect_without_a_usual_size_gets_one_that_shows(monkeypatch: pytest.
     assert max(option(found, "chirp").shown.values()) < 200.0
 
 
-def test_hints_speak_of_effects_that_exist() -> None:
-    known = {row.name for row in load_definitions().effects} | set(FAULTS)
-    for hint in HINTS:
-        assert hint.effects <= known
-        assert len(hint.effects) > 1
+def test_every_measurement_separates_something() -> None:
+    known = [*FAULTS, *(row.name for row in load_definitions().effects)]
+    separated = {one for pair in combinations(known, 2) for one in separating(pair)}
+    assert separated == set(MEASUREMENTS)
 
 
 def test_a_change_of_an_effect_that_is_there_already_is_compared() -> None:

@@ -13,10 +13,12 @@ from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.confounded import TWINS, twins
+from ema_tools.fit.confounded import twin_of, twins
 from ema_tools.fit.evidence import settled
-from ema_tools.fit.nuisance import SLIGHT, SLIGHT_REACH, is_slight
+from ema_tools.fit.nuisance import SLIGHT_REACH, is_slight, slight
+from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import effect_of
+from ema_tools.library.registry import record_of
 from ema_tools.select.baseline import gather
 from ema_tools.select.search import diagnose
 from support import chirp_record
@@ -34,13 +36,16 @@ SIZES = {
     "asymmetry": 0.005,
 }
 
+TWINS = [f"effects.{row.size.name}" for row in load_definitions().effects if record_of(row.name).twin is not None]
+
 
 @pytest.mark.parametrize("name", TWINS)
 def test_the_effect_and_its_parameter_make_the_same_model(name: str) -> None:
-    actuator, twin = reference_actuator(), TWINS[name]
+    actuator, twin = reference_actuator(), twin_of(name)
+    assert twin is not None
     size = SIZES[name.split(".")[-1]]
     spread = next(one for one in gather(actuator, noisy({}, 1)).spread if one.title == twin.parameter)
-    change = size / twin.per_change
+    change = size / twin.size_per_change
     with_effect = chirp_record(actuator.changed({name: size}))
     with_parameter = chirp_record(actuator.changed(spread.changes(actuator, change / spread.std)))
     for channel in ("position_mm", "motor_position_mm", "current_A", "voltage_V"):
@@ -72,7 +77,7 @@ def test_a_twin_that_cannot_have_the_sign_is_left_out() -> None:
 
 def test_slight_is_what_every_machine_has() -> None:
     ripple = "effects.pitch_ripple.ratio"
-    usual = max(changes[ripple] for changes in SLIGHT if ripple in changes)
+    usual = max(changes[ripple] for changes in slight() if ripple in changes)
     sheet = reference_actuator()
     assert is_slight(sheet, ripple, SLIGHT_REACH * usual) and not is_slight(sheet, ripple, 1.01 * SLIGHT_REACH * usual)
     assert not is_slight(sheet, "effects.pitch_ripple.phase_rad", 0.0) and not is_slight(sheet, "effects.winding_heating.rise_degC", 0.0)

@@ -20,6 +20,7 @@ from ema_tools.compare.axes import Axis, Halves, MachineState, explained, hats, 
 from ema_tools.compare.localisation import Reference, Where, binned, coarse, short
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
+from ema_tools.library.registry import learned_effect, record_of
 
 NODES = 16
 # Below this share out of sample nothing repeats.
@@ -38,18 +39,11 @@ _SEEN_MIN = 4 * NODES
 # A smooth table: second differences of neighbours cost this much beside the data.
 _STIFFNESS = 1e-3
 
-# balance -> what its residual stands for, the sign that turns it into that, the learned effect
-KINDS: Mapping[str, tuple[str, float, str]] = {
-    "mechanical": ("torque on the shaft", -1.0, "learned_torque"),
-    "electrical": ("voltage at the motor", -1.0, "learned_voltage"),
-    "kinematic": ("reading of the rod sensor", 1.0, "learned_reading"),
-}
-# Axes of which each learned effect can be a function, by their number.
-MEANINGFUL: Mapping[str, frozenset[int]] = {
-    "learned_torque": frozenset({0, 1, 2, 3, 4}),
-    "learned_friction": frozenset({0, 1, 2, 3, 4}),
-    "learned_voltage": frozenset({0, 1, 2, 3, 4}),
-    "learned_reading": frozenset({0, 1, 2, 3}),
+# balance -> what its residual stands for, the sign that turns it into that
+KINDS: Mapping[str, tuple[str, float]] = {
+    "mechanical": ("torque on the shaft", -1.0),
+    "electrical": ("voltage at the motor", -1.0),
+    "kinematic": ("reading of the rod sensor", 1.0),
 }
 _WORDS = {
     "speed": "with speed",
@@ -182,7 +176,7 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
 
 def unknown_of(balance: Balance, motion: MachineState, reference: Reference | None = None) -> Unknown:
     """The unknown that a balance's residual stands for; `reference`: what healthy repeats leave of the same balance."""
-    what, sign, _ = KINDS[balance.name]
+    what, sign = KINDS[balance.name]
     turns, rod = balance.name == "mechanical", balance.name == "kinematic"
     at = motion.at(balance.time_s)
     # at rest friction answers whatever there is, so that nothing is seen
@@ -330,12 +324,12 @@ def _sentence(what: str, ranked: Sequence[Ranked], at: MachineState) -> str:
 
 def learned(unknown: Unknown) -> Learned | None:
     """The table for the best axis that a learned effect can have; None when the unknown repeats with no such axis. A constant becomes a flat table over position."""
-    _, _, effect = KINDS[unknown.balance]
     for one in unknown.ranked:
-        name = "learned_friction" if one.friction else effect
+        name = learned_effect(unknown.balance, one.friction)
         if one.of_excess < REPEATS_SHARE:
             return None
-        if one.kind in MEANINGFUL[name] and one.tabled > 0.5 * one.explained:
+        table = record_of(name).learned
+        if table is not None and one.kind in table.axes and one.tabled > 0.5 * one.explained:
             return _table(name, one)
         if one.axis == "constant":
             along = next((other for other in unknown.ranked if other.axis == "position" and other.friction == one.friction), None)

@@ -30,6 +30,8 @@ from ema_tools.fit.refit import refit
 from ema_tools.fit.whitening import Whitener, least_noise
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.measurements import MEASUREMENTS
+from ema_tools.library.registry import separating
 from ema_tools.plant.native import CHANNELS, Simulation, library
 from ema_tools.select.candidates import signatures
 
@@ -52,77 +54,6 @@ _FIT_STARTS = 2
 # Averaging more repeats than this is no advice.
 _REPEATS_MAX = 25
 _REMEDY_COMMANDS = 3
-
-
-@dataclass(frozen=True)
-class Hint:
-    """What separates effects where a command does not: it applies when at least two of `effects` are confused."""
-
-    effects: frozenset[str]
-    do: str
-    because: str
-
-
-def _hint(effects: str, do: str, because: str) -> Hint:
-    return Hint(frozenset(effects.split()), do, because)
-
-
-HINTS: Sequence[Hint] = (
-    _hint(
-        "constant_load coulomb_asymmetry",
-        "turn the actuator over, or measure it cold and warm, and look at the current with the drive off",
-        "a weight changes its sign against the rod and an asymmetry of friction does not, an asymmetry follows the level of friction and a load does not, "
-        "and an offset of the current sensor, the third that looks like them, stays when the drive is off",
-    ),
-    _hint(
-        "feedback_delay actuation_delay",
-        "record what the controller itself sees, with its own clock",
-        "a late feedback is late there, a late output is not",
-    ),
-    _hint(
-        "winding_heating source_resistance supply_sag magnet_weakening gain_drift",
-        "measure the bus voltage under load, and the winding at standstill with an ohmmeter",
-        "a winding keeps its resistance at rest, a supply sags only under current",
-    ),
-    _hint(
-        "magnet_weakening load_dependent_friction inertia_change",
-        "turn the motor from outside and measure its voltage, or lift a known weight",
-        "the back-EMF without current shows the magnet alone, and a known weight the torque",
-    ),
-    _hint(
-        "pitch_ripple spring_load cogging_torque",
-        "let the stroke pass several leads of the screw",
-        "a spring grows all the way, a ripple repeats every lead or turn",
-    ),
-    _hint(
-        "blk transmission_compliance presliding stribeck_friction",
-        "record both positions while a known outside force pushes the rod to and fro, motor held",
-        "play moves freely, a spring in proportion, a contact in micrometres",
-    ),
-    _hint(
-        "sensor_gain sensor_offset transmission_compliance blk",
-        "hold a gauge or a second sensor against the rod at a few positions",
-        "a sensor's error is in the reading alone, not in the rod",
-    ),
-    _hint(
-        "csj stribeck_friction presliding jam_spot",
-        "raise the drive slowly from rest at several places and note where the rod breaks away",
-        "the static level shows before any motion",
-    ),
-    _hint(
-        "viscous_rise concave_viscous quadratic_viscous viscous_asymmetry",
-        "hold several constant speeds in both directions",
-        "torque against speed then shows its curve without any acceleration",
-    ),
-    _hint(
-        "inertia_change feedback_delay actuation_delay transmission_compliance",
-        "tap the rod with the drive off, or fasten a known mass to it",
-        "inertia and spring act without the loop, a delay only in it",
-    ),
-    _hint(
-        "gain_drift supply_sag", "record the controller's own output", "a drifting gain changes it for the same error, a supply does not"
-    ),
-)
 
 
 @dataclass(frozen=True)
@@ -220,9 +151,8 @@ class Next:
         count = self.repeats()
         if count is not None:
             found.append(f"The mean of {count} repeats of --command {self.options[0].command} would.")
-        for one in HINTS:
-            if any(set(pair) <= one.effects for pair in self.confused):
-                found.append(f"What would: {one.do}: {one.because}.")
+        would = {one for pair in self.confused for one in separating(pair)}
+        found += [f"What would: {one.do}: {one.because}." for one in MEASUREMENTS if one in would]
         return tuple(found) or ("What would is outside this record: another sensor, a known load, or a change of temperature.",)
 
     def result(self) -> dict[str, Any]:

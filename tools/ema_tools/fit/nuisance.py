@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.library.definitions import is_size
+from ema_tools.library.faults import effect_of
+from ema_tools.library.registry import record_of, records
 
 # Usual scatter of one machine from run to run, relative: dry friction, grease, winding.
 FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
@@ -35,35 +38,7 @@ UNIT_STANDING: Mapping[str, float] = {
 UNIT_GAIN: Mapping[tuple[str, ...], float] = {("control.kp_per_m",): 0.005}
 # Dry friction and backlash are what wears: without repeats a worn unit must not be read as a missing effect.
 WORN: Mapping[str, float] = {"screw.csj_Nm": 0.5, "screw.blk_mm": 0.7}
-# Effects that every machine has a little of, at one standard deviation: the ripple of a screw in both phases, contacts that stretch before they slide,
-# at two sizes, as what they show does not grow in proportion.
-SLIGHT: Sequence[Mapping[str, float]] = (
-    {"effects.pitch_ripple.ratio": 0.004, "effects.pitch_ripple.phase_rad": 0.0},
-    {"effects.pitch_ripple.ratio": 0.004, "effects.pitch_ripple.phase_rad": 1.5707963},
-    {"effects.presliding.stretch_rad": 0.001},
-    {"effects.presliding.stretch_rad": 0.003},
-)
-# And further sizes at one standard deviation that are not free but not named either, since no data sheet is so exact: of a motor's ripple, an asymmetry of the grease,
-# a bridge's drop, what a loop is late, a stretch of the transmission, a gain of friction under load; and as a share of the dry friction, its cogging, a local spot, which
-# stands in for the ripple of a screw where a record shows less than a lead, a spring per mm, and a bend of its law: 0.8 % at 100 rad/s where it flattens, 0.65 % at 200 where it steepens.
-_SLIGHT_SIZE: Mapping[str, float] = {
-    "effects.torque_ripple.ratio": 0.002,
-    "effects.stribeck_friction.rise": 0.008,
-    "effects.viscous_asymmetry.asymmetry": 0.006,
-    "effects.load_dependent_friction.ratio": 0.001,
-    "effects.inverter_dead_time.drop_V": 0.01,
-    "effects.feedback_delay.delay_s": 2.5e-5,
-    "effects.actuation_delay.delay_s": 5e-6,
-    "effects.transmission_compliance.period_s": 5e-4,
-}
-_SLIGHT_OF_FRICTION: Mapping[str, float] = {
-    "effects.cogging_torque.amplitude_Nm": 0.0075,
-    "effects.jam_spot.amplitude_Nm": 0.004,
-    "effects.concave_viscous.drag_Nm_per_sqrt_rad_s": 0.008 / 10.0,
-    "effects.quadratic_viscous.drag_Nm_s2_per_rad2": 0.0065 / 200.0**2,
-    "effects.spring_load.stiffness_Nm_per_mm": 0.001,
-}
-# A size of these up to so many of their standard deviations is what every machine has, and is not named without repeats.
+# A size of an effect up to so many of the standard deviations that its record calls slight is what every machine has, and is not named without repeats.
 SLIGHT_REACH = 2.0
 # Offsets of the recorded signals, relative to the signal's size.
 OFFSET_SHARE = 0.05
@@ -130,8 +105,14 @@ def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spr
     return (*from_data_sheet(actuator, 1.0 if alone else HEALTHY_FREEDOM), *standing)
 
 
+def slight() -> list[dict[str, float]]:
+    """Effects that every machine has a little of, free within one standard deviation, in the order of their names."""
+    known = sorted(records().items(), key=lambda item: item[0])
+    free = [(effect, values) for effect, record in known if record.slight is not None for values in record.slight.free]
+    return [{f"effects.{effect}.{field}": value for field, value in values.items()} for effect, values in free]
+
+
 def is_slight(actuator: Actuator, name: str, size: float) -> bool:
     """Whether a size is what every machine has of an effect; `name`: of a value, of which only sizes count."""
-    usual = [changes[name] for changes in SLIGHT if name == next(iter(changes))]
-    usual += [_SLIGHT_SIZE.get(name, 0.0), _SLIGHT_OF_FRICTION.get(name, 0.0) * actuator["screw.csj_Nm"]]
-    return max(usual) > 0.0 and abs(size) <= SLIGHT_REACH * max(usual)
+    one = record_of(effect_of(name)).slight
+    return one is not None and is_size(name) and abs(size) <= SLIGHT_REACH * one.usual(actuator["screw.csj_Nm"])

@@ -126,9 +126,9 @@ class Effect:
         return self.parameters[0]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Definitions:
-    """Both lists in the order of the files."""
+    """Both lists in the order of the files; there is one object of them, which is compared as such."""
 
     parameters: tuple[Parameter, ...]
     effects: tuple[Effect, ...]
@@ -416,3 +416,8 @@ def project_definitions() -> Definitions:
 def defaults() -> dict[str, float]:
     """The reference actuator without effects: every `section.field` and `effect.field` at its nominal value."""
     return {row.name: row.nominal for row in load_definitions().rows}
+
+
+def is_size(name: str) -> bool:
+    """Whether a value, `effects.effect.field`, is the size of its effect."""
+    return name in {f"effects.{effect.size.name}" for effect in load_definitions().effects}

@@ -250,7 +250,7 @@ def gather(
         )
 
     # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it
-    slight = [changes for changes in spreads.SLIGHT if _effect_of(changes) not in actuator.active_effects]
+    slight = [changes for changes in spreads.slight() if _effect_of(changes) not in actuator.active_effects]
     first = with_slight(actuator, slight)
     deviations = settled(first, {}, settled(first, {}).deviations, rounds=FAR_ROUNDS, reach=FAR).deviations
     unit = actuator.changed(spreads.moved(actuator, first.spread, deviations))

@@ -27,10 +27,11 @@ from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.refit import refit
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
 from ema_tools.select.baseline import common_channels, gather, same_command
 from ema_tools.select.candidates import candidates
-from ema_tools.select.search import INSEPARABLE, LEAST_LIMIT
+from ema_tools.select.search import LEAST_LIMIT
 
 # Values that have a spread of their own beside CSJ and BLK, relative.
 _SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
@@ -282,7 +283,7 @@ def _named(known: _Known, base: _Fit) -> tuple[str, _Fit | None, tuple[str, ...]
     if best.cost - known.floor > max(_UNEXPLAINED * excess, 6.0 * np.sqrt(2.0 * numbers)):
         return "unknown", None, ()
     alike = [one.effect for one in fits[1:] if one.cost - best.cost < _ALIKE * unit]
-    alike += [other for kind in INSEPARABLE if best.effect in kind for other in sorted(kind) if other != best.effect]
+    alike += record_of(best.effect).inseparable
     return "missing", best, tuple(dict.fromkeys(alike))
 
 

@@ -6,7 +6,6 @@ signature explains as much of the residual as it can.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -19,14 +18,11 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import View
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
-from ema_tools.select.matched_filter import COGGING_PERIODS, RIPPLE_PERIODS, Screen, Shaped, shapes_of
+from ema_tools.library.torques import PeriodicTorque, combined
+from ema_tools.select.matched_filter import Screen, Shaped, shapes_of
 
-# Values of shape parameters that are tried, by field, where no torque pattern suggests them.
-_SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
-    "transmission_compliance": {"mass_kg": (2.0, 6.0, 20.0), "damping_ratio": (0.06,)},
-    "inverter_dead_time": {"width_A": (0.05, 0.3)},
-}
 # First size tried, as a share of an effect's range; then it is scaled by what the residual asks for.
 _FIRST_SHARE = 0.002
 _SCALINGS = 4
@@ -35,18 +31,9 @@ _LADDER = (1.0, 8.0, 30.0, 100.0)
 # After the first round, effects that may take off this share of what is needed, and at most so many, are simulated.
 _PROMISING_SHARE = 0.3
 _PROMISING_MAX = 7
-# Without the current, a torque of dozens of periods per turn shows only where the machine nearly rests, which no linear filter sees: each number of periods is
-# simulated at so many phases, at this share of the friction or of the torque, and the best are kept.
-_FINE: Mapping[str, tuple[Sequence[float], float]] = {"cogging_torque": (COGGING_PERIODS, 0.05), "torque_ripple": (RIPPLE_PERIODS, 0.02)}
+# Where periods are tried by simulation, each number of them at so many phases, and the best are kept.
 _FINE_PHASES = 6
 _FINE_KEPT = 3
-# A limit acts only below what the signal reaches: shares of the largest current that are tried.
-_LIMIT_SHARES = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.4, 0.35, 0.3)
-# First sizes of effects that are far from proportional to their size, and the power with which they grow.
-_FIRST: Mapping[str, Sequence[float]] = {
-    "transmission_compliance": (0.0022, 0.0028, 0.0035, 0.0045, 0.006, 0.008, 0.011, 0.015, 0.02, 0.03, 0.05)
-}
-_POWER: Mapping[str, float] = {"transmission_compliance": 2.0}
 _FACTORS = (1e-3, 1e3)
 _POWERS = (0.5, 3.0)
 
@@ -93,21 +80,22 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
     name = f"effects.{size.name}"
     actuator = view.evidence.actuator
     present = effect.name in actuator.active_effects
+    record = record_of(effect.name)
 
     def one(shape: Mapping[str, float], first: tuple[float, ...], zero: float = size.nominal) -> Candidate:
         return Candidate(effect.name, name, shape, first, size.lower, size.upper, zero)
 
-    if effect.name == "current_limit":
+    if record.below_peak is not None:
         peak = float(np.max(np.abs(screen.states.current_A)))
-        return [one({}, (share * peak,)) for share in _LIMIT_SHARES]
+        return [one({}, (share * peak,)) for share in record.below_peak.tried]
     suggested = shapes_of(screen, effect.name)
-    if effect.name in _FINE and not present and "current_A" not in view.evidence.channels:
-        suggested = [*(suggested or ()), *_by_simulation(effect, view)]
+    if record.periodic is not None and record.periodic.simulated_at > 0.0 and not present and "current_A" not in view.evidence.channels:
+        suggested = [*(suggested or ()), *_by_simulation(effect, record.periodic, view)]
     if suggested is not None and not present:
         return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
     if suggested is not None and "phase_rad" in {value.field for value in effect.parameters}:
         return [one(*_turned(effect, actuator, shaped)) for shaped in suggested if _same_periods(effect, actuator, shaped.shape)]
-    if effect.is_own and not present:
+    if not record.shapes and not present:
         # nothing suggests its further values: they are fitted from where they stand, except one at zero, which has no scale
         stands = {
             f"effects.{value.name}": actuator[value.name]
@@ -115,24 +103,19 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
             if actuator[value.name] != 0.0 or value.field == "phase_rad"
         }
         return [one(stands, _ladder(size.lower, size.upper, size.nominal, _LADDER))]
-    grid = {} if present else _SHAPES.get(effect.name, {})
-    names = [f"effects.{effect.name}.{field}" for field in grid]
+    grid = {} if present else {f"effects.{effect.name}.{field}": values for field, values in record.shapes.items()}
     zero = actuator[size.name]
-    first = () if present else tuple(_FIRST.get(effect.name, ()))
-    return [
-        one(dict(zip(names, values, strict=True)), first or _ladder(size.lower, size.upper, zero, _LADDER), zero)
-        for values in itertools.product(*grid.values())
-    ]
+    first = () if present else record.first
+    return [one(shape, first or _ladder(size.lower, size.upper, zero, _LADDER), zero) for shape in combined(grid)]
 
 
-def _by_simulation(effect: Effect, view: View) -> list[Shaped]:
+def _by_simulation(effect: Effect, periodic: PeriodicTorque, view: View) -> list[Shaped]:
     """The best numbers of periods and phases of an effect by one simulation each, best first."""
-    numbers, share = _FINE[effect.name]
-    first = share * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
+    first = periodic.simulated_at * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
     phases = np.linspace(-np.pi, np.pi, _FINE_PHASES, endpoint=False)
     shapes = [
         {f"effects.{effect.name}.periods": float(number), f"effects.{effect.name}.phase_rad": float(phase)}
-        for number in numbers
+        for number in periodic.periods
         for phase in phases
     ]
 
@@ -185,9 +168,10 @@ def _gain(vector: Reals, residual: Reals) -> tuple[float, float]:
 
 def _matched(candidate: Candidate, first: float, view: View) -> Signature | None:
     best: Signature | None = None
-    size, power = first, _POWER.get(candidate.effect, 1.0)
+    record = record_of(candidate.effect)
+    size, power = first, record.power
     earlier: tuple[float, float] | None = None
-    for _ in range(1 if candidate.effect == "current_limit" else _SCALINGS):
+    for _ in range(_SCALINGS if record.below_peak is None else 1):
         try:
             vector = view.signature(candidate.changes(size))
         except InputError:

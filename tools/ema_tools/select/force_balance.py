@@ -28,7 +28,9 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.laps import Laps, laps_of
 from ema_tools.library.definitions import load_definitions
-from ema_tools.select.torque_patterns import LEVEL, NOT_HERE, Pattern, Setting, Shape, continuous_of, pattern_of, patterns_of
+from ema_tools.library.registry import effect_of_base_value
+from ema_tools.library.torques import Shape
+from ema_tools.select.torque_patterns import LEVEL, NOT_HERE, Pattern, Setting, continuous_of, pattern_of, patterns_of
 
 Rows = NDArray[np.bool_]
 
@@ -57,7 +59,15 @@ _MOST_FLOOR = 0.9
 _SINGULAR = 1e-12
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
-CONSTANT = "constant_load"
+
+
+def load_effect() -> str:
+    """The effect that is one with the base value LOAD."""
+    return effect_of_base_value(LOAD)
+
+
+def _size_of_load() -> str:
+    return load_definitions().effect(load_effect()).size.name
 
 
 @dataclass(frozen=True)
@@ -258,7 +268,7 @@ class Bench:
         found = values_of(setting, patterns, coefficients)
         if self.load_named:
             known = self.start.setting.actuator[LOAD]
-            found[f"{CONSTANT}.torque_Nm"], found[LOAD] = found[LOAD] - known, known
+            found[_size_of_load()], found[LOAD] = found[LOAD] - known, known
         return found
 
     def without_load(self) -> Fitted:
@@ -514,7 +524,7 @@ class _Search:
         if not np.any(columns):
             return NOT_HERE
         name = MECHANICAL_PARAMETERS[int(np.argmax(np.abs(base.T @ columns[:, 0]) / np.linalg.norm(base, axis=0)))]
-        shown = CONSTANT if name == LOAD and self.bench.load_named else name
+        shown = load_effect() if name == LOAD and self.bench.load_named else name
         return f"no gain over {shown}, which is refitted at every step and takes the same torque up"
 
     def constant(self) -> tuple[_Tried, Fitted, str]:
@@ -522,7 +532,7 @@ class _Search:
         bench = self.bench
         before = bench.judged(bench.without_load())
         bench.load_named = True
-        found = self._tried(before, CONSTANT, bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
+        found = self._tried(before, load_effect(), bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
         why = self.refusal(before, found)
         bench.load_named = not why
         return found, before, why
@@ -533,7 +543,7 @@ class _Search:
         return tuple(
             effect
             for effect in self.effects
-            if effect != CONSTANT
+            if effect != load_effect()
             and len(self.columns[effect]) == 1
             and np.any(self.columns[effect][0])
             and _like(self.columns[effect][0][:, 0], load)
@@ -586,7 +596,7 @@ class _Search:
 
     def round(self, accepted: Fitted, share: float) -> tuple[list[_Tried], list[Refusal]]:
         """Every effect that is left: those that may be added, best first, and the others with the reason."""
-        here = {pattern.effect for pattern in accepted.patterns} | ({CONSTANT} if self.bench.load_named else set())
+        here = {pattern.effect for pattern in accepted.patterns} | ({load_effect()} if self.bench.load_named else set())
         left = [effect for effect in self.effects if effect not in here]
         added: list[_Tried] = []
         refused: list[Refusal] = []
@@ -617,12 +627,12 @@ class _Search:
                 accepted = self.settled(without)
                 dropped.append(pattern.effect)
         if self.bench.load_named and accepted.patterns:
-            size = f"{CONSTANT}.torque_Nm"
+            size = _size_of_load()
             judged = self.bench.judged(accepted)
             if abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf):
                 self.bench.load_named = False
                 accepted = self.with_patterns(accepted.patterns, accepted.samples)
-                dropped.append(CONSTANT)
+                dropped.append(load_effect())
         return (self.bench.judged(accepted) if dropped else accepted), tuple(dropped)
 
     def elsewhere(self, before: Fitted, after: Fitted) -> dict[str, tuple[float, float]]:
@@ -715,7 +725,9 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
     else:
         accepted = constant.fit
         steps.append(
-            ForceStep(CONSTANT, accepted.values, accepted.std, search.same_as_load(), accepted.errors, search.elsewhere(first, accepted))
+            ForceStep(
+                load_effect(), accepted.values, accepted.std, search.same_as_load(), accepted.errors, search.elsewhere(first, accepted)
+            )
         )
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))

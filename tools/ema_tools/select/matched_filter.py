@@ -7,7 +7,7 @@ simulations of the whole model.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,8 @@ from ema_tools.base.arrays import Complexes, Reals
 from ema_tools.base.errors import InputError
 from ema_tools.fit.evidence import Evidence, View
 from ema_tools.fit.whitening import spectrum
+from ema_tools.library.registry import record_of
+from ema_tools.library.torques import LocalTorque, PeriodicTorque, Shape, States, combined, values_in
 from ema_tools.plant.native import library
 
 _PROBE_SHARE = 0.02  # of the friction level: far below any saturation
@@ -27,28 +29,9 @@ _SMOOTH: Mapping[str, float] = {
     "screw.friction_asymmetry": 0.0,
     "gearbox.efficiency": 1.0,
 }
-COGGING_PERIODS = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
-RIPPLE_PERIODS = tuple(range(1, 49))
-_STRIBECK_SPEEDS = (2.0, 4.0, 7.0, 12.0, 20.0, 32.0, 50.0)
-_STRIBECK_SHAPES = (1.0, 2.0)
-_JAM_WIDTHS = (0.06, 0.12, 0.25, 0.5, 1.0)
-_JAM_PLACES = 61
 _QUARTERS = (0.5 * np.pi, np.pi, -0.5 * np.pi)
 # A shape whose neighbour is this close in score and was kept adds nothing.
 _KEPT = 3
-
-Shape = Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class States:
-    """The model's run, each [rows]: what torque patterns depend on."""
-
-    direction: Reals
-    speed_rad_s: Reals
-    angle_rad: Reals
-    screw_mm: Reals
-    current_A: Reals
 
 
 @dataclass(frozen=True)
@@ -102,29 +85,27 @@ class Screen:
         pulsation = 2.0 * np.pi * fft.rfftfreq(evidence.record.rows, evidence.record.period_s)
         return np.asarray(self.actuator["motor.resistance_ohm"] + 1j * pulsation * self.actuator["motor.inductance_H"])
 
-    def best(self, shapes: list[Shape], pattern: Callable[[Shape], Reals], positive: bool, count: int = _KEPT) -> list[Shaped]:
-        """The `count` best shapes of one pattern each, best first."""
-        found = []
-        for shape in shapes:
-            sizes, score = self.fits(pattern(shape)[None, :])
-            if not (positive and sizes[0] <= 0.0):
-                found.append(Shaped(shape, float(sizes[0]), score))
-        return sorted(found, key=lambda one: -one.score)[:count]
+    def _level(self, of_level: bool) -> float:
+        """What a size of one stands for, Nm."""
+        return self.actuator["screw.csj_Nm"] * self.actuator["screw.dynamic_ratio"] if of_level else 1.0
 
-    def periodic(
-        self,
-        effect: str,
-        periods: tuple[float, ...],
-        angle_rad: Reals,
-        torque: Reals,
-        voltage: Reals | None,
-        sine: bool,
-        count: int = _KEPT,
-    ) -> list[Shaped]:
-        """The `count` best numbers of periods per turn of `angle_rad`, with amplitude and phase of torque * sin (or cos) (periods * angle + phase), and the same of a voltage."""
+    def local(self, effect: str, one: LocalTorque) -> list[Shaped]:
+        """The best shapes of a torque of one sign, best first."""
         found = []
+        level = self._level(one.of_level)
+        for shape in combined(values_in(one.tried, self.states)):
+            sizes, score = self.fits(level * one.torque(self.states, shape)[None, :])
+            if sizes[0] > 0.0:
+                found.append(Shaped({f"effects.{effect}.{field}": value for field, value in shape.items()}, float(sizes[0]), score))
+        return sorted(found, key=lambda one: -one.score)[:_KEPT]
+
+    def periodic(self, effect: str, one: PeriodicTorque) -> list[Shaped]:
+        """The best numbers of periods per turn with their amplitude and phase, best first."""
+        found = []
+        angle_rad, torque = one.angle(self.states), self._level(one.of_level) * one.torque(self.states)
+        voltage = one.voltage(self.states) if one.voltage is not None else None
         turn = np.gradient(angle_rad)
-        for number in periods:
+        for number in one.periods or (1,):
             turned = number * angle_rad
             # what the ripple leaves of itself over a row
             mean = np.sinc(number * turn / (2.0 * np.pi))
@@ -132,12 +113,21 @@ class Screen:
             (in_phase, quadrature), score = (
                 self.fits(torque * waves) if voltage is None else self.fits_with_voltage(torque * waves, voltage * waves)
             )
-            phase = np.arctan2(quadrature, in_phase) if sine else np.arctan2(-in_phase, quadrature)
-            shape = {f"effects.{effect}.phase_rad": float(phase)} | (
-                {f"effects.{effect}.periods": float(number)} if len(periods) > 1 else {}
-            )
+            phase = np.arctan2(-in_phase, quadrature) if one.cosine else np.arctan2(quadrature, in_phase)
+            shape = {f"effects.{effect}.phase_rad": float(phase)} | ({f"effects.{effect}.periods": float(number)} if one.periods else {})
             found.append(Shaped(shape, float(np.hypot(in_phase, quadrature)), score))
-        return sorted(found, key=lambda one: -one.score)[:count]
+        best = sorted(found, key=lambda one: -one.score)[:_KEPT]
+        return [*best, *_turned(effect, best)] if one.holds_at_rest else best
+
+
+def _turned(effect: str, found: Sequence[Shaped]) -> list[Shaped]:
+    """The same shapes at phases by quarters of a turn away."""
+    phase = f"effects.{effect}.phase_rad"
+    return [
+        replace(one, shape={**one.shape, phase: float(np.angle(np.exp(1j * (one.shape[phase] + quarter))))})
+        for quarter in _QUARTERS
+        for one in found
+    ]
 
 
 def _solved(square: Reals, products: Reals) -> tuple[Reals, float]:
@@ -157,7 +147,16 @@ def _states(evidence: Evidence, view: View) -> States:
     speed = np.append(np.diff(angle), 0.0) / evidence.record.period_s
     slow = 1e-3 * float(np.max(np.abs(speed), initial=0.0))
     direction = np.where(np.abs(speed) > slow, np.sign(speed), 0.0)
-    return States(direction, speed, turned, middle * model.lead_mm_per_rad, run.current_A)
+    return States(
+        direction,
+        speed,
+        turned,
+        turned / model["gearbox.ratio"],
+        middle * model.lead_mm_per_rad,
+        run.current_A,
+        model["motor.torque_constant_Nm_per_A"],
+        model["motor.back_emf_V_s_per_rad"],
+    )
 
 
 def _between_rows(values: Reals) -> Reals:
@@ -183,33 +182,9 @@ def _response(evidence: Evidence) -> Complexes:
 
 def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
     """The shapes of an effect that the residual suggests, best first; None for an effect whose shapes are not a matter of torque patterns."""
-    states, actuator = screen.states, screen.actuator
-    level = actuator["screw.csj_Nm"] * actuator["screw.dynamic_ratio"]
-    if effect == "cogging_torque":
-        found = screen.periodic(effect, COGGING_PERIODS, states.angle_rad, np.ones_like(states.angle_rad), None, True)
-        # cogging that is large beside the friction holds the motor at rest: then the filter, which knows no rest, is right in the periods and wrong in the phase
-        phase = f"effects.{effect}.phase_rad"
-        turned = [
-            replace(one, shape={**one.shape, phase: float(np.angle(np.exp(1j * (one.shape[phase] + quarter))))})
-            for quarter in _QUARTERS
-            for one in found
-        ]
-        return [*found, *turned]
-    if effect == "torque_ripple":
-        torque = actuator["motor.torque_constant_Nm_per_A"] * states.current_A
-        back_emf = -actuator["motor.back_emf_V_s_per_rad"] * states.speed_rad_s
-        return screen.periodic(effect, RIPPLE_PERIODS, states.angle_rad, torque, back_emf, False)
-    if effect == "pitch_ripple":
-        return screen.periodic(effect, (1.0,), states.angle_rad / actuator["gearbox.ratio"], -level * states.direction, None, True, 1)
-    if effect == "stribeck_friction":
-        names = (f"effects.{effect}.speed_rad_s", f"effects.{effect}.shape")
-        grid: list[Shape] = [{names[0]: speed, names[1]: power} for speed in _STRIBECK_SPEEDS for power in _STRIBECK_SHAPES]
-        return screen.best(
-            grid, lambda one: -level * states.direction * np.exp(-((np.abs(states.speed_rad_s) / one[names[0]]) ** one[names[1]])), True
-        )
-    if effect == "jam_spot":
-        names = (f"effects.{effect}.place_mm", f"effects.{effect}.width_mm")
-        places = np.linspace(float(states.screw_mm.min()), float(states.screw_mm.max()), _JAM_PLACES)
-        grid = [{names[0]: float(place), names[1]: width} for place in places for width in _JAM_WIDTHS]
-        return screen.best(grid, lambda one: -states.direction * np.exp(-(((states.screw_mm - one[names[0]]) / one[names[1]]) ** 2)), True)
+    record = record_of(effect)
+    if record.periodic is not None:
+        return screen.periodic(effect, record.periodic)
+    if record.local is not None:
+        return screen.local(effect, record.local)
     return None

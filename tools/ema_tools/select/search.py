@@ -10,11 +10,12 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
-from ema_tools.fit.confounded import TWINS, twins
+from ema_tools.fit.confounded import twin_of, twins
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, repeat_residuals, settled
 from ema_tools.fit.nuisance import is_slight
 from ema_tools.fit.refit import Fit, best_of_each, joined, jointly, polished, refit, seen_from, slopes, without_effect
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, promising, signatures
 
 # Effects whose refit is worth its time, at most, and how far behind the best score they may be.
@@ -57,8 +58,6 @@ _JOINT_ROUNDS = 3
 _WORTH_FITTING = 0.3
 _GAIN_SHARE = 0.5
 _TWIN_LIMIT = 9.0  # three standard deviations of a parameter
-# Effects that no record of one machine tells apart: naming one names the class.
-INSEPARABLE: Sequence[frozenset[str]] = (frozenset({"constant_load", "coulomb_asymmetry"}),)
 
 
 @dataclass(frozen=True)
@@ -325,7 +324,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     if path.steps and path.steps[-1].cost > most:
         path = _worn_first(here, path, needed, tell)
     steps = path.steps
-    if steps and free is not None and not (len(steps) == 1 and set(steps[0].values) <= set(TWINS)):
+    if steps and free is not None and not (len(steps) == 1 and all(map(twin_of, steps[0].values))):
         steps = (*steps[:-1], jointly(steps[-1]))
     best = steps[-1] if steps else None
     cost = best.cost if best is not None else before
@@ -380,7 +379,7 @@ def _named(
             for other in fit.effects
             if other not in held and other not in own.effects
         ]
-        alike += [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
+        alike += record_of(effect).inseparable
         std = {name: value for name, value in best.std.items() if name in best.of_effect(effect)} if best else {}
         earlier = steps[place - 1].cost if place else before
         values = best.of_effect(effect) if best else {}
@@ -400,7 +399,7 @@ def _named(
     others = []
     for effect in {*first.scores, *tried} - set(accepted):
         fit = tried.get(effect)
-        alike = [other for kind in INSEPARABLE if effect in kind for other in sorted(kind) if other != effect]
+        alike = list(record_of(effect).inseparable)
         if fit is not None and not accepted:
             alike += [other.effects[0] for other in first.fits if other.effects[0] != effect and abs(other.judged - fit.judged) < tolerance]
         score = before - fit.judged if fit is not None else first.scores[effect]

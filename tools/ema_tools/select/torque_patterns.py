@@ -1,13 +1,12 @@
 """Every effect of the library as a torque that the motor must bring up, from measured signals: one column per amplitude, in all shapes worth trying.
 
-An effect without parameters of shape is asked through the balances themselves, at a small size, so that an effect of one's own needs nothing here. Those with many shapes are
-written out, since hundreds of them are tried.
+An effect whose record has no torque in closed form is asked through the balances themselves, at a small size, so that an effect of one's own needs nothing.
 """
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Mapping, Sequence
+import functools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,25 +20,16 @@ from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.library.definitions import Effect, load_definitions
+from ema_tools.library.registry import record_of
+from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, States, combined, values_in
 
 LEVEL = "screw.csj_Nm"
 VISCOUS = "screw.viscous_Nm_s_per_rad"
 NOT_HERE = "it does not show between the motor's torque and the measured motion"
 # Base values that an effect's size may be a share of.
 _RELATIVE_TO = (LEVEL, VISCOUS)
-
-_PERIODS = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
-_STRIBECK_SPEED_SHARES = (0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.4, 0.6)
-_STRIBECK_SHAPES = (0.5, 1.0, 2.0)
-_JAM_WIDTH_SHARES = (0.003, 0.006, 0.0125, 0.025, 0.05)
-_JAM_PLACES = 61
-_STRETCHES_RAD = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
-_DELAYS_S = (5e-5, 1e-4, 2e-4, 3.5e-4, 5e-4, 7e-4, 1e-3, 1.5e-3, 2e-3, 3e-3)
 # Probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows.
 _PROBE = 1e-3
-
-
-Shape = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -85,6 +75,11 @@ class Setting:
     motion: Motion
     _required: dict[str, Reals] = field(default_factory=dict)
 
+    @functools.cached_property
+    def states(self) -> States:
+        """The measured motion, as the torques of effects take it."""
+        return _states(self)
+
     def required_Nm(self, halved: str = "") -> Reals:
         """What the balance requires without any further effect, with one base value halved, [rows]."""
         if halved not in self._required:
@@ -104,92 +99,64 @@ def _pair(angle: Reals) -> Reals:
     return np.column_stack([np.sin(angle), np.cos(angle)])
 
 
-def _periods_in_band(setting: Setting) -> list[int]:
+def _in_band(setting: Setting, one: PeriodicTorque) -> list[int]:
     """Periods per motor turn that pass the filter at least at the record's slower speeds."""
     slow = float(np.quantile(np.abs(setting.motion.speed_rad_s), 0.25))
     highest = 0.5 * setting.model.smoother.cutoff_hz * 2.0 * np.pi / max(slow, 1e-9)
-    return [periods for periods in _PERIODS if periods <= highest]
+    return [periods for periods in one.in_balance if periods <= highest]
 
 
-def _cogging(setting: Setting, shape: Shape) -> Pattern:
-    columns = -_pair(shape["cogging_torque.periods"] * setting.motion.angle_rad)
-    return Pattern("cogging_torque", shape, columns, phase="cogging_torque.phase_rad")
+def _states(setting: Setting) -> States:
+    """The measured motion."""
+    motion, values = setting.motion, adjusted(setting.actuator)
+    return States(
+        setting.model.contact,
+        motion.speed_rad_s,
+        motion.angle_rad,
+        2.0 * np.pi * motion.motor_mm / setting.actuator["screw.lead_mm"],
+        motion.motor_mm,
+        motion.current_A,
+        values["motor.torque_constant_Nm_per_A"],
+        values["motor.back_emf_V_s_per_rad"],
+    )
 
 
-def _torque_ripple(setting: Setting, shape: Shape) -> Pattern:
-    torque = adjusted(setting.actuator)["motor.torque_constant_Nm_per_A"] * setting.motion.current_A
-    columns = -torque[:, None] * _pair(shape["torque_ripple.periods"] * setting.motion.angle_rad)
-    return Pattern("torque_ripple", shape, columns, phase="torque_ripple.phase_rad", cosine=True)
+def _periodic(setting: Setting, effect: str, one: PeriodicTorque, shape: Shape) -> Pattern:
+    columns = -one.torque(setting.states)[:, None] * _pair(shape.get(f"{effect}.periods", 1.0) * one.angle(setting.states))
+    return Pattern(effect, shape, columns, LEVEL if one.of_level else "", f"{effect}.phase_rad", one.cosine)
 
 
-def _pitch_ripple(setting: Setting, shape: Shape) -> Pattern:
-    turns = 2.0 * np.pi * setting.motion.motor_mm / setting.actuator["screw.lead_mm"]
-    return Pattern("pitch_ripple", shape, setting.model.contact[:, None] * _pair(turns), LEVEL, phase="pitch_ripple.phase_rad")
+def _local(setting: Setting, effect: str, one: LocalTorque, shape: Shape) -> Pattern:
+    torque = one.torque(setting.states, {name.removeprefix(f"{effect}."): value for name, value in shape.items()})
+    return Pattern(effect, shape, -torque[:, None], LEVEL if one.of_level else "")
 
 
-def _stribeck(setting: Setting, shape: Shape) -> Pattern:
-    faded = np.exp(-((np.abs(setting.motion.speed_rad_s) / shape["stribeck_friction.speed_rad_s"]) ** shape["stribeck_friction.shape"]))
-    return Pattern("stribeck_friction", shape, (setting.model.contact * faded)[:, None], LEVEL)
+def _local_shapes(setting: Setting, effect: str, one: LocalTorque) -> list[Shape]:
+    values = {}
+    for name, wanted in values_in(one.in_balance, setting.states).items():
+        row = load_definitions().by_name[f"{effect}.{name}"]
+        values[row.name] = sorted({float(np.clip(value, row.lower, row.upper)) for value in wanted})
+    return combined(values)
 
 
-def _jam(setting: Setting, shape: Shape) -> Pattern:
-    spot = np.exp(-(((setting.motion.motor_mm - shape["jam_spot.place_mm"]) / shape["jam_spot.width_mm"]) ** 2))
-    return Pattern("jam_spot", shape, (setting.model.contact * spot)[:, None])
+def _bending_shapes(setting: Setting, effect: str, one: Bending) -> list[Shape]:
+    size = load_definitions().effect(effect).size.name
+    if one.of_drive:
+        changed = setting.actuator.changed({size: one.sizes[0]})
+        if np.array_equal(mechanical_model(changed, setting.record, setting.model.smoother, held=True).drive_Nm, setting.model.drive_Nm):
+            return []
+    return [{size: value} for value in one.sizes]
 
 
-def _bending(effect: str) -> Callable[[Setting, Shape], Pattern]:
-    return lambda setting, shape: Pattern(effect, shape, np.zeros((setting.record.rows, 0)))
-
-
-def _stribeck_shapes(setting: Setting) -> list[Shape]:
-    fastest = float(np.max(np.abs(setting.motion.speed_rad_s), initial=0.0))
-    row = load_definitions().by_name["stribeck_friction.speed_rad_s"]
-    speeds = sorted({float(np.clip(share * fastest, row.lower, row.upper)) for share in _STRIBECK_SPEED_SHARES})
-    return [
-        {"stribeck_friction.speed_rad_s": speed, "stribeck_friction.shape": power}
-        for speed, power in itertools.product(speeds, _STRIBECK_SHAPES)
-    ]
-
-
-def _jam_shapes(setting: Setting) -> list[Shape]:
-    first, last = float(setting.motion.motor_mm.min()), float(setting.motion.motor_mm.max())
-    least = load_definitions().by_name["jam_spot.width_mm"].lower
-    places = np.linspace(first, last, _JAM_PLACES).tolist()
-    return [
-        {"jam_spot.place_mm": place, "jam_spot.width_mm": max(share * (last - first), least)}
-        for place, share in itertools.product(places, _JAM_WIDTH_SHARES)
-    ]
-
-
-def _delay_shapes(setting: Setting) -> list[Shape]:
-    late = setting.actuator.changed({"actuation_delay.delay_s": _DELAYS_S[0]})
-    if np.array_equal(mechanical_model(late, setting.record, setting.model.smoother, held=True).drive_Nm, setting.model.drive_Nm):
-        return []
-    return [{"actuation_delay.delay_s": delay} for delay in _DELAYS_S]
-
-
-@dataclass(frozen=True)
-class _Written:
-    """How an effect's patterns are made: the shapes to try, and the pattern of one; `continuous` of its shape parameters lie between the shapes tried."""
-
-    shapes: Callable[[Setting], Sequence[Shape]]
-    make: Callable[[Setting, Shape], Pattern]
-    continuous: tuple[str, ...] = ()
-
-
-_WRITTEN: Mapping[str, _Written] = {
-    "cogging_torque": _Written(
-        lambda setting: [{"cogging_torque.periods": float(periods)} for periods in _periods_in_band(setting)], _cogging
-    ),
-    "torque_ripple": _Written(
-        lambda setting: [{"torque_ripple.periods": float(periods)} for periods in _periods_in_band(setting)], _torque_ripple
-    ),
-    "pitch_ripple": _Written(lambda setting: [{}], _pitch_ripple),
-    "stribeck_friction": _Written(_stribeck_shapes, _stribeck, ("stribeck_friction.speed_rad_s", "stribeck_friction.shape")),
-    "jam_spot": _Written(_jam_shapes, _jam, ("jam_spot.place_mm", "jam_spot.width_mm")),
-    "presliding": _Written(lambda setting: [{"presliding.stretch_rad": stretch} for stretch in _STRETCHES_RAD], _bending("presliding")),
-    "actuation_delay": _Written(_delay_shapes, _bending("actuation_delay")),
-}
+def _shapes(setting: Setting, effect: str) -> list[Shape] | None:
+    """The shapes to try of an effect whose record has them; None of any other."""
+    record = record_of(effect)
+    if record.periodic is not None:
+        numbers = _in_band(setting, record.periodic)
+        return [{f"{effect}.periods": float(number)} for number in numbers] if record.periodic.in_balance else [{}]
+    if record.local is not None:
+        return _local_shapes(setting, effect, record.local)
+    return _bending_shapes(setting, effect, record.bending) if record.bending is not None else None
 
 
 def required_Nm(actuator: Actuator, record: Record, smoother: Smoother) -> Reals:
@@ -226,18 +193,25 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
 
 def patterns_of(setting: Setting, effect: str) -> Sequence[Pattern] | str:
     """Every shape of an effect that is tried; or in one sentence why none can be."""
-    if effect in _WRITTEN:
-        written = _WRITTEN[effect]
-        return tuple(written.make(setting, shape) for shape in written.shapes(setting)) or NOT_HERE
-    found = _asked(setting, load_definitions().effect(effect))
-    return found if isinstance(found, str) else (found,)
+    shapes = _shapes(setting, effect)
+    found = [pattern_of(setting, effect, shape) for shape in ([{}] if shapes is None else shapes)]
+    refused = next((one for one in found if isinstance(one, str)), NOT_HERE)
+    return tuple(one for one in found if not isinstance(one, str)) or refused
 
 
 def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
     """An effect in one shape; or in one sentence why there is no such pattern."""
-    return _WRITTEN[effect].make(setting, shape) if effect in _WRITTEN else _asked(setting, load_definitions().effect(effect))
+    record = record_of(effect)
+    if record.periodic is not None:
+        return _periodic(setting, effect, record.periodic, shape)
+    if record.local is not None:
+        return _local(setting, effect, record.local, shape)
+    if record.bending is not None:
+        return Pattern(effect, shape, np.zeros((setting.record.rows, 0)))
+    return _asked(setting, load_definitions().effect(effect))
 
 
 def continuous_of(effect: str) -> tuple[str, ...]:
     """The shape parameters of an effect that lie between the shapes tried."""
-    return _WRITTEN[effect].continuous if effect in _WRITTEN else ()
+    local = record_of(effect).local
+    return tuple(f"{effect}.{field}" for field in local.in_balance) if local is not None else ()

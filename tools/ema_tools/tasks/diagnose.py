@@ -15,13 +15,13 @@ from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import Gate, judge
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.design.next_experiment import HINTS
 from ema_tools.fit.evidence import Evidence
 from ema_tools.library.faults import FAULTS, effect_of
+from ema_tools.library.registry import record_of, separating
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.holdout import Errors, Step, fitted_machine, refuted, walk
-from ema_tools.select.search import INSEPARABLE, LEAST_LIMIT, Diagnosis, Named, diagnose
+from ema_tools.select.search import LEAST_LIMIT, Diagnosis, Named, diagnose
 from ema_tools.select.sensors import Suspect, suspect
 
 _LISTED = 12
@@ -114,9 +114,9 @@ class Answer:
             table = f"ema add ACTUATOR {self.learned.effect} --fit REC flies it as a learned table; " if self.learned is not None else ""
             return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
         if confused is not None:
-            if any(set(confused.alike) <= kind for kind in INSEPARABLE):
-                hint = next(one for one in HINTS if set(confused.alike) <= one.effects)
-                return f"Next: no command tells {' and '.join(confused.alike)} apart; what would: {hint.do}: {hint.because}."
+            if set(confused.alike) <= {confused.name, *record_of(confused.name).inseparable}:
+                would = separating(confused.alike)[0]
+                return f"Next: no command tells {' and '.join(confused.alike)} apart; what would: {would.do}: {would.because}."
             return f"Next: ema next ACTUATOR --between {' '.join(confused.alike)} says which command tells them apart."
         if self.effects and self.effects[0].name in self.known.active_effects:
             return f"Next: {self.effects[0].name} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."

@@ -17,6 +17,7 @@ from ema_tools.compare.validity import Gate, judge
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.laps import laps_of
+from ema_tools.library.registry import record_of
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
 from ema_tools.tasks.diagnose import size_text
 
@@ -40,7 +41,7 @@ class LapsAnswer:
     def accepted(self) -> tuple[ForceStep, ...]:
         """The steps whose effects are in the last model."""
         return tuple(
-            step for step in self.forces.steps if step.effect in self.forces.actuator.active_effects or step.effect == "constant_load"
+            step for step in self.forces.steps if step.effect in self.forces.actuator.active_effects or record_of(step.effect).base_value
         )
 
     @property
@@ -161,18 +162,14 @@ class LapsAnswer:
 
 def _numbers(effect: str, values: Any) -> dict[str, float]:
     """Values of one effect by field."""
-    load = "screw.load_torque_Nm"
-    return {
-        name.split(".")[-1]: float(value)
-        for name, value in values.items()
-        if f"{effect}." in name or (effect == "constant_load" and name == load)
-    }
+    base_value = record_of(effect).base_value
+    return {name.split(".")[-1]: float(value) for name, value in values.items() if f"{effect}." in name or name == base_value}
 
 
 def size_of(step: ForceStep, last: ForceStep) -> str:
     """The size of a step's effect as the last fit has it, with its standard error."""
     name = next(
-        (name for name in last.values if f"{step.effect}." in name or (step.effect == "constant_load" and name == "screw.load_torque_Nm")),
+        (name for name in last.values if f"{step.effect}." in name or name == record_of(step.effect).base_value),
         None,
     )
     return f"{row_of(name).field} {size_text(name, last.values[name], last.std.get(name))}" if name is not None else ""

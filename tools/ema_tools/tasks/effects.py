@@ -7,7 +7,7 @@ from typing import Any
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import nearest
 from ema_tools.library.definitions import Effect, load_definitions
-from ema_tools.library.signatures import signature_of
+from ema_tools.library.registry import record_of
 
 SITES = {
     "PARAMETER": "changes parameters",
@@ -39,7 +39,7 @@ def describe(effect: Effect) -> dict[str, Any]:
         "own": effect.is_own,
         "equation": effect.equation,
         "source": effect.source,
-        "signature": signature_of(effect.name),
+        "signature": record_of(effect.name).shows,
         "look_alikes": list(effect.look_alikes),
         "parameters": [
             {

@@ -6,7 +6,6 @@ so that a fault is not named as an effect. Each row of the table has length one:
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,7 +21,8 @@ from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import DERIVATIVE_STEP, measured_channels, simulate_channels
 from ema_tools.fit.whitening import least_noise
 from ema_tools.library.definitions import Effect, load_definitions
-from ema_tools.library.faults import FAULTS
+from ema_tools.library.faults import FAULT_RECORDS, FAULTS
+from ema_tools.library.registry import record_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import same_command
 
@@ -42,32 +42,16 @@ LEFT_SHARE = 0.5
 _LEAST_NOISE_PART = 0.3
 # A command that differs by more than this part of its reach is another one.
 _COMMAND_APART = 0.005
-# A signature is taken at the size at which it stands so many standard deviations out of the noise, or at this share of its range; one that turns with its size at two.
+# A signature is taken at the size at which it stands so many standard deviations out of the noise, or at this share of its range; one that turns with its size at more.
 _APART = 60.0
-_APARTS: Mapping[str, Sequence[float]] = {"cogging_torque": (_APART, 300.0)}
 _SHARE_MAX = 0.3
 _SHARE_FIRST = 0.002
 _SCALINGS = 4
 _NEAR_ENOUGH = 0.3
-_FAULT_STEP: Mapping[str, float] = {"csj": 0.05, "blk": 0.25}
 _STEP_STD = 0.1
 # The usual scatter counts as much as so many runs that had shown it.
 _USUAL_WEIGHT = 4.0
 _INDEPENDENT = 1e-3
-# Effects whose signature changes with the size, at these sizes: a limit of the current as shares of the healthy peak, a rod on its spring.
-_LIMIT_SHARES = (0.95, 0.85)
-_SIZES: Mapping[str, Sequence[float]] = {"transmission_compliance": (0.01, 0.02)}
-# Shapes that are tried, by effect and field; effects of unknown phase have two rows for each.
-SHAPES: Mapping[str, Mapping[str, Sequence[float]]] = {
-    "stribeck_friction": {"speed_rad_s": (3.0, 8.0, 20.0), "shape": (1.0, 2.0)},
-    "cogging_torque": {"periods": (12.0, 18.0, 24.0, 30.0, 36.0, 48.0, 60.0, 72.0)},
-    "torque_ripple": {"periods": (6.0, 12.0, 18.0, 24.0, 30.0)},
-    "transmission_compliance": {"mass_kg": (2.0, 6.0, 20.0), "damping_ratio": (0.06,)},
-    "inverter_dead_time": {"width_A": (0.15,)},
-}
-# Places of a spot, as shares of the command's reach, and its half width there.
-_SPOTS = (-0.8, -0.55, -0.3, 0.0, 0.3, 0.55, 0.8)
-_SPOT_WIDTH = 0.15
 
 
 @dataclass(frozen=True)
@@ -238,36 +222,31 @@ class _Wanted:
     fixed: bool = False
 
 
-def _shapes(effect: str, reach_mm: float) -> list[dict[str, float]]:
-    if effect == "jam_spot":
-        return [{"jam_spot.place_mm": share * reach_mm, "jam_spot.width_mm": _SPOT_WIDTH * reach_mm} for share in _SPOTS]
-    grid = SHAPES.get(effect, {})
-    return [dict(zip((f"{effect}.{name}" for name in grid), values, strict=True)) for values in itertools.product(*grid.values())]
-
-
 def _wanted(bench: _Bench, effect: Effect) -> list[_Wanted]:
     """The patterns of one effect."""
-    size = effect.size
-    if effect.name == "current_limit":
+    size, record = effect.size, record_of(effect.name)
+    if record.below_peak is not None:
         peak_A = float(np.max(np.abs(simulate_channels(bench.actuator, bench.record, ("current_A",), bench.start_mm))))
         return [
-            _Wanted(effect.name, size.name, 0.0, share * peak_A, share * peak_A, ({},), True, {}, fixed=True) for share in _LIMIT_SHARES
+            _Wanted(effect.name, size.name, 0.0, share * peak_A, share * peak_A, ({},), True, {}, fixed=True)
+            for share in record.below_peak.onboard
         ]
     zero = bench.actuator[size.name]
     span = size.upper - zero
     phased = any(value.field == "phase_rad" for value in effect.parameters)
     found = []
-    for shape in _shapes(effect.name, float(np.max(np.abs(bench.record.command_mm)))):
-        if effect.name in _SIZES:
+    for by_field in record.onboard.shapes_at(float(np.max(np.abs(bench.record.command_mm)))):
+        shape = {f"{effect.name}.{field}": value for field, value in by_field.items()}
+        if record.onboard.sizes:
             found += [
-                _Wanted(effect.name, size.name, 0.0, value, value, (shape,), True, shape, fixed=True) for value in _SIZES[effect.name]
+                _Wanted(effect.name, size.name, 0.0, value, value, (shape,), True, shape, fixed=True) for value in record.onboard.sizes
             ]
             continue
         rows = tuple({**shape, f"{effect.name}.phase_rad": phase} for phase in (0.0, np.pi / 2.0)) if phased else (shape,)
         one_sided = size.lower >= size.nominal and not phased and zero == size.nominal
         found += [
             _Wanted(effect.name, size.name, zero, _SHARE_FIRST * span, _SHARE_MAX * span, rows, one_sided, shape, apart)
-            for apart in _APARTS.get(effect.name, (_APART,))
+            for apart in (_APART, *record.onboard.larger)
         ]
     return found
 
@@ -402,7 +381,7 @@ def _table(bench: _Bench, healthy: Sequence[Record]) -> Signatures:
     soft = np.column_stack(
         [bench.weighted(bench.of_spread(one) * width) for one, width in zip(spreads.from_run_to_run(), widths, strict=True)]
     )
-    steps = {key: _FAULT_STEP[key] * actuator[name] for key, name in FAULTS.items() if actuator[name] > 0.0}
+    steps = {key: FAULT_RECORDS[key].typical_share * actuator[name] for key, name in FAULTS.items() if actuator[name] > 0.0}
     vectors = {key: bench.vector({FAULTS[key]: actuator[FAULTS[key]] + step}) for key, step in steps.items()}
     space = _Space.of(soft, list(vectors.values()))
     rows = list(space.short(space.basis.T))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from ema_tools.library.definitions import Effect, load_definitions
+from ema_tools.library.registry import record_of
 from ema_tools.reference.effects import example_of
 
 CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
@@ -330,17 +331,13 @@ _BLOCK_CASES: tuple[Case, ...] = (
 )
 
 
-# Effects whose record needs another tolerance than their site's.
-_OF_EFFECT = {"current_limit": TOUCHED}
-
-
 def _of_effect(effect: Effect) -> Case:
     """The record that shows one effect, at the values of its reference module."""
     values = example_of(effect.name)
     shows = ", ".join(f"{name} {value:g}" for name, value in values.items())
     case = Case(f"effect_{effect.name}", shows, SHORT_CHIRP, 2_500, 20, values)
-    if effect.name in _OF_EFFECT:
-        tolerance = _OF_EFFECT[effect.name]
+    if record_of(effect.name).below_peak is not None:
+        tolerance = TOUCHED
     elif effect.site in ("PARAMETER", "READING"):
         return case
     else:

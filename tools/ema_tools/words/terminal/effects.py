@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 
 from ema_tools.library.definitions import Effect, load_definitions
-from ema_tools.library.signatures import signature_of
+from ema_tools.library.registry import record_of
 from ema_tools.tasks.effects import SITES
 from ema_tools.words.terminal.console import table
 
@@ -26,7 +26,7 @@ def print_one(console: Console, effect: Effect) -> None:
         console.print(
             "learned: no physical effect but a table; it says what was seen from first to last, and the edge value is held outside"
         )
-    console.print(f"signature: {signature_of(effect.name)}", highlight=False)
+    console.print(f"signature: {record_of(effect.name).shows}", highlight=False)
     console.print(f"source: {effect.source}")
     console.print(f"look-alikes: {', '.join(effect.look_alikes) or 'none known'}")
     shown = table(f"\\[effects.{effect.name}]", "parameter", "meaning", "unit", "zero", "lower", "upper", text_columns=3)

@@ -1,0 +1,1 @@
+"""What is known of single effects: one module per row of `ema_effects.def`, found by its name, each with its `EFFECT`."""

@@ -1,0 +1,8 @@
+"""A voltage that was learned."""
+
+from ema_tools.library.record import EffectRecord, Learned
+
+EFFECT = EffectRecord(
+    shows="electrical balance: whatever voltage repeats against the axis of the table",
+    learned=Learned("electrical", frozenset({0, 1, 2, 3, 4})),
+)

@@ -1,0 +1,10 @@
+"""Cold grease."""
+
+from ema_tools.library import measurements
+from ema_tools.library.record import EffectRecord, Typical
+
+EFFECT = EffectRecord(
+    shows="mechanical balance: torque in proportion to speed; the upper frequencies",
+    typical=Typical({"rise": 0.5}, "usual: 1.5 to 10 times the damping"),
+    separated_by=(measurements.CONSTANT_SPEEDS,),
+)
