@@ -11,7 +11,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -23,6 +23,9 @@ from ema_tools import __version__
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.library.definitions import DefinitionError
 from ema_tools.words.terminal.console import complain, output, progress
+
+if TYPE_CHECKING:
+    from ema_tools.results.reading import Result
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -49,12 +52,13 @@ def precision_option(default: str) -> Callable[[Command], Command]:
     )
 
 
-def save(json_path: str | None, result: dict[str, Any], force: bool) -> None:
+def save(json_path: str | Path | None, result: Result | dict[str, Any], force: bool) -> None:
     """Write --json when it was asked for."""
     if json_path:
         from ema_tools.base.files import write_json
+        from ema_tools.results.codec import to_json
 
-        write_json(json_path, result, force)
+        write_json(json_path, result if isinstance(result, dict) else to_json(result), force)
 
 
 def writable(*paths: str | Path | None, force: bool, inputs: Iterable[str] = ()) -> None:
@@ -113,6 +117,7 @@ def simulate(
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.commands import make_command
     from ema_tools.data.records import write_record
+    from ema_tools.results.files import Simulated
     from ema_tools.tasks import simulate as work
 
     writable(out, json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
@@ -126,15 +131,8 @@ def simulate(
     if std:
         comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
-    told = {
-        "rows": record.rows,
-        "period_s": record.period_s,
-        "settings": list(settings),
-        "noise": std,
-        "seed": seed,
-        "precision": int(precision),
-    }
-    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, **told}, force)
+    found = Simulated("simulate", actuator, out, record.rows, record.period_s, tuple(settings), std, seed, int(precision))
+    save(json_path, found, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
 
@@ -542,6 +540,7 @@ def next_command(
     from ema_tools.plant.native import CHANNELS
     from ema_tools.results.provenance import provenance
     from ema_tools.tasks.simulate import noise_of
+    from ema_tools.words.answers.experiment import experiment
     from ema_tools.words.terminal.next_experiment import print_next
 
     writable(json_path, force=force, inputs=(actuator,))
@@ -560,8 +559,9 @@ def next_command(
             also,
             lambda share, text: bar.update(100.0 * share, text),
         )
-    save(json_path, {"command": "next", **found.result(), "provenance": provenance(command_line(), actuator=model.name)}, force)
-    print_next(output(), found)
+    result = experiment(found, provenance(command_line(), actuator=model.name))
+    save(json_path, result, force)
+    print_next(output(), result)
 
 
 @cli.command()
@@ -594,6 +594,7 @@ def export(
     from ema_tools.base.files import write_text
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
+    from ema_tools.results.files import Exported
     from ema_tools.tasks import export as work
     from ema_tools.tasks import signature_table as onboard
 
@@ -611,10 +612,8 @@ def export(
         write_text(flat, work.flat_text(model), force)
     if signatures and table:
         write_text(signatures, work.signatures_text(table), force)
-    found: dict[str, Any] = {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}
-    if signatures and table:
-        found |= {"signatures": signatures, "table": table.summary()}
-    save(json_path, found, force)
+    made = table.summary() if table is not None else None
+    save(json_path, Exported("export", actuator, out, flat, model.active_effects, signatures if made else None, made), force)
     told = [f"{path} written" for path in (out, flat) if path]
     if signatures and table:
         told.append(f"{signatures} written: {2 * table.numbers / 1024:.1f} KiB of signatures in {', '.join(table.signals)}")
@@ -627,27 +626,29 @@ def export(
 @json_option
 def report(results: tuple[str, ...], out: str, json_path: str | None, force: bool) -> None:
     """Make a page of results that identify or compare wrote with --json."""
+    from ema_tools.results.files import Reported
     from ema_tools.words.page import write_report
 
     writable(out, json_path, force=force, inputs=results)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
-    save(json_path, {"command": "report", "results": list(results), "page": out}, force)
+    save(json_path, Reported("report", results, out), force)
     output().print(f"{out} written", highlight=False)
 
 
-@cli.command()
+@cli.command(name="demo")
 @click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
 @json_option
-def demo(folder: str | None, json_path: str | None, force: bool) -> None:
+def demo_command(folder: str | None, json_path: str | None, force: bool) -> None:
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools.base.files import keep_apart
     from ema_tools.cli import demo as work
+    from ema_tools.results.files import Shown
 
     target = Path(folder) if folder else work.output_folder()
     keep_apart([*work.written(target), *filter(None, (json_path,))])
     writable(json_path, force=force)
     page = work.run(output(), target)
-    save(json_path, {"command": "demo", "page": page, "results": sorted(path.name for path in page.parent.glob("*.json"))}, force)
+    save(json_path, Shown("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
 @cli.group(name="import")
@@ -664,20 +665,16 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     from ema_tools.base.files import keep_apart
     from ema_tools.data.emps import PUBLISHED, PUBLISHED_STD, targets
     from ema_tools.data.emps import import_emps as work
+    from ema_tools.results.files import Imported
     from ema_tools.results.provenance import provenance
     from ema_tools.words.terminal import show
 
     keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
     writable(json_path, force=force)
     found = work(file, folder, force)
-    result = {
-        "command": "import emps",
-        "actuator": str(found.actuator_path),
-        "record": str(found.record_path),
-        "rows": found.record.rows,
-        "period_s": found.record.period_s,
-    }
-    save(json_path, {**result, "provenance": provenance(command_line(), source=found.actuator.about["source"])}, force)
+    origin = provenance(command_line(), source=found.actuator.about["source"])
+    record = found.record
+    save(json_path, Imported("import emps", str(found.actuator_path), str(found.record_path), record.rows, record.period_s, origin), force)
     console = output()
     show.say(
         console,
@@ -694,15 +691,17 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
     """Show the library of physical effects, or one EFFECT."""
     from ema_tools.library.definitions import load_definitions
     from ema_tools.tasks import effects as work
+    from ema_tools.words.answers.effects import effects as described
     from ema_tools.words.terminal.effects import print_all, print_one
 
     writable(json_path, force=force)
     rows = [work.find_effect(effect)] if effect else list(load_definitions().effects)
-    save(json_path, {"command": "effects", "effects": [work.describe(row) for row in rows]}, force)
+    found = described(rows)
+    save(json_path, found, force)
     if effect:
-        print_one(output(), rows[0])
+        print_one(output(), found.effects[0])
     else:
-        print_all(output())
+        print_all(output(), found)
 
 
 def main() -> None:

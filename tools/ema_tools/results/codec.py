@@ -52,7 +52,7 @@ class _Row:
 
 
 @cache
-def _rows(kind: type) -> tuple[_Row, ...]:
+def _rows(kind: Any) -> tuple[_Row, ...]:
     hints = get_type_hints(kind)
 
     def row(one: Field[Any]) -> _Row:
@@ -75,7 +75,8 @@ def to_json(result: Any) -> dict[str, Any]:
 
 def _written_fields(value: Any, path: str) -> dict[str, Any]:
     found = {}
-    for row in _rows(type(value)):
+    kind: Any = type(value)
+    for row in _rows(kind):
         inner = getattr(value, row.name)
         if not (row.spare and inner is None):
             found[row.key] = _written(inner, row.kind, f"{path}{row.key}")

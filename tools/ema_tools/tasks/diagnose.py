@@ -15,7 +15,6 @@ from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import Gate, judge
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.design.next_experiment import HINTS
 from ema_tools.fit.evidence import Evidence
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.plant.native import CHANNELS
@@ -23,6 +22,7 @@ from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.holdout import Errors, Step, fitted_machine, refuted, walk
 from ema_tools.select.search import INSEPARABLE, LEAST_LIMIT, Diagnosis, Named, diagnose
 from ema_tools.select.sensors import Suspect, suspect
+from ema_tools.words.sentences.experiment import HINTS
 
 _LISTED = 12
 _INTERVAL = 1.96
