@@ -10,6 +10,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -52,13 +53,13 @@ def precision_option(default: str) -> Callable[[Command], Command]:
     )
 
 
-def save(json_path: str | Path | None, result: Result | dict[str, Any], force: bool) -> None:
+def save(json_path: str | Path | None, result: Result, force: bool) -> None:
     """Write --json when it was asked for."""
     if json_path:
         from ema_tools.base.files import write_json
         from ema_tools.results.codec import to_json
 
-        write_json(json_path, result if isinstance(result, dict) else to_json(result), force)
+        write_json(json_path, to_json(result), force)
 
 
 def writable(*paths: str | Path | None, force: bool, inputs: Iterable[str] = ()) -> None:
@@ -147,6 +148,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
     writable(json_path, force=force, inputs=(actuator, record))
@@ -155,10 +157,9 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     with progress("comparing", 3) as bar:
         found = work(model, measured, int(precision), bar.update)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
-    drawn = curves(measured, {"model": found.simulation})
-    result = {"command": "compare", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+    result = comparison(found, origin, curves(measured, model=found.simulation))
     save(json_path, result, force)
-    show.comparison(output(), found, model.name, measured.file)
+    show.comparison(output(), result, model.name)
 
 
 @cli.command()
@@ -181,6 +182,7 @@ def calibrate(
     from ema_tools.data.records import read_record
     from ema_tools.results.provenance import provenance
     from ema_tools.tasks.calibrate import calibrate as work
+    from ema_tools.words.answers.calibration import calibration
     from ema_tools.words.terminal import show
 
     writable(out, json_path, force=force, inputs=(actuator, *records))
@@ -192,8 +194,9 @@ def calibrate(
     said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
     origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
-    save(json_path, {"command": "calibrate", "actuator": out, **found.result(), "provenance": origin}, force)
-    show.calibration(output(), found)
+    result = calibration(found, out, origin)
+    save(json_path, result, force)
+    show.calibration(output(), result)
     output().print(f"{out} written", highlight=False)
 
 
@@ -241,6 +244,7 @@ def identify(
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.identify import weight_of
+    from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
 
     writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy))
@@ -261,18 +265,11 @@ def identify(
         )
     if fitted:
         found.actuator.write(fitted, force)
-    if json_path:
-        drawn = curves(measured, {"before": simulated(found.healthy, measured), "after": simulated(found.actuator, measured)})
-        origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
-        result = {
-            "command": "identify",
-            "name": measured.file,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-    show.identification(output(), found)
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
+    drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
+    result = identification(found, measured.file, origin, drawn)
+    save(json_path, result, force)
+    show.identification(output(), result)
 
 
 @cli.command()
@@ -307,6 +304,7 @@ def diagnose(
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose import answer as work
     from ema_tools.tasks.diagnose_by_laps import applies
+    from ema_tools.words.answers.diagnosis import diagnosis
     from ema_tools.words.terminal import show
 
     writable(json_path, page, fitted, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
@@ -320,26 +318,19 @@ def diagnose(
         return
     with progress("diagnosing", 100) as bar:
         found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+    drawn = None
     if json_path or page:
-        drawn = curves(
-            measured,
-            {"before": simulated(found.known, measured), **({"after": simulated(found.fitted, measured)} if found.diagnosis.fit else {})},
-        )
-        origin = provenance(
-            command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
-        )
-        result = {
-            "command": "diagnose",
-            "name": measured.file,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-        _page(page, result, force)
+        after = simulated(found.fitted, measured) if found.diagnosis.fit else None
+        drawn = curves(measured, before=simulated(found.known, measured), after=after)
+    origin = provenance(
+        command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
+    )
+    result = diagnosis(found, origin, drawn)
+    save(json_path, result, force)
+    _page(page, result, force)
     if fitted and found.verdict == "missing":
         found.actuator.write(fitted, force)
-    show.diagnosis(output(), found)
+    show.diagnosis(output(), result, found.diagnosis)
     _written(page, fitted if found.verdict == "missing" else None)
 
 
@@ -348,27 +339,22 @@ def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | No
     from ema_tools.data.records import simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose_by_laps import answer_by_laps
+    from ema_tools.words.answers.laps import diagnosis_by_laps
     from ema_tools.words.terminal import show
 
     with progress("diagnosing", 100) as bar:
         found = answer_by_laps(model, measured, lambda share, text: bar.update(100.0 * share, text))
+    drawn = None
     if json_path or page:
-        drawn = curves(
-            measured, {"before": simulated(model, measured), **({"after": simulated(found.actuator, measured)} if found.accepted else {})}
-        )
-        origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
-        result = {
-            "command": "diagnose",
-            "name": measured.file,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-        _page(page, result, force)
+        after = simulated(found.actuator, measured) if found.accepted else None
+        drawn = curves(measured, before=simulated(model, measured), after=after)
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
+    result = diagnosis_by_laps(found, origin, drawn)
+    save(json_path, result, force)
+    _page(page, result, force)
     if fitted and found.accepted:
         found.actuator.write(fitted, force)
-    show.laps(output(), found)
+    show.laps(output(), result)
     _written(page, fitted if found.accepted else None)
 
 
@@ -377,14 +363,15 @@ def _written(*paths: str | None) -> None:
         output().print(f"{path} written", highlight=False)
 
 
-def _page(path: str | None, result: dict[str, Any], force: bool) -> None:
+def _page(path: str | None, result: Result, force: bool) -> None:
     """Write the page of one result when it was asked for."""
     if path:
         from ema_tools.base.files import write_text
+        from ema_tools.results.codec import to_json
         from ema_tools.words.page.page import render
         from ema_tools.words.page.results import parse_result
 
-        write_text(path, render([parse_result(result, path, Path(path).stem)], command_line()), force)
+        write_text(path, render([parse_result(to_json(result), path, Path(path).stem)], command_line()), force)
 
 
 @cli.command()
@@ -428,9 +415,10 @@ def add(
     from ema_tools.library.faults import FAULTS
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.add import add as work
-    from ema_tools.tasks.add import add_to_known, set_result
+    from ema_tools.tasks.add import add_to_known
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.simulate import with_settings
+    from ema_tools.words.answers.addition import addition, setting
     from ema_tools.words.terminal import show
 
     writable(out, json_path, page, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
@@ -447,11 +435,7 @@ def add(
         if effect not in made.active_effects:
             raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
         made.write(out, force)
-        save(
-            json_path,
-            {"command": "add", "actuator": out, **set_result(made, effect), "provenance": provenance(command_line(), actuator=model.name)},
-            force,
-        )
+        save(json_path, setting(made, effect, out, provenance(command_line(), actuator=model.name)), force)
         output().print(f"{out} written", highlight=False)
         return
     if settings:
@@ -469,20 +453,13 @@ def add(
         found = add_to_known(model, effect, measured, other, tell) if known else work(model, effect, measured, references, other, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
+    drawn = None
     if json_path or page:
-        drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.fitted, measured)})
-        origin = provenance(command_line(), actuator=model.name, record=measured.file)
-        result = {
-            "command": "add",
-            "name": measured.file,
-            "actuator": out,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-        _page(page, result, force)
-    show.added(output(), found)
+        drawn = curves(measured, before=simulated(model, measured), after=simulated(found.fitted, measured))
+    result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
+    save(json_path, result, force)
+    _page(page, result, force)
+    show.added(output(), result)
     output().print(f"{out} written", highlight=False)
 
 
@@ -665,6 +642,7 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     from ema_tools.base.files import keep_apart
     from ema_tools.data.emps import PUBLISHED, PUBLISHED_STD, targets
     from ema_tools.data.emps import import_emps as work
+    from ema_tools.results.calibration import RodModel
     from ema_tools.results.files import Imported
     from ema_tools.results.provenance import provenance
     from ema_tools.words.terminal import show
@@ -680,7 +658,8 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
         console,
         f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model",
     )
-    show.force_models(console, "Published", {"value": PUBLISHED, "std error": PUBLISHED_STD})
+    published = {"value": PUBLISHED, "std error": PUBLISHED_STD}
+    show.force_models(console, "Published", {title: RodModel(**asdict(model)) for title, model in published.items()})
     show.say(console, f"next: ema compare {found.actuator_path} {found.record_path}")
 
 

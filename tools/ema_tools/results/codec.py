@@ -85,6 +85,8 @@ def _written_fields(value: Any, path: str) -> dict[str, Any]:
 
 def _written(value: Any, kind: Any, path: str) -> Any:
     choices = _choices(kind)
+    if isinstance(value, np.generic):
+        value = value.item()
     if value is None and NoneType in choices:
         return None
     if is_dataclass(value):

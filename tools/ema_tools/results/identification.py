@@ -8,6 +8,12 @@ from typing import Literal
 from ema_tools.results.codec import SPARE, Series, key
 from ema_tools.results.parts import Curves, Provenance
 
+# Values that can be identified.
+KEYS = ("csj_Nm", "blk_mm")
+
+Verdict = Literal["healthy", "fault", "undecided"]
+GuardVerdict = Literal["adequate", "missing", "unknown"]
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -47,7 +53,7 @@ class MissingEffect:
 class Guard:
     """What the look behind a fault said."""
 
-    verdict: Literal["adequate", "missing", "unknown"]
+    verdict: GuardVerdict
     skipped: str | None  # why nothing was sought
     wall_s: float
 
@@ -91,7 +97,7 @@ class Identification:
     noise: str | None = field(default=None, metadata=SPARE)  # the sensor noise in a record of a case, in words
     csj_Nm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # static dry friction
     blk_mm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # backlash at the rod
-    verdict: Literal["healthy", "fault", "undecided"] = "undecided"
+    verdict: Verdict = "undecided"
     adequate: bool = False  # whether the model explains the record
     reasons: tuple[str, ...] = ()  # why it is undecided
     missing_effect: MissingEffect | None = None  # None where nothing stands behind the estimates
@@ -111,3 +117,13 @@ class Identification:
     seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
     provenance: Provenance = field(default_factory=dict)
     curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """What was identified, by key."""
+        return {name: one for name in KEYS if isinstance(one := getattr(self, name), Estimate)}
+
+    @property
+    def left_out(self) -> dict[str, NotIdentified]:
+        """What was not identified, by key."""
+        return {name: one for name in KEYS if isinstance(one := getattr(self, name), NotIdentified)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from ema_tools.results.codec import SPARE, Series, key
@@ -103,3 +104,15 @@ class Place:
     by: str = ""  # by what it was divided; empty for the balances among themselves
     part: str = ""  # which part
     share: float | None = field(default=None, metadata=SPARE)  # the share again, 0..1
+
+    @property
+    def time_percent(self) -> float:
+        """Of the record's time; 0 for a part that is no part of the time."""
+        return 100.0 * (self.time_share or 0.0)
+
+    @property
+    def surprise(self) -> float:
+        """How much more of the residual than of the time lies here, in %; what a part must have to say something."""
+        if not self.share_percent > self.time_percent > 0.0:
+            return 0.0
+        return self.share_percent * math.log(self.share_percent / self.time_percent)
