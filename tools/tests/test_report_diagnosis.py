@@ -39,15 +39,30 @@ def _made() -> str:
     model, record = reference_actuator(), measured(HIDDEN, 99, WIDE)
     place = where(model, record, repeats(WIDE))
     unknowns = left_over(model, record, place)
-    jam = EffectEntry("jam_spot", 5000.0, 60.0, True, ("jam_spot",), parameters={"amplitude_Nm": 0.1}, std={"amplitude_Nm": 0.002})
-    ripple = EffectEntry(
-        "pitch_ripple", 900.0, 60.0, False, ("pitch_ripple", "spring_load"), parameters={"ratio": 0.2}, reason="explains less"
+    jam = EffectEntry(
+        name="jam_spot",
+        alike=("jam_spot",),
+        parameters={"amplitude_Nm": 0.1},
+        std={"amplitude_Nm": 0.002},
+        score=5000.0,
+        limit=60.0,
+        accepted=True,
     )
+    ripple = EffectEntry(
+        name="pitch_ripple",
+        alike=("pitch_ripple", "spring_load"),
+        parameters={"ratio": 0.2},
+        score=900.0,
+        limit=60.0,
+        accepted=False,
+        reason="explains less",
+    )
+    load = EffectEntry(name="constant_load", score=0.0, limit=60.0, accepted=False)
     found = Diagnosis(
         name="today.csv",
         verdict="missing",
         sentence="jam_spot explains what the record shows beyond the repeats.",
-        effects=(jam, ripple, EffectEntry("constant_load", 0.0, 60.0, False)),
+        effects=(jam, ripple, load),
         error=WeightedErrors(3.2, 1.05, 1.0, 3.4, 1.1),
         next_experiment="A slow triangle over two leads separates jam_spot from pitch_ripple.",
         gate=validity(judge(model, record, repeats(WIDE))),

@@ -82,8 +82,16 @@ def test_every_field_that_is_left_out_where_absent_may_be_absent() -> None:
             assert (one.default is MISSING and one.default_factory is MISSING) == row.required
 
 
-COMPARED = Comparison({"position_mm": ChannelError(0.1, 5.0, "mm")}, {"mechanical": BalanceError(0.01, 4.0, "Nm")}, name="today.csv")
-IDENTIFIED = Identification(0.6, 2e-4, 7, csj_Nm=Estimate(0.3, 1e-4, 117.4, 0.138), blk_mm=NotIdentified(None, None, None, 0.0, "zero"))
+COMPARED = Comparison(
+    name="today.csv", channels={"position_mm": ChannelError(0.1, 5.0, "mm")}, balances={"mechanical": BalanceError(0.01, 4.0, "Nm")}
+)
+IDENTIFIED = Identification(
+    csj_Nm=Estimate(0.3, 1e-4, 117.4, 0.138),
+    blk_mm=NotIdentified(None, None, None, 0.0, "zero"),
+    objective_before_mm2s=0.6,
+    objective_after_mm2s=2e-4,
+    evaluations=7,
+)
 
 
 def test_a_number_that_is_not_finite_is_null_where_it_may_be_absent_and_refused_elsewhere() -> None:
@@ -91,8 +99,9 @@ def test_a_number_that_is_not_finite_is_null_where_it_may_be_absent_and_refused_
     assert to_json(vague)["channels"]["position_mm"]["relative_percent"] is None
     with pytest.raises(InputError, match=r"^channels\.position_mm\.rmse: inf cannot be written"):
         to_json(replace(COMPARED, channels={"position_mm": ChannelError(math.inf, 1.0)}))
+    vague_effect = EffectEntry(name="x", score=1.0, limit=2.0, accepted=True, parameters={"ratio": math.nan})
     with pytest.raises(InputError, match=r"^effects\[0\]\.parameters\.ratio: nan"):
-        to_json(Diagnosis("missing", WeightedErrors(3.0, 1.0), effects=(EffectEntry("x", 1.0, 2.0, True, parameters={"ratio": math.nan}),)))
+        to_json(Diagnosis(verdict="missing", error=WeightedErrors(3.0, 1.0), effects=(vague_effect,)))
     with pytest.raises(TypeError, match="None where"):
         to_json(replace(COMPARED, sentence=None))  # type: ignore[arg-type]
 
@@ -147,7 +156,7 @@ def test_words_that_are_no_choice_and_wrong_truths_are_named() -> None:
         with pytest.raises(InputError, match=f"i.json: field {said}"):
             result_of({**data, **change}, "i.json")
     with pytest.raises(InputError, match=r"field correlations\[0\]\.values is not a list of 2 texts"):
-        added = to_json(Addition("x", "new.toml", Errors(None, None), {}))
+        added = to_json(Addition(effect="x", actuator="new.toml", error=Errors(None, None), parameters={}))
         result_of({**added, "correlations": [{"values": ["a"], "correlation": 1.0}]}, "a.json")
 
 
@@ -173,7 +182,7 @@ def test_a_file_is_read_as_what_its_command_writes(tmp_path: Any) -> None:
 def test_the_value_of_a_union_is_the_type_that_fits() -> None:
     assert isinstance(result_of(to_json(IDENTIFIED), "i.json"), Identification)
     for error in (Errors(2.0, 1.0), WeightedErrors(2.0, 1.0)):
-        added = Addition("x", "new.toml", error, {})
+        added = Addition(effect="x", actuator="new.toml", error=error, parameters={})
         read = from_json(to_json(added), Addition, "a.json")
         assert read == added and type(read.error) is type(error)
 
@@ -188,4 +197,4 @@ def test_a_spare_field_is_no_key_where_it_is_none() -> None:
 
     assert to_json(Small()) == {"format": FORMAT, "kept": None}
     assert "curves" not in to_json(COMPARED)
-    assert Series == tuple[float, ...] and Curves(1.0, measured=None).start_s == 0.0  # type: ignore[arg-type]
+    assert Series == tuple[float, ...] and Curves(period_s=1.0, measured=None).start_s == 0.0  # type: ignore[arg-type]

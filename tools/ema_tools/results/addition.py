@@ -17,17 +17,17 @@ class Correlation:
     correlation: float  # -1..1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Addition:
     """One effect put into a model and fitted, or set to values that were given: then nothing was fitted and the errors are None."""
 
-    effect: str
-    actuator: str  # the file that was written
-    error: Errors | WeightedErrors  # the latter where it was fitted
-    parameters: dict[str, FittedValue]  # by full name
     command: Literal["add"] = "add"
     name: str | None = field(default=None, metadata=SPARE)  # of the record
+    actuator: str  # the file that was written
+    effect: str
     sentence: str = ""
+    error: Errors | WeightedErrors  # the latter where it was fitted
+    parameters: dict[str, FittedValue]  # by full name
     correlations: tuple[Correlation, ...] | None = field(default=None, metadata=SPARE)
     steps: tuple[Step, ...] | None = field(default=None, metadata=SPARE)
     recommended: bool | None = field(default=None, metadata=SPARE)

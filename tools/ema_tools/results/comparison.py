@@ -31,14 +31,14 @@ class BalanceError:
     reason: str | None = None  # why it cannot be drawn
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Comparison:
     """A model against a record."""
 
-    channels: dict[str, ChannelError]  # by column
-    balances: dict[str, BalanceError]  # mechanical, electrical, kinematic, controller
     command: Literal["compare"] = "compare"
     name: str | None = None  # of the record
+    channels: dict[str, ChannelError]  # by column
+    balances: dict[str, BalanceError]  # mechanical, electrical, kinematic, controller
     where: tuple[Place, ...] = ()  # largest share first
     sentence: str = ""
     crowded_steps: int = 0  # of the simulation: steps in which more happened than the module resolves

@@ -28,20 +28,20 @@ class Sensor:
     next: str  # what to do
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """Which effect is missing, by simulation."""
 
-    verdict: Verdict
-    error: WeightedErrors
     command: Literal["diagnose"] = "diagnose"
     name: str | None = None  # of the record
+    verdict: Verdict
     sentence: str = ""
     mode: Literal["against healthy repeats", "without healthy repeats"] = "against healthy repeats"
     cannot_see: str | None = None  # what this kind of evidence hides
     effects: tuple[EffectEntry, ...] = ()  # best first
     faults: dict[str, EffectEntry] = field(default_factory=dict)  # changes of csj and blk, by name
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
+    error: WeightedErrors
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1
     steps: tuple[Step, ...] = ()
@@ -137,22 +137,22 @@ class Forces:
     curves: dict[str, Series]  # torque and residuals before and after, Nm, for a picture
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DiagnosisByLaps:
     """Which effects are missing, by the mechanical balance of a command that repeats."""
 
-    verdict: Verdict
-    error: Errors
-    mode: Literal["laps of one record"]
-    error_unit: str
-    forces: Forces
     command: Literal["diagnose"] = "diagnose"
     name: str | None = None  # of the record
+    verdict: Verdict
     sentence: str = ""
+    mode: Literal["laps of one record"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
     faults: dict[str, EffectEntry] = field(default_factory=dict)  # none: the balance knows no play
+    error: Errors
+    error_unit: str
     next_experiment: str = ""  # what to do next
     steps: tuple[Step, ...] = ()
+    forces: Forces
     gate: Validity = field(default_factory=Validity)
     where: Localisation = field(default_factory=Localisation)
     unknown: Unexplained | None = None  # none: nothing is drawn of it

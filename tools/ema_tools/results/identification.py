@@ -84,19 +84,19 @@ class Seed:
     blk_mm: float | None = field(default=None, metadata=SPARE)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Identification:
     """CSJ and BLK of one record."""
 
-    objective_before_mm2s: float  # with healthy values; with weights no longer mm2 s
-    objective_after_mm2s: float
-    evaluations: int  # model runs
     command: Literal["identify", "demo"] = "identify"
     name: str | None = None  # of the record
     case: str | None = field(default=None, metadata=SPARE)  # letter of the paper's case whose truth is known
     noise: str | None = field(default=None, metadata=SPARE)  # the sensor noise in a record of a case, in words
     csj_Nm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # static dry friction
     blk_mm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # backlash at the rod
+    objective_before_mm2s: float  # with healthy values; with weights no longer mm2 s
+    objective_after_mm2s: float
+    evaluations: int  # model runs
     verdict: Verdict = "undecided"
     adequate: bool = False  # whether the model explains the record
     reasons: tuple[str, ...] = ()  # why it is undecided

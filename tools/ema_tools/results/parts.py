@@ -22,13 +22,13 @@ class Channels:
     speed_mm_s: Series | None = field(default=None, metadata=SPARE)  # rod speed
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Curves:
     """A record beside simulations of it, for the page; a comparison has `model`, the others `before` and, where something was found, `after`."""
 
+    start_s: float = 0.0  # time of the first row
     period_s: float  # from row to row
     measured: Channels
-    start_s: float = 0.0  # time of the first row
     model: Channels | None = field(default=None, metadata=SPARE)  # the model that was compared
     before: Channels | None = field(default=None, metadata=SPARE)  # the first model
     after: Channels | None = field(default=None, metadata=SPARE)  # the last model
@@ -72,24 +72,24 @@ class FittedValue:
     at_bound: bool = False  # whether it lies on an end of its range
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EffectEntry:
     """One effect of a ranking, or a changed CSJ or BLK. Values by the last word of their names, in the units of the actuator file."""
 
     name: str  # as in the library
+    # effects that this record cannot tell from it, itself first
+    alike: tuple[str, ...] = field(default=(), metadata=key("class"))
+    # csj or blk, where this record cannot tell them from it
+    looks_like_fault: tuple[str, ...] | None = field(default=None, metadata=SPARE)
+    parameters: dict[str, float] = field(default_factory=dict)
+    std: dict[str, float | None] = field(default_factory=dict)  # standard errors
+    # lower and upper end; None for what was refused
+    interval95: dict[str, tuple[float | None, float | None]] | None = field(default=None, metadata=SPARE)
+    # values on an end of their range; None where it was not looked at
+    at_bound: tuple[str, ...] | None = field(default=None, metadata=SPARE)
     score: float  # what it takes off: units of cost, or squared % of the held-out force
     limit: float  # what it must take off, alike
     accepted: bool
-    alike: tuple[str, ...] = field(default=(), metadata=key("class"))  # effects that this record cannot tell from it, itself first
-    looks_like_fault: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # csj or blk, where this record cannot tell them from it
-    parameters: dict[str, float] = field(default_factory=dict)
-    std: dict[str, float | None] = field(default_factory=dict)  # standard errors
-    interval95: dict[str, tuple[float | None, float | None]] | None = field(
-        default=None, metadata=SPARE
-    )  # lower and upper end; None for what was refused
-    at_bound: tuple[str, ...] | None = field(
-        default=None, metadata=SPARE
-    )  # values on an end of their range; None where it was not looked at
     reason: str | None = field(default=None, metadata=SPARE)  # why it was refused
 
 

@@ -39,7 +39,14 @@ def curves(
             return None
         return Channels(**{name: rounded(getattr(simulation, name)) for name in OUTPUTS if name in measured or name == "position_mm"})
 
-    return Curves(record.period_s, Channels(**measured), record.first_time_s, of(model), of(before), of(after))
+    return Curves(
+        start_s=record.first_time_s,
+        period_s=record.period_s,
+        measured=Channels(**measured),
+        model=of(model),
+        before=of(before),
+        after=of(after),
+    )
 
 
 def provenance(command: str, **entries: object) -> Provenance:
