@@ -10,6 +10,9 @@ import pytest
 from ema_tools.compare.comparison import compare
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
+from ema_tools.results.codec import to_json
+from ema_tools.words.answers.comparison import comparison
+from ema_tools.words.sentences.comparison import sentence
 from support import RECORDINGS, chirp_record
 
 
@@ -23,17 +26,17 @@ def test_channels_are_measured_minus_simulated() -> None:
 
 def test_own_record_accuses_nobody() -> None:
     found = compare(reference_actuator(), chirp_record())
-    assert found.sentence.startswith("The model explains simulated as far as sensor noise and method can tell")
+    assert sentence(found).startswith("The model explains simulated as far as sensor noise and method can tell")
     noisy = chirp_record().with_noise({"position_mm": 0.005, "motor_position_mm": 0.005, "current_A": 0.03}, 1)
     found = compare(reference_actuator(), noisy)
-    assert found.sentence.startswith("The model explains simulated as far as sensor noise and method can tell")
+    assert sentence(found).startswith("The model explains simulated as far as sensor noise and method can tell")
     assert found.balances["kinematic"].noise_rms == pytest.approx(0.005 * np.sqrt(2.0), rel=0.3)
 
 
 def test_independent_healthy_record_accuses_nobody() -> None:
     record = read_record(RECORDINGS / "healthy.csv", reference_actuator())
     found = compare(reference_actuator(), record)
-    assert found.sentence.startswith("The model explains healthy.csv")
+    assert sentence(found).startswith("The model explains healthy.csv")
     assert found.channels["position_mm"].rmse < 1e-6
 
 
@@ -48,7 +51,7 @@ def test_independent_healthy_record_accuses_nobody() -> None:
 )
 def test_changed_machine_is_accused_in_its_own_group(changes: dict[str, float], accused: str) -> None:
     found = compare(reference_actuator(), chirp_record(reference_actuator().changed(changes)))
-    assert f"is in the {accused} balance" in found.sentence
+    assert f"is in the {accused} balance" in sentence(found)
     shares = {place.part: place.share for place in found.where if place.source == "all balances"}
     assert max(shares, key=lambda name: shares[name]) == accused
     assert shares[accused] > 0.99
@@ -93,7 +96,7 @@ def test_frequency_of_an_error_is_found() -> None:
 
 def test_result_has_the_keys_that_programs_read() -> None:
     record = replace(chirp_record(), voltage_V=None)
-    result = compare(reference_actuator(), record).result()
+    result = to_json(comparison(compare(reference_actuator(), record), {}))
     assert set(result["channels"]) == {"position_mm", "motor_position_mm", "current_A", "speed_mm_s"}
     for channel in result["channels"].values():
         assert {"rmse", "relative_percent"} <= set(channel)
@@ -111,7 +114,7 @@ def test_noise_and_method_are_those_of_the_same_filter() -> None:
     assert 0.0 < balance.method_rms < balance.rms
     assert balance.rms < 1.5 * np.hypot(balance.noise_rms, balance.method_rms)
     warm = compare(reference_actuator().changed({"screw.csj_Nm": 0.16}), noisy)
-    assert "is in the mechanical balance" in warm.sentence
+    assert "is in the mechanical balance" in sentence(warm)
 
 
 def test_place_in_the_lead_is_told_only_where_the_rod_passes_it_more_than_once() -> None:

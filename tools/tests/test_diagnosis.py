@@ -17,11 +17,15 @@ from ema_tools.fit.evidence import repeat_residuals, settled
 from ema_tools.fit.whitening import Whitener
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
+from ema_tools.results.codec import to_json
 from ema_tools.select.baseline import gather
 from ema_tools.select.candidates import candidates
 from ema_tools.select.holdout import Step, refuted
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import Answer, answer
+from ema_tools.words.answers.diagnosis import diagnosis
+from ema_tools.words.sentences.addition import reason
+from ema_tools.words.sentences.diagnosis import sentence
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 UNIT = 2  # a machine with Coulomb friction
@@ -99,7 +103,7 @@ def test_the_record_held_out_confirms_it(hot: Answer) -> None:
 
 @needs_numba
 def test_the_answer_has_the_keys_that_programs_read(hot: Answer) -> None:
-    result = hot.result()
+    result = to_json(diagnosis(hot, {}))
     assert result["verdict"] == "missing"
     assert {"name", "class", "parameters", "score", "limit", "accepted"} <= set(result["effects"][0])
     assert result["effects"][0]["class"][0] == "winding_heating"
@@ -110,7 +114,7 @@ def test_the_answer_has_the_keys_that_programs_read(hot: Answer) -> None:
 @needs_numba
 def test_adding_the_effect_gives_the_machine_with_it(healthy: list[Record], held_out: list[Record]) -> None:
     found = add(reference_actuator(), "winding_heating", held_out[0], healthy[:-1], held_out[1])
-    assert found.recommended, found.reason
+    assert found.recommended, reason(found)
     assert found.actuator["winding_heating.rise_degC"] == pytest.approx(40.0, abs=3.0)
     true = machine(UNIT).values
     assert found.actuator["screw.csj_Nm"] == pytest.approx(true["screw.csj_Nm"], rel=0.01)
@@ -121,7 +125,7 @@ def test_adding_the_effect_gives_the_machine_with_it(healthy: list[Record], held
 def test_adding_a_wrong_effect_is_not_recommended(healthy: list[Record]) -> None:
     found = add(reference_actuator(), "spring_load", healthy[-1], healthy[:-1])
     assert not found.recommended
-    assert found.reason
+    assert reason(found)
 
 
 @needs_numba
@@ -148,7 +152,7 @@ def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
     worn = {name: factor * machine(UNIT).values[name] for name, factor in (("screw.csj_Nm", 1.5), ("screw.blk_mm", 2.0))}
     found = answer(reference_actuator(), run_of(worn, 812))
     # the unit's own friction asymmetry of 0.3 % is really there, and one class with a constant load
-    assert {one.name for one in found.effects} <= {"coulomb_asymmetry", "constant_load"}, found.sentence()
+    assert {one.name for one in found.effects} <= {"coulomb_asymmetry", "constant_load"}, sentence(found)
 
 
 @needs_numba

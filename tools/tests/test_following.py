@@ -26,6 +26,7 @@ from ema_tools.library.measurements import MEASUREMENTS
 from ema_tools.library.registry import separating
 from ema_tools.select.candidates import signatures
 from ema_tools.tasks.simulate import simulate_record
+from ema_tools.words.sentences.experiment import advice, offence, sentence
 from support import REFERENCE, complaint, run_ema
 
 
@@ -42,7 +43,7 @@ def test_drag_of_two_kinds_needs_speed() -> None:
     assert found.best.peak_speed_mm_s > 5.0 * option(found, "slow triangle").peak_speed_mm_s
     assert option(found, "slow triangle").separation < 1.0
     assert option(found, "chirp").separation > 10.0 * option(found, "slow triangle").separation
-    assert found.best.command in found.sentence()
+    assert found.best.command in sentence(found)
 
 
 def test_no_command_tells_a_load_from_an_asymmetry_and_what_would_is_said() -> None:
@@ -52,13 +53,13 @@ def test_no_command_tells_a_load_from_an_asymmetry_and_what_would_is_said() -> N
     # far above detection, so it is not for lack of size
     assert found.hidden == ()
     assert max(one.shown["coulomb_asymmetry"] for one in found.options) > 30.0
-    assert "turn the actuator over" in found.sentence()
+    assert "turn the actuator over" in sentence(found)
 
 
 def test_a_constant_load_and_a_spring_are_told_apart() -> None:
     found = next_experiment(reference_actuator(), ["constant_load", "spring_load"])
     assert found.best is not None
-    assert not found.advice()
+    assert not advice(found)
 
 
 def test_a_bad_spot_and_a_ripple_of_the_screw_need_more_than_one_lead() -> None:
@@ -106,7 +107,7 @@ def test_a_signal_that_is_not_recorded_is_asked_for() -> None:
     names, better = alone.with_channels
     assert names == ("position_mm", "current_A")
     assert better.separation >= SEPARATE
-    assert "Record current_A too" in alone.sentence()
+    assert "Record current_A too" in sentence(alone)
     with_current = next_experiment(reference_actuator(), ["viscous_rise", "inertia_change"], names, values)
     assert with_current.best is not None
     assert with_current.best.separation == pytest.approx(better.separation)
@@ -155,13 +156,13 @@ def test_an_unsafe_command_is_left_out_and_said() -> None:
         own_limits={"speed_mm_s": 20.0},
         more=["chirp:amplitude_mm=2,end_hz=4", "triangle:amplitude_mm=30"],
     )
-    said = [reason for command, reason in found.unsafe.items() if command.startswith("own command")]
+    said = [offence(reason) for command, reason in found.unsafe.items() if command.startswith("own command")]
     assert len(said) == 2
     assert all("allowed is" in reason for reason in said)
     assert all(one.peak_speed_mm_s <= 20.0 for one in found.options)
     nothing = next_experiment(reference_actuator(), ["quadratic_viscous", "viscous_rise"], own_limits={"current_A": 1e-3})
     assert not nothing.options
-    assert "No command of the menu is safe" in nothing.sentence()
+    assert "No command of the menu is safe" in sentence(nothing)
 
 
 def test_the_menu_fits_small_and_large_machines() -> None:

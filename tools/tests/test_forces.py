@@ -14,9 +14,11 @@ from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.data.emps import emps_actuator
 from ema_tools.data.records import Record, read_record, simulated
+from ema_tools.results.codec import to_json
 from ema_tools.select.force_balance import EFFECTS_MAX, SIZE_IN_STD, ForceSteps, improve_by_forces
 from ema_tools.select.torque_patterns import Setting, pattern_of, patterns_of, required_Nm
 from ema_tools.truth.plant import Sensors, simulate_truth
+from ema_tools.words.answers.laps import forces_of
 from support import chirp_record, emps_path, run_ema
 
 GAINS = {"gtau": 35.0, "kp": 160.0, "kv": 240.0}
@@ -203,7 +205,7 @@ def test_emps_refuses_the_decoys(emps: tuple[Actuator, Record, ForceSteps]) -> N
     for decoy in ("stribeck_friction", "load_dependent_friction"):
         assert reasons[decoy]
         assert decoy not in found.actuator.active_effects
-    result = json.loads(json.dumps(found.result(), allow_nan=False))
+    result = json.loads(json.dumps(to_json(forces_of(found)), allow_nan=False))
     assert [step["added"] for step in result["steps"]] == [step.effect for step in found.steps]
     assert result["error"]["floor_percent"] == found.floor_percent
 

@@ -15,6 +15,9 @@ from ema_tools.compare.validity import Gate, RecordRemark, judge, lag_s
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.emps import import_emps
 from ema_tools.data.records import Record
+from ema_tools.results.codec import to_json
+from ema_tools.words.answers.validity import validity
+from ema_tools.words.sentences.validity import sentence
 from support import chirp_record, emps_path
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}
@@ -43,7 +46,7 @@ def held(values: np.ndarray, first: int, rows: int) -> np.ndarray:
 def test_good_record_passes_without_reservation() -> None:
     gate = judge(reference_actuator(), good(), repeats())
     assert gate.answerable
-    assert gate.sentence == "This record can answer: signals, clock, saturation and coverage are in order."
+    assert sentence(gate) == "This record can answer: signals, clock, saturation and coverage are in order."
     assert {one.severity for one in gate.remarks} == {"fine"}
     assert {one.topic for one in gate.remarks} == {"signals", "repeats", "coverage", "units", "clock", "sampling", "saturation"}
 
@@ -75,7 +78,7 @@ def test_wrong_sign_or_unit_blocks(change: Callable[[Record], Record], topic: st
     assert not gate.answerable
     found = remark(gate, topic)
     assert found.severity == "blocks" and said in found.text and found.next
-    assert gate.sentence.startswith("This record cannot answer: ")
+    assert sentence(gate).startswith("This record cannot answer: ")
 
 
 @pytest.mark.parametrize(
@@ -109,7 +112,7 @@ def test_wrong_sign_or_unit_blocks(change: Callable[[Record], Record], topic: st
 )
 def test_what_is_doubtful_weakens(change: Callable[[Record], Record], topic: str, said: str) -> None:
     gate = judge(reference_actuator(), change(good()), repeats())
-    assert gate.answerable and "reservation" in gate.sentence
+    assert gate.answerable and "reservation" in sentence(gate)
     found = remark(gate, topic)
     assert found.severity == "weakens" and said in found.text and found.next
 
@@ -148,7 +151,7 @@ def test_repeats_that_are_none() -> None:
 def test_record_of_a_few_rows_blocks() -> None:
     record = chirp_record(text="chirp:duration_s=0.1")
     gate = judge(reference_actuator(), record)
-    assert not gate.answerable and "too few" in gate.sentence
+    assert not gate.answerable and "too few" in sentence(gate)
 
 
 def test_lag_is_found_between_the_rows() -> None:
@@ -161,7 +164,7 @@ def test_lag_is_found_between_the_rows() -> None:
 
 def test_result_is_json_with_every_signal() -> None:
     record = replace(good(), voltage_V=None)
-    result = json.loads(json.dumps(judge(reference_actuator(), record, repeats()).result(), allow_nan=False))
+    result = json.loads(json.dumps(to_json(validity(judge(reference_actuator(), record, repeats()))), allow_nan=False))
     assert result["answerable"] is True
     assert result["signals"]["voltage_V"]["present"] is False and "supply" in result["signals"]["voltage_V"]["hides"]
     assert result["signals"]["current_A"] == {"present": True, "hides": None}
@@ -172,7 +175,7 @@ def test_measured_axis_is_not_refused(tmp_path: Path) -> None:
     """EMPS: a stiff loop, a current drive, no current recorded."""
     found = import_emps(emps_path(), tmp_path / "emps")
     gate = judge(found.actuator, found.record)
-    assert gate.answerable, gate.sentence
+    assert gate.answerable, sentence(gate)
     said = [one.text for one in gate.remarks if one.topic == "signals"]
     assert "current_A is not recorded; the command of the ideal current drive stands for it" in said
     assert {one.topic for one in gate.remarks if one.severity != "fine"} == {"repeats"}

@@ -18,6 +18,8 @@ from ema_tools.select.beside_fault import Guarded
 from ema_tools.tasks.add import add, add_to_known
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
+from ema_tools.words.answers.identification import identification
+from ema_tools.words.sentences.identification import sentence
 from support import REFERENCE, chirp_record, complaint, run_ema
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
@@ -71,12 +73,12 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
 
     Not the values themselves: the position alone does not tell a machine of more friction and torque from one with less of both.
     """
-    assert found.verdict == ("fault" if worn else "healthy"), found.sentence()
+    assert found.verdict == ("fault" if worn else "healthy"), sentence(found)
     healthy = reference_actuator()
     true = {name: (value / healthy[name] - 1.0 if worn else 0.0) for name, value in WORN.items()}
     for estimate in found.answer.identified:
         allowed = max(4.0 * estimate.std / healthy[estimate.name], 0.02 + scatter)
-        assert abs(0.01 * estimate.shift_percent - true[estimate.name]) < allowed, found.sentence()
+        assert abs(0.01 * estimate.shift_percent - true[estimate.name]) < allowed, sentence(found)
 
 
 @needs_numba
@@ -92,7 +94,7 @@ def test_a_hidden_effect_is_named_and_once_added_csj_and_blk_are_right(effect: s
     assert guarded.values[f"effects.{name}"] == pytest.approx(true, rel=0.03)
     assert guarded.faults["screw.csj_Nm"] == pytest.approx(WORN["screw.csj_Nm"] if worn else 0.138, rel=0.01)
     added = add_to_known(reference_actuator(), effect, record)
-    assert added.recommended, added.reason
+    assert added.recommended, added.judgement
     assert added.errors.after < 1.05 * added.errors.floor
     assert (added.actuator["screw.csj_Nm"], added.actuator["screw.blk_mm"]) == (0.138, 0.033)
     check_right(identify(added.actuator, record), worn)
@@ -126,11 +128,11 @@ def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_is_not_looked_at
     fault = identify(reference_actuator(), worn, healthy)
     assert (fault.verdict, fault.adequate) == ("fault", True)
     assert fault.guarded is not None and fault.guarded.verdict == "adequate" and fault.guarded.skipped
-    assert fault.result()["missing_effect"] is None
+    assert identification(fault, "", {}).missing_effect is None
     nothing = identify(reference_actuator(), sound, healthy)
     assert nothing.guarded is None
     # the day's grease and winding move BLK by some percent: then it may stand too near its threshold to be told
-    assert nothing.verdict == "healthy" or (repeats and nothing.verdict == "undecided" and nothing.adequate), nothing.sentence()
+    assert nothing.verdict == "healthy" or (repeats and nothing.verdict == "undecided" and nothing.adequate), sentence(nothing)
 
 
 def test_plainly_adequate_without_noise_stays_a_fault() -> None:

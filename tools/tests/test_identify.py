@@ -15,7 +15,10 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, read_record, write_record
 from ema_tools.plant.native import SearchSettings
+from ema_tools.results.codec import to_json
 from ema_tools.tasks.identify import identify, weight_of
+from ema_tools.words.answers.identification import identification
+from ema_tools.words.sentences.identification import sentence
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 
@@ -129,7 +132,7 @@ def test_missing_effect_is_not_called_a_fault() -> None:
     found = identify(reference_actuator(), chirp_record(machine))
     assert not found.answer.adequate
     assert found.answer.verdict == "undecided"
-    assert found.sentence().startswith("Undecided, because the residual is larger than the sensor noise explains")
+    assert sentence(found).startswith("Undecided, because the residual is larger than the sensor noise explains")
 
 
 def test_seed_decides_the_path_and_nothing_else() -> None:
@@ -147,8 +150,9 @@ def test_value_that_is_healthy_at_zero_is_left_out() -> None:
     found = identify(machine, chirp_record(machine.changed({"screw.csj_Nm": 0.2})))
     assert [estimate.name for estimate in found.answer.identified] == ["screw.csj_Nm"]
     assert found.answer.identified[0].estimate == pytest.approx(0.2, rel=1e-4)
-    assert found.result()["blk_mm"]["estimate"] is None
-    assert "healthy value is zero" in found.result()["blk_mm"]["reason"]
+    told = to_json(identification(found, "", {}))
+    assert told["blk_mm"]["estimate"] is None
+    assert "healthy value is zero" in told["blk_mm"]["reason"]
     with pytest.raises(InputError, match=r"screw.csj_Nm = 0: the healthy value is zero"):
         identify(machine.changed({"screw.csj_Nm": 0.0}), chirp_record())
 
@@ -174,7 +178,7 @@ def test_weights_bring_in_other_channels() -> None:
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
     found = identify(reference_actuator(), record, search=SearchSettings(weight=(0.0, 0.0, 1.0, 0.0)))
     assert found.answer.identified[0].estimate == pytest.approx(0.2, rel=1e-4)
-    assert "mm2 s" not in found.sentence()
+    assert "mm2 s" not in sentence(found)
     with pytest.raises(InputError, match="current_A: weighted but not recorded"):
         identify(reference_actuator(), replace(record, current_A=None), search=SearchSettings(weight=(0.0, 0.0, 1.0, 0.0)))
 

@@ -200,6 +200,12 @@ def test_rod_that_does_not_move_is_said(tmp_path: Path) -> None:
 def test_other_json_and_missing_file_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="none of `csj_Nm`, `blk_mm` and `balances`"):
         parse_result({"rows": 5}, "x.json", "x")
+    with pytest.raises(InputError, match=r"x\.json: the result of `ema effects` has no page"):
+        parse_result({"command": "effects", "effects": []}, "x.json", "x")
+    with pytest.raises(InputError, match=r"x\.json: format 2 is newer than this ema"):
+        parse_result({**identified(), "format": 2}, "x.json", "x")
+    with pytest.raises(InputError, match=r"x\.json: field csj_Nm\.colour is unknown to this ema"):
+        parse_result({**identified(), "csj_Nm": {**identified()["csj_Nm"], "colour": "red"}}, "x.json", "x")
     with pytest.raises(InputError, match=r"absent\.json"):
         write_report([tmp_path / "absent.json"], tmp_path / "page.html", "ema report")
     with pytest.raises(InputError, match="no result"):

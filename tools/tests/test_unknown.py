@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from ema_tools.compare.localisation import where
-from ema_tools.compare.unexplained import KINDS, NODES, Learned, Unknown, learned, left_over, result
+from ema_tools.compare.unexplained import KINDS, NODES, Learned, Unknown, learned, left_over
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record, simulated
+from ema_tools.results.codec import to_json
+from ema_tools.words.answers.unexplained import unexplained
+from ema_tools.words.sentences.unexplained import learned_sentence, sentence
 from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
 
@@ -38,13 +41,13 @@ def test_what_repeats_with_the_screw_is_not_taken_for_position(healthy: bool) ->
     first = left(RIPPLE, healthy=healthy)[0]
     assert first.balance == "mechanical" and first.best is not None
     assert (first.best.axis, first.best.friction) == ("place in the lead", True)
-    assert "with the screw lead, against the motion" in first.sentence
+    assert "with the screw lead, against the motion" in sentence(first)
 
 
 def test_what_belongs_to_one_place_is_not_taken_for_the_screw() -> None:
     first = left(JAM)[0]
     assert first.best is not None and (first.best.axis, first.best.friction) == ("position", True)
-    assert "repeats with position, against the motion" in first.sentence and "; not with the screw lead" in first.sentence
+    assert "repeats with position, against the motion" in sentence(first) and "; not with the screw lead" in sentence(first)
 
 
 @pytest.mark.parametrize(
@@ -66,15 +69,15 @@ def test_balance_and_axis_are_found(changes: dict[str, float], balance: str, axi
 def test_a_short_stroke_tells_nothing_of_the_screw() -> None:
     first = left({"effects.jam_spot.amplitude_Nm": 0.2, "effects.jam_spot.place_mm": 0.5, "effects.jam_spot.width_mm": 0.5}, "chirp")[0]
     assert first.best is not None and first.best.axis == "position"
-    assert "cannot be told apart on a stroke below one lead" in first.sentence
+    assert "cannot be told apart on a stroke below one lead" in sentence(first)
     assert not any(one.axis == "place in the lead" for one in first.ranked)
 
 
 def test_a_healthy_record_repeats_with_nothing() -> None:
     for seed in (61, 62, 63):
         for one in left(measured({}, seed, WIDE)):
-            assert one.best is None, (seed, one.sentence)
-            assert learned(one) is None and "repeats with none of the axes" in one.sentence
+            assert one.best is None, (seed, sentence(one))
+            assert learned(one) is None and "repeats with none of the axes" in sentence(one)
 
 
 def test_random_torque_is_not_learned() -> None:
@@ -121,7 +124,7 @@ def test_changes_name_every_value_of_the_table() -> None:
         f"effects.learned_voltage.{field}" for field in ("gain", "axis", "first", "last", *(f"node_{place:02d}" for place in range(NODES)))
     }
     assert found.changes["effects.learned_voltage.gain"] == 1.0 and found.changes["effects.learned_voltage.axis"] == 4.0
-    assert "outside that range it holds its edge value" in found.sentence
+    assert "outside that range it holds its edge value" in learned_sentence(found)
 
 
 def test_constant_becomes_a_flat_table() -> None:
@@ -141,13 +144,13 @@ def test_known_effects_are_taken_off_first() -> None:
 
 def test_result_is_finite_json() -> None:
     unknowns = left(JAM)
-    answer = json.loads(json.dumps(result(unknowns, learned(unknowns[0])), allow_nan=False))
+    answer = json.loads(json.dumps(to_json(unexplained(unknowns, learned(unknowns[0]))), allow_nan=False))
     assert [one["balance"] for one in answer["balances"]] == [one.balance for one in unknowns]
     assert {one["balance"] for one in answer["balances"]} == set(KINDS)
     assert answer["learned"]["effect"] == "learned_friction" and len(answer["learned"]["nodes"]) == NODES
     shares = [picture["explained_percent"] for picture in answer["balances"][0]["pictures"]]
     assert shares == sorted(shares, reverse=True)
-    assert result([])["learned"] is None
+    assert unexplained([]).learned is None
 
 
 @pytest.mark.parametrize(

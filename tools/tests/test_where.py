@@ -13,6 +13,9 @@ from ema_tools.compare.axes import Axis, explained, foretold, hats, machine_stat
 from ema_tools.compare.localisation import Where, binned, mean_record, where
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.fit.whitening import Whitener
+from ema_tools.results.codec import to_json
+from ema_tools.words.answers.localisation import localisation
+from ema_tools.words.sentences.localisation import sentence
 from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
 
@@ -45,7 +48,7 @@ def test_the_right_balance_is_accused_and_described(changes: dict[str, float], b
     worst = max(answer.blocks, key=lambda one: one.share)
     assert worst.name == block and worst.share > 0.9
     assert worst.winner is not None and worst.winner.words == words
-    assert f"lies in the {block} balance" in answer.sentence and words in answer.sentence
+    assert f"lies in the {block} balance" in sentence(answer) and words in sentence(answer)
 
 
 def test_coefficient_of_the_winning_term_is_the_change() -> None:
@@ -65,8 +68,8 @@ def test_a_small_effect_below_the_noise_of_its_balance_is_seen_by_its_shape() ->
 def test_a_healthy_record_accuses_no_balance() -> None:
     for seed in range(60, 66):
         answer = where(reference_actuator(), measured({}, seed), repeats())
-        assert not any(block.telling for block in answer.blocks), (seed, answer.sentence)
-        assert answer.sentence.endswith("no balance shows more than the healthy repeats explain.")
+        assert not any(block.telling for block in answer.blocks), (seed, sentence(answer))
+        assert sentence(answer).endswith("no balance shows more than the healthy repeats explain.")
 
 
 def test_standing_errors_drop_out_against_repeats_and_show_without() -> None:
@@ -74,8 +77,8 @@ def test_standing_errors_drop_out_against_repeats_and_show_without() -> None:
     against = where(other, measured({}, 99), repeats())
     assert not any(block.telling for block in against.blocks)
     alone = where(other, measured({}, 99))
-    assert alone.sentence.startswith("100 % of what the model leaves unexplained lies in the electrical balance")
-    assert "proportional to current" in alone.sentence and not alone.relative
+    assert sentence(alone).startswith("100 % of what the model leaves unexplained lies in the electrical balance")
+    assert "proportional to current" in sentence(alone) and not alone.relative
 
 
 def test_place_of_a_jam_is_told() -> None:
@@ -83,7 +86,7 @@ def test_place_of_a_jam_is_told() -> None:
     places = [place for place in answer.places if place.source == "mechanical balance" and place.by == "position"]
     assert places[0].part == max((place for place in places), key=lambda place: place.share).part
     low, high = (float(word) for word in places[0].part.removesuffix(" mm").split(" to "))
-    assert low < 0.8 < high and "at position" in answer.sentence
+    assert low < 0.8 < high and "at position" in sentence(answer)
     bins = next(one for one in answer.pictures["bins"] if one["source"] == "mechanical" and one["by"] == "position")
     peak = bins["center"][int(np.argmax(bins["share_percent"]))]
     assert peak == pytest.approx(0.8, abs=0.2)
@@ -120,9 +123,9 @@ def test_missing_signals_are_said() -> None:
     answer = where(reference_actuator(), record, [replace(one, current_A=None) for one in repeats()])
     reasons = {block.name: block.reason for block in answer.blocks}
     assert reasons["mechanical"] and reasons["electrical"] and not reasons["kinematic"]
-    assert "not to be had: mechanical, electrical" in answer.sentence
+    assert "not to be had: mechanical, electrical" in sentence(answer)
     alone = replace(record, motor_position_mm=None, voltage_V=None)
-    assert where(reference_actuator(), alone).sentence.startswith("No balance can be drawn")
+    assert sentence(where(reference_actuator(), alone)).startswith("No balance can be drawn")
 
 
 def test_shares_of_signals_use_the_noise_that_is_known() -> None:
@@ -150,7 +153,7 @@ def test_shares_of_signals_use_the_noise_that_is_known() -> None:
 
 def test_result_is_finite_json() -> None:
     answer = found({"screw.csj_Nm": 0.16})
-    text = json.dumps(answer.result(), allow_nan=False)
+    text = json.dumps(to_json(localisation(answer)), allow_nan=False)
     result = json.loads(text)
     assert result["relative_to_healthy"] is True and result["blocks"][0]["name"] == "mechanical"
     assert len(text) < 200_000

@@ -10,8 +10,9 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -23,6 +24,9 @@ from ema_tools import __version__
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.library.definitions import DefinitionError
 from ema_tools.words.terminal.console import complain, output, progress
+
+if TYPE_CHECKING:
+    from ema_tools.results.reading import Result
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -49,12 +53,13 @@ def precision_option(default: str) -> Callable[[Command], Command]:
     )
 
 
-def save(json_path: str | None, result: dict[str, Any], force: bool) -> None:
+def save(json_path: str | Path | None, result: Result, force: bool) -> None:
     """Write --json when it was asked for."""
     if json_path:
         from ema_tools.base.files import write_json
+        from ema_tools.results.codec import to_json
 
-        write_json(json_path, result, force)
+        write_json(json_path, to_json(result), force)
 
 
 def writable(*paths: str | Path | None, force: bool, inputs: Iterable[str] = ()) -> None:
@@ -113,6 +118,7 @@ def simulate(
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.commands import make_command
     from ema_tools.data.records import write_record
+    from ema_tools.results.files import Simulated
     from ema_tools.tasks import simulate as work
 
     writable(out, json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
@@ -126,15 +132,8 @@ def simulate(
     if std:
         comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
-    told = {
-        "rows": record.rows,
-        "period_s": record.period_s,
-        "settings": list(settings),
-        "noise": std,
-        "seed": seed,
-        "precision": int(precision),
-    }
-    save(json_path, {"command": "simulate", "actuator": actuator, "record": out, **told}, force)
+    found = Simulated("simulate", actuator, out, record.rows, record.period_s, tuple(settings), std, seed, int(precision))
+    save(json_path, found, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
 
@@ -149,6 +148,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
     writable(json_path, force=force, inputs=(actuator, record))
@@ -157,10 +157,9 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     with progress("comparing", 3) as bar:
         found = work(model, measured, int(precision), bar.update)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
-    drawn = curves(measured, {"model": found.simulation})
-    result = {"command": "compare", "name": measured.file, **found.result(), "provenance": origin, **({"curves": drawn} if drawn else {})}
+    result = comparison(found, origin, curves(measured, model=found.simulation))
     save(json_path, result, force)
-    show.comparison(output(), found, model.name, measured.file)
+    show.comparison(output(), result, model.name)
 
 
 @cli.command()
@@ -183,6 +182,7 @@ def calibrate(
     from ema_tools.data.records import read_record
     from ema_tools.results.provenance import provenance
     from ema_tools.tasks.calibrate import calibrate as work
+    from ema_tools.words.answers.calibration import calibration
     from ema_tools.words.terminal import show
 
     writable(out, json_path, force=force, inputs=(actuator, *records))
@@ -194,8 +194,9 @@ def calibrate(
     said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
     origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
-    save(json_path, {"command": "calibrate", "actuator": out, **found.result(), "provenance": origin}, force)
-    show.calibration(output(), found)
+    result = calibration(found, out, origin)
+    save(json_path, result, force)
+    show.calibration(output(), result)
     output().print(f"{out} written", highlight=False)
 
 
@@ -243,6 +244,7 @@ def identify(
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.identify import weight_of
+    from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
 
     writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy))
@@ -263,18 +265,11 @@ def identify(
         )
     if fitted:
         found.actuator.write(fitted, force)
-    if json_path:
-        drawn = curves(measured, {"before": simulated(found.healthy, measured), "after": simulated(found.actuator, measured)})
-        origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
-        result = {
-            "command": "identify",
-            "name": measured.file,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-    show.identification(output(), found)
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
+    drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
+    result = identification(found, measured.file, origin, drawn)
+    save(json_path, result, force)
+    show.identification(output(), result)
 
 
 @cli.command()
@@ -309,6 +304,7 @@ def diagnose(
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose import answer as work
     from ema_tools.tasks.diagnose_by_laps import applies
+    from ema_tools.words.answers.diagnosis import diagnosis
     from ema_tools.words.terminal import show
 
     writable(json_path, page, fitted, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
@@ -322,26 +318,19 @@ def diagnose(
         return
     with progress("diagnosing", 100) as bar:
         found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+    drawn = None
     if json_path or page:
-        drawn = curves(
-            measured,
-            {"before": simulated(found.known, measured), **({"after": simulated(found.fitted, measured)} if found.diagnosis.fit else {})},
-        )
-        origin = provenance(
-            command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
-        )
-        result = {
-            "command": "diagnose",
-            "name": measured.file,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-        _page(page, result, force)
+        after = simulated(found.fitted, measured) if found.diagnosis.fit else None
+        drawn = curves(measured, before=simulated(found.known, measured), after=after)
+    origin = provenance(
+        command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
+    )
+    result = diagnosis(found, origin, drawn)
+    save(json_path, result, force)
+    _page(page, result, force)
     if fitted and found.verdict == "missing":
         found.actuator.write(fitted, force)
-    show.diagnosis(output(), found)
+    show.diagnosis(output(), result, found.diagnosis)
     _written(page, fitted if found.verdict == "missing" else None)
 
 
@@ -350,27 +339,22 @@ def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | No
     from ema_tools.data.records import simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose_by_laps import answer_by_laps
+    from ema_tools.words.answers.laps import diagnosis_by_laps
     from ema_tools.words.terminal import show
 
     with progress("diagnosing", 100) as bar:
         found = answer_by_laps(model, measured, lambda share, text: bar.update(100.0 * share, text))
+    drawn = None
     if json_path or page:
-        drawn = curves(
-            measured, {"before": simulated(model, measured), **({"after": simulated(found.actuator, measured)} if found.accepted else {})}
-        )
-        origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
-        result = {
-            "command": "diagnose",
-            "name": measured.file,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-        _page(page, result, force)
+        after = simulated(found.actuator, measured) if found.accepted else None
+        drawn = curves(measured, before=simulated(model, measured), after=after)
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
+    result = diagnosis_by_laps(found, origin, drawn)
+    save(json_path, result, force)
+    _page(page, result, force)
     if fitted and found.accepted:
         found.actuator.write(fitted, force)
-    show.laps(output(), found)
+    show.laps(output(), result)
     _written(page, fitted if found.accepted else None)
 
 
@@ -379,14 +363,15 @@ def _written(*paths: str | None) -> None:
         output().print(f"{path} written", highlight=False)
 
 
-def _page(path: str | None, result: dict[str, Any], force: bool) -> None:
+def _page(path: str | None, result: Result, force: bool) -> None:
     """Write the page of one result when it was asked for."""
     if path:
         from ema_tools.base.files import write_text
+        from ema_tools.results.codec import to_json
         from ema_tools.words.page.page import render
         from ema_tools.words.page.results import parse_result
 
-        write_text(path, render([parse_result(result, path, Path(path).stem)], command_line()), force)
+        write_text(path, render([parse_result(to_json(result), path, Path(path).stem)], command_line()), force)
 
 
 @cli.command()
@@ -430,9 +415,10 @@ def add(
     from ema_tools.library.faults import FAULTS
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.add import add as work
-    from ema_tools.tasks.add import add_to_known, set_result
+    from ema_tools.tasks.add import add_to_known
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.simulate import with_settings
+    from ema_tools.words.answers.addition import addition, setting
     from ema_tools.words.terminal import show
 
     writable(out, json_path, page, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
@@ -449,11 +435,7 @@ def add(
         if effect not in made.active_effects:
             raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
         made.write(out, force)
-        save(
-            json_path,
-            {"command": "add", "actuator": out, **set_result(made, effect), "provenance": provenance(command_line(), actuator=model.name)},
-            force,
-        )
+        save(json_path, setting(made, effect, out, provenance(command_line(), actuator=model.name)), force)
         output().print(f"{out} written", highlight=False)
         return
     if settings:
@@ -471,20 +453,13 @@ def add(
         found = add_to_known(model, effect, measured, other, tell) if known else work(model, effect, measured, references, other, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
+    drawn = None
     if json_path or page:
-        drawn = curves(measured, {"before": simulated(model, measured), "after": simulated(found.fitted, measured)})
-        origin = provenance(command_line(), actuator=model.name, record=measured.file)
-        result = {
-            "command": "add",
-            "name": measured.file,
-            "actuator": out,
-            **found.result(),
-            "provenance": origin,
-            **({"curves": drawn} if drawn else {}),
-        }
-        save(json_path, result, force)
-        _page(page, result, force)
-    show.added(output(), found)
+        drawn = curves(measured, before=simulated(model, measured), after=simulated(found.fitted, measured))
+    result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
+    save(json_path, result, force)
+    _page(page, result, force)
+    show.added(output(), result)
     output().print(f"{out} written", highlight=False)
 
 
@@ -542,6 +517,7 @@ def next_command(
     from ema_tools.plant.native import CHANNELS
     from ema_tools.results.provenance import provenance
     from ema_tools.tasks.simulate import noise_of
+    from ema_tools.words.answers.experiment import experiment
     from ema_tools.words.terminal.next_experiment import print_next
 
     writable(json_path, force=force, inputs=(actuator,))
@@ -560,8 +536,9 @@ def next_command(
             also,
             lambda share, text: bar.update(100.0 * share, text),
         )
-    save(json_path, {"command": "next", **found.result(), "provenance": provenance(command_line(), actuator=model.name)}, force)
-    print_next(output(), found)
+    result = experiment(found, provenance(command_line(), actuator=model.name))
+    save(json_path, result, force)
+    print_next(output(), result)
 
 
 @cli.command()
@@ -594,6 +571,7 @@ def export(
     from ema_tools.base.files import write_text
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
+    from ema_tools.results.files import Exported
     from ema_tools.tasks import export as work
     from ema_tools.tasks import signature_table as onboard
 
@@ -611,10 +589,8 @@ def export(
         write_text(flat, work.flat_text(model), force)
     if signatures and table:
         write_text(signatures, work.signatures_text(table), force)
-    found: dict[str, Any] = {"command": "export", "actuator": actuator, "header": out, "flat": flat, "effects": list(model.active_effects)}
-    if signatures and table:
-        found |= {"signatures": signatures, "table": table.summary()}
-    save(json_path, found, force)
+    made = table.summary() if table is not None else None
+    save(json_path, Exported("export", actuator, out, flat, model.active_effects, signatures if made else None, made), force)
     told = [f"{path} written" for path in (out, flat) if path]
     if signatures and table:
         told.append(f"{signatures} written: {2 * table.numbers / 1024:.1f} KiB of signatures in {', '.join(table.signals)}")
@@ -627,27 +603,29 @@ def export(
 @json_option
 def report(results: tuple[str, ...], out: str, json_path: str | None, force: bool) -> None:
     """Make a page of results that identify or compare wrote with --json."""
+    from ema_tools.results.files import Reported
     from ema_tools.words.page import write_report
 
     writable(out, json_path, force=force, inputs=results)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
-    save(json_path, {"command": "report", "results": list(results), "page": out}, force)
+    save(json_path, Reported("report", results, out), force)
     output().print(f"{out} written", highlight=False)
 
 
-@cli.command()
+@cli.command(name="demo")
 @click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
 @json_option
-def demo(folder: str | None, json_path: str | None, force: bool) -> None:
+def demo_command(folder: str | None, json_path: str | None, force: bool) -> None:
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools.base.files import keep_apart
     from ema_tools.cli import demo as work
+    from ema_tools.results.files import Shown
 
     target = Path(folder) if folder else work.output_folder()
     keep_apart([*work.written(target), *filter(None, (json_path,))])
     writable(json_path, force=force)
     page = work.run(output(), target)
-    save(json_path, {"command": "demo", "page": page, "results": sorted(path.name for path in page.parent.glob("*.json"))}, force)
+    save(json_path, Shown("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
 @cli.group(name="import")
@@ -664,26 +642,24 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     from ema_tools.base.files import keep_apart
     from ema_tools.data.emps import PUBLISHED, PUBLISHED_STD, targets
     from ema_tools.data.emps import import_emps as work
+    from ema_tools.results.calibration import RodModel
+    from ema_tools.results.files import Imported
     from ema_tools.results.provenance import provenance
     from ema_tools.words.terminal import show
 
     keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
     writable(json_path, force=force)
     found = work(file, folder, force)
-    result = {
-        "command": "import emps",
-        "actuator": str(found.actuator_path),
-        "record": str(found.record_path),
-        "rows": found.record.rows,
-        "period_s": found.record.period_s,
-    }
-    save(json_path, {**result, "provenance": provenance(command_line(), source=found.actuator.about["source"])}, force)
+    origin = provenance(command_line(), source=found.actuator.about["source"])
+    record = found.record
+    save(json_path, Imported("import emps", str(found.actuator_path), str(found.record_path), record.rows, record.period_s, origin), force)
     console = output()
     show.say(
         console,
         f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model",
     )
-    show.force_models(console, "Published", {"value": PUBLISHED, "std error": PUBLISHED_STD})
+    published = {"value": PUBLISHED, "std error": PUBLISHED_STD}
+    show.force_models(console, "Published", {title: RodModel(**asdict(model)) for title, model in published.items()})
     show.say(console, f"next: ema compare {found.actuator_path} {found.record_path}")
 
 
@@ -694,15 +670,17 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
     """Show the library of physical effects, or one EFFECT."""
     from ema_tools.library.definitions import load_definitions
     from ema_tools.tasks import effects as work
+    from ema_tools.words.answers.effects import effects as described
     from ema_tools.words.terminal.effects import print_all, print_one
 
     writable(json_path, force=force)
     rows = [work.find_effect(effect)] if effect else list(load_definitions().effects)
-    save(json_path, {"command": "effects", "effects": [work.describe(row) for row in rows]}, force)
+    found = described(rows)
+    save(json_path, found, force)
     if effect:
-        print_one(output(), rows[0])
+        print_one(output(), found.effects[0])
     else:
-        print_all(output())
+        print_all(output(), found)
 
 
 def main() -> None:

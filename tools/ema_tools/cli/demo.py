@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.text import Text
@@ -23,14 +22,22 @@ from ema_tools.data.records import Record, read_record, simulated
 from ema_tools.library.definitions import library_folder
 from ema_tools.library.faults import FAULTS as CHANGEABLE
 from ema_tools.plant.native import Progress, SearchSettings
+from ema_tools.results.codec import to_json
+from ema_tools.results.identification import Identification
+from ema_tools.results.parts import Provenance
 from ema_tools.results.provenance import curves, provenance
+from ema_tools.results.reading import Result
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import answer
-from ema_tools.tasks.identify import TITLES, identify
-from ema_tools.tasks.identify import Identified as Found
+from ema_tools.tasks.identify import identify
+from ema_tools.words.answers.addition import addition
+from ema_tools.words.answers.comparison import comparison
+from ema_tools.words.answers.diagnosis import diagnosis
+from ema_tools.words.answers.identification import identification
 from ema_tools.words.page import write_report
-from ema_tools.words.page.results import FAULTS, Identified, parse_result
+from ema_tools.words.page.results import FAULTS, Identified, identified
 from ema_tools.words.page.text import shift, signed
+from ema_tools.words.sentences.identification import TITLES
 from ema_tools.words.terminal import console as terminal
 from ema_tools.words.terminal import show
 
@@ -135,14 +142,15 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
 
     _command(output, 1, f"ema compare {unit.sheet_file} {unit.today_file}")
     with terminal.progress("comparing", 3) as bar:
-        compared = compare(unit.sheet, unit.today, report=bar.update)
-    _write(folder / _COMPARED, "compare", unit, compared.result(), curves(unit.today, {"model": compared.simulation}))
+        measured = compare(unit.sheet, unit.today, report=bar.update)
+    compared = comparison(measured, _origin(unit), curves(unit.today, model=measured.simulation))
+    _write(folder / _COMPARED, compared)
     rod, current = (compared.channels[name].relative_percent for name in ("position_mm", "current_A"))
     _say(output, f"The rod is off by {terminal.number(rod, 2)} %, the current by {terminal.number(current, 2)} %. {compared.sentence}")
 
     _command(output, 2, f"ema identify {unit.sheet_file} {unit.today_file} --weight {_WEIGHTS}")
-    before = _searched(unit, unit.sheet)
-    _write_found(folder / _ON_PAGE[2], unit, before, "the data sheet's model")
+    before = _searched(unit, unit.sheet, "the data sheet's model")
+    _write(folder / _ON_PAGE[2], before)
     _say(output, f"{_verdict(before)}, because")
     for reason in before.reasons:
         _say(output, f"- {reason}")
@@ -150,15 +158,11 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 3, f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others}")
     with terminal.progress("diagnosing", 100) as bar:
         found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    _write(
-        folder / _ON_PAGE[0],
-        "diagnose",
-        unit,
-        found.result(),
-        curves(unit.today, {"before": simulated(found.known, unit.today), "after": simulated(found.fitted, unit.today)}),
-    )
-    _say(output, found.where.sentence)
-    _say(output, found.sentence())
+    drawn = curves(unit.today, before=simulated(found.known, unit.today), after=simulated(found.fitted, unit.today))
+    missing = diagnosis(found, _origin(unit), drawn)
+    _write(folder / _ON_PAGE[0], missing)
+    _say(output, missing.where.sentence)
+    _say(output, missing.sentence)
     if not found.effects:
         return
 
@@ -167,14 +171,10 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
     added.actuator.write(folder / _MACHINE, True)
-    _write(
-        folder / _ON_PAGE[1],
-        "add",
-        unit,
-        {"actuator": _MACHINE, **added.result()},
-        curves(unit.today, {"before": simulated(unit.sheet, unit.today), "after": simulated(added.fitted, unit.today)}),
-    )
-    show.steps(output, added.steps, added.errors.floor)
+    drawn = curves(unit.today, before=simulated(unit.sheet, unit.today), after=simulated(added.fitted, unit.today))
+    model = addition(added, unit.today.file, _MACHINE, _origin(unit), drawn)
+    _write(folder / _ON_PAGE[1], model)
+    show.steps(output, model.steps or (), model.error.floor)
     beside = " and ".join(TITLES[value] for name, value in CHANGEABLE.items() if name in added.fit.effects)
     _say(
         output,
@@ -182,8 +182,8 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     )
 
     _command(output, 5, f"ema identify {_shown(folder / _MACHINE)} {unit.today_file} --weight {_WEIGHTS}")
-    after = _searched(unit, added.actuator)
-    _write_found(folder / _ON_PAGE[3], unit, after, f"with {effect}")
+    after = _searched(unit, added.actuator, f"with {effect}")
+    _write(folder / _ON_PAGE[3], after)
     _say(output, f"{_verdict(after)}; the model is {'adequate' if after.adequate else 'not adequate'}.")
     true = ", ".join(f"{name.split('.')[1]} {value:g}" for name, value in story.EFFECT_VALUES.items())
     _say(
@@ -202,32 +202,26 @@ def _command(output: Console, place: int, line: str) -> None:
     output.print(Text(f"{place}  {line}", style="bold"))
 
 
-def _searched(unit: _Unit, actuator: Actuator) -> Found:
+def _searched(unit: _Unit, actuator: Actuator, model: str) -> Identification:
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
-        return identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
+        found = identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
+    drawn = curves(unit.today, before=simulated(found.healthy, unit.today), after=simulated(found.actuator, unit.today))
+    return identification(found, f"{unit.today.file}, {model}", _origin(unit), drawn)
 
 
-def _verdict(found: Found) -> str:
+def _verdict(found: Identification) -> str:
     """Verdict and shifts in a few words."""
-    shifts = ", ".join(f"{TITLES[estimate.name]} {shift(estimate.shift_percent)}" for estimate in found.answer.identified)
+    shifts = ", ".join(f"{show.FAULTS[name]} {shift(estimate.shift_percent)}" for name, estimate in found.estimates.items())
     return f"{found.verdict.capitalize()}: {'the search reads ' if found.verdict == 'undecided' else ''}{shifts}"
 
 
-def _write(path: Path, command: str, unit: _Unit, result: dict[str, Any], drawn: dict[str, Any] | None, name: str = "") -> None:
+def _origin(unit: _Unit) -> Provenance:
+    return provenance(COMMAND, actuator=unit.sheet.name, record=f"recordings/story/{unit.today.file}")
+
+
+def _write(path: Path, result: Result) -> None:
     """The file that the command's --json would be."""
-    origin = provenance(COMMAND, actuator=unit.sheet.name, record=f"recordings/story/{unit.today.file}")
-    write_json(path, {"command": command, "name": name or unit.today.file, **result, "provenance": origin, "curves": drawn}, force=True)
-
-
-def _write_found(path: Path, unit: _Unit, found: Found, model: str) -> None:
-    _write(
-        path,
-        "identify",
-        unit,
-        found.result(),
-        curves(unit.today, {"before": simulated(found.healthy, unit.today), "after": simulated(found.actuator, unit.today)}),
-        f"{unit.today.file}, {model}",
-    )
+    write_json(path, to_json(result), force=True)
 
 
 def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]) -> None:
@@ -237,10 +231,9 @@ def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]
     results: list[Identified] = []
     with terminal.progress("identifying", budget * len(cases)) as bar:
         for place, (shipped, path) in enumerate(cases):
-            data = _identified(actuator, shipped, path, partial(_tell, bar, place * budget))
-            target = folder / f"{path.stem}.json"
-            write_json(target, data, force=True)
-            results.append(_parsed(data, target))
+            found = _identified(actuator, shipped, path, partial(_tell, bar, place * budget))
+            _write(folder / f"{path.stem}.json", found)
+            results.append(identified(found, str(path), path.stem))
     _print_cases(output, results)
     output.print()
 
@@ -250,27 +243,15 @@ def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best:
     bar.update(before + run_number, f"best {best:.2g} mm2 s")
 
 
-def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Progress) -> dict[str, Any]:
+def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Progress) -> Identification:
     """The result of one recording, with the curves for the page."""
     record = read_record(path, actuator)
     found = identify(actuator, record, bits=_BITS, progress=progress)
-    return {
-        "command": "demo",
-        "name": shipped.file,
-        "case": shipped.case.letter,
-        "noise": shipped.noise,
-        **found.result(),
-        "curves": curves(record, {"before": simulated(found.healthy, record), "after": simulated(found.actuator, record)}),
-        "provenance": provenance(
-            COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
-        ),
-    }
-
-
-def _parsed(data: dict[str, Any], path: Path) -> Identified:
-    result = parse_result(data, str(path), path.stem)
-    assert isinstance(result, Identified)
-    return result
+    origin = provenance(
+        COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
+    )
+    drawn = curves(record, before=simulated(found.healthy, record), after=simulated(found.actuator, record))
+    return identification(found, shipped.file, origin, drawn, command="demo", case=shipped.case.letter, noise=shipped.noise)
 
 
 def _shown(path: Path) -> str:

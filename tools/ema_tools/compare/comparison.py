@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,11 +77,6 @@ class ErrorPart:
     time_share: float | None
 
     @property
-    def name(self) -> str:
-        """In words."""
-        return f"{self.source}: {self.by} {self.part}" if self.by else f"{self.source}: {self.part}"
-
-    @property
     def surprise(self) -> float:
         """How much more of the residual than of the time lies here; what a part must have to say something."""
         if self.time_share is None or not self.share > self.time_share > 0.0:
@@ -92,48 +86,13 @@ class ErrorPart:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The whole answer; `simulation` [rows] is what was compared with the record."""
+    """The whole answer on the record called `record`; `simulation` [rows] is what was compared with the record."""
 
+    record: str
     channels: dict[str, ChannelError]
     balances: dict[str, BalanceError]
     where: tuple[ErrorPart, ...]
-    sentence: str
     simulation: Simulation
-
-    def result(self) -> dict[str, Any]:
-        """For JSON: the keys that programs read, and more."""
-        return {
-            "channels": {
-                name: {"rmse": error.rmse, "relative_percent": error.relative_percent, "unit": UNITS[name]}
-                for name, error in self.channels.items()
-            },
-            "balances": {
-                name: {
-                    "rms": error.rms,
-                    "relative_percent": error.relative_percent,
-                    "unit": error.unit,
-                    "noise_rms": error.noise_rms,
-                    "method_rms": error.method_rms,
-                    "resting_percent": error.resting_percent,
-                    "reason": error.reason or None,
-                }
-                for name, error in self.balances.items()
-            },
-            "where": [
-                {
-                    "name": place.name,
-                    "share_percent": 100.0 * place.share,
-                    "share": place.share,
-                    "time_share": place.time_share,
-                    "source": place.source,
-                    "by": place.by,
-                    "part": place.part,
-                }
-                for place in self.where
-            ],
-            "sentence": self.sentence,
-            "crowded_steps": self.simulation.crowded_steps,
-        }
 
 
 def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:
@@ -151,7 +110,7 @@ def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report |
         channels[name] = ChannelError(errors[name].rms, errors[name].relative_percent)
     found, balances = judged_balances(actuator, record, simulation, filter_of(actuator, record), report)
     where = _where(actuator, record, found, errors, balances)
-    return Comparison(channels, balances, where, _sentence(balances, where, record), simulation)
+    return Comparison(record.file, channels, balances, where, simulation)
 
 
 def judged_balances(
@@ -299,30 +258,3 @@ def _by_frequency(source: str, balance: Balance) -> list[ErrorPart]:
         if share > 0.0:
             found.append(ErrorPart(source, "frequency", f"{low:g} to {high:g} Hz", share, None))
     return found
-
-
-GROUPS = {
-    "mechanical": "motor torque, friction, inertia and load",
-    "electrical": "winding, back-EMF and supply",
-    "kinematic": "gears, screw, play and sensors",
-    "controller": "the control law and its feedback",
-}
-
-
-def _sentence(balances: dict[str, BalanceError], where: tuple[ErrorPart, ...], record: Record) -> str:
-    """The comparison in one sentence."""
-    there = {name: error for name, error in balances.items() if not error.reason}
-    if not there:
-        return f"No balance can be drawn: {balances['mechanical'].reason}; only the channels' errors are known."
-    worst = max(there, key=lambda name: there[name].excess_percent)
-    if not there[worst].excess_percent > 0.0:
-        return f"The model explains {record.file} as far as sensor noise and method can tell, in every balance that can be drawn ({', '.join(there)})."
-    error = there[worst]
-    text = f"The model's largest unexplained part is in the {worst} balance ({GROUPS[worst]}): {error.relative_percent:.3g} % of its measured side"
-    parts = [place for place in where if place.source == f"{worst} balance"]
-    telling = max(parts, key=lambda place: place.surprise, default=None)
-    if telling is not None and telling.surprise > 0.0 and telling.time_share is not None:
-        text += (
-            f"; {100.0 * telling.share:.0f} % of that lies at {telling.by} {telling.part}, {100.0 * telling.time_share:.0f} % of the time"
-        )
-    return text + "."

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy import signal
@@ -21,12 +21,15 @@ from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.mechanical import filter_of
 from ema_tools.base.arrays import Reals
 from ema_tools.compare.axes import Axis, MachineState, explained, fitted_energy, machine_state_of
-from ema_tools.compare.comparison import FLOOR_MARGIN, GROUPS, TITLES, UNITS, ErrorPart, divided, judged_balances, states_of
+from ema_tools.compare.comparison import FLOOR_MARGIN, TITLES, ErrorPart, divided, judged_balances, states_of
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.fit.whitening import Whitener, spectrum
 from ema_tools.plant.native import CHANNELS
+from ema_tools.results import localisation as picture
+from ema_tools.results.codec import Series
+from ema_tools.results.localisation import Pictures
 
 # What a term explains must exceed the most that any term explains of a healthy repeat by this factor; with healthy repeats only.
 _TERM_MARGIN = 2.5
@@ -115,73 +118,23 @@ class Reference:
 
 @dataclass(frozen=True)
 class Where:
-    """The whole answer. `references`: by balance what healthy repeats say; `smoother`: the filter of all balances. `residuals`: by balance what is judged,
-    on coarse samples; `pictures`: data that the page draws, see `ema_tools.words.page.diagnosis`."""
+    """The whole answer on the record called `record`. `references`: by balance what healthy repeats say; `smoother`: the filter of all balances. `residuals`: by balance what is judged,
+    on coarse samples; `pictures`: data that the page draws."""
 
+    record: str
     relative: bool
-    sentence: str
     blocks: tuple[Block, ...]
     channels: tuple[Channel, ...]
     places: tuple[ErrorPart, ...]
-    pictures: dict[str, Any]
+    pictures: Pictures
     residuals: dict[str, Balance] = field(repr=False)
     references: dict[str, Reference] = field(repr=False)
     smoother: Smoother = field(repr=False)
 
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "relative_to_healthy": self.relative,
-            "sentence": self.sentence,
-            "blocks": [
-                {
-                    "name": block.name,
-                    "unit": block.unit,
-                    "rms": _number(block.rms),
-                    "floor_rms": _number(block.floor_rms),
-                    "relative_percent": _number(block.relative_percent),
-                    "share_percent": 100.0 * block.share,
-                    "telling": block.telling,
-                    "terms": [
-                        {"words": term.words, "explained_percent": 100.0 * block.of_excess(term), "coefficient": term.coefficient}
-                        for term in block.terms[:5]
-                    ],
-                    "reason": block.reason or None,
-                }
-                for block in self.blocks
-            ],
-            "channels": [
-                {
-                    "name": one.name,
-                    "unit": UNITS[one.name],
-                    "rms": _number(one.rms),
-                    "floor_rms": _number(one.floor_rms),
-                    "share_percent": 100.0 * one.share,
-                }
-                for one in self.channels
-            ],
-            "places": [
-                {
-                    "name": place.name,
-                    "source": place.source,
-                    "by": place.by,
-                    "part": place.part,
-                    "share_percent": 100.0 * place.share,
-                    "time_share": place.time_share,
-                }
-                for place in self.places
-            ],
-            "pictures": self.pictures,
-        }
 
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def short(values: Reals) -> list[float]:
+def short(values: Reals) -> Series:
     """Values [n] with the digits that a picture needs."""
-    return [float(f"{value:.{_DIGITS}g}") for value in values]
+    return tuple(float(f"{value:.{_DIGITS}g}") for value in values)
 
 
 def mean_record(records: Sequence[Record]) -> Record:
@@ -482,8 +435,8 @@ def where(
     places = _places(actuator, record, blocks, residuals, units, smoother)
     pictures = _pictures(actuator, record, smoother, motion, lines, residuals, mean)
     return Where(
+        record.file,
         mean is not None,
-        _sentence(blocks, channels, places, mean is not None, record),
         blocks,
         tuple(channels),
         places,
@@ -510,32 +463,6 @@ def _places(
     return tuple(sorted(kept, key=lambda place: (-place.surprise, -place.share))[:_PLACES_MAX])
 
 
-def _sentence(blocks: Sequence[Block], channels: Sequence[Channel], places: Sequence[ErrorPart], relative: bool, record: Record) -> str:
-    there = [block for block in blocks if not block.reason]
-    against = "the healthy repeats" if relative else "sensor noise and method"
-    if not there:
-        return f"No balance can be drawn: {blocks[0].reason}; only the signals themselves can be compared."
-    telling = sorted((block for block in there if block.telling), key=lambda block: -block.share)
-    missing = [block.name for block in blocks if block.reason]
-    without = f" (not to be had: {', '.join(missing)})" if missing else ""
-    if not telling:
-        return f"In {record.file} no balance shows more than {against} explain{without}."
-    worst = telling[0]
-    verb = "of the excess over the healthy repeats" if relative else "of what the model leaves unexplained"
-    text = f"{100.0 * worst.share:.0f} % {verb} lies in the {worst.name} balance ({GROUPS[worst.name]}){without}"
-    if worst.winner is not None:
-        text += f", {worst.winner.words} ({100.0 * worst.of_excess(worst.winner):.0f} % of it)"
-    place = next((place for place in places if place.source == f"{worst.name} balance" and place.surprise > 0.1), None)
-    if place is not None and place.time_share is not None:
-        text += f"; {100.0 * place.share:.0f} % of it at {place.by} {place.part}, {100.0 * place.time_share:.0f} % of the time"
-    if len(telling) > 1 and telling[1].share > 0.05:
-        second = telling[1]
-        text += f"; then the {second.name} balance with {100.0 * second.share:.0f} %" + (
-            f", {second.winner.words}" if second.winner is not None else ""
-        )
-    return text + "."
-
-
 @dataclass(frozen=True)
 class Bins:
     """A residual over an axis in equal bins: centres, mean, the band of one standard deviation, and the shares of its square and of the samples, all [bins]; empty bins left out."""
@@ -552,10 +479,9 @@ class Bins:
         """Mean square of the bins' means."""
         return float(np.sum(self.time_share * self.mean**2))
 
-    def result(self) -> dict[str, list[float]]:
-        """For JSON."""
-        shares = {"share_percent": short(100.0 * self.share), "time_percent": short(100.0 * self.time_share)}
-        return {"center": short(self.centers), "mean": short(self.mean), "low": short(self.low), "high": short(self.high), **shares}
+    def drawn(self) -> picture.Bins:
+        """With the digits that a picture needs."""
+        return picture.Bins(*map(short, (self.centers, self.mean, self.low, self.high, 100.0 * self.share, 100.0 * self.time_share)))
 
 
 def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:
@@ -580,11 +506,11 @@ def _pictures(
     record: Record,
     smoother: Smoother,
     motion: MachineState,
-    lines: Sequence[Lines],
+    lines: tuple[Lines, Lines],
     residuals: dict[str, Balance],
     mean: Record | None,
-) -> dict[str, Any]:
-    pictures: dict[str, Any] = {"bins": [], "orders": {}}
+) -> Pictures:
+    bins, orders = [], {}
     for name, balance in residuals.items():
         at = motion.at(balance.time_s)
         for axis in at.axes(rod=name == "kinematic"):
@@ -595,19 +521,19 @@ def _pictures(
                 friction = found is not None and turned is not None and turned.steady > found.steady
                 found = turned if friction else found
             if found is not None:
-                pictures["bins"].append(
-                    {"source": name, "unit": balance.unit, "by": axis.name, "axis_unit": axis.unit, "friction": friction, **found.result()}
+                drawn = vars(found.drawn())
+                bins.append(
+                    picture.BinPicture(**drawn, source=name, unit=balance.unit, by=axis.name, axis_unit=axis.unit, friction=friction)
                 )
-    if "mechanical" in residuals:
-        pictures["torque_speed"] = _torque_speed(actuator, residuals["mechanical"], mean is not None, motion)
+    torque = residuals.get("mechanical")
+    against = _torque_speed(actuator, torque, mean is not None, motion) if torque is not None else None
     for name in ("mechanical", "kinematic"):
         if name in residuals and residuals[name].time_s.size == lines[0].waves.shape[1]:
-            pictures["orders"][name] = _orders(residuals[name], motion, lines)
-    pictures["hysteresis"] = _hysteresis(actuator, record, smoother, motion, residuals.get("mechanical"), mean)
-    return pictures
+            orders[name] = _orders(residuals[name], motion, lines)
+    return Pictures(tuple(bins), orders, against, _hysteresis(actuator, record, smoother, motion, torque, mean))
 
 
-def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: MachineState) -> dict[str, Any]:
+def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: MachineState) -> picture.TorqueSpeed:
     """Torque without inertia against speed: the measured points, their bins, and the bins of the model, or of the healthy repeats."""
     at = motion.at(judged.time_s)
     torque = judged.measured - actuator["screw.inertia_kgm2"] * at.acceleration_rad_s2
@@ -616,59 +542,53 @@ def _torque_speed(actuator: Actuator, judged: Balance, relative: bool, motion: M
     axis = Axis("speed", "rad/s", at.speed_rad_s)
     measured, model = binned(axis, torque), binned(axis, expected)
     every = max(1, torque.size // _POINTS_MAX)
-    return {
-        "unit": "Nm",
-        "axis_unit": "rad/s",
-        "other": "healthy" if relative else "model",
-        "points": {"x": short(at.speed_rad_s[::every]), "y": short(torque[::every])},
-        "measured": measured.result() if measured else None,
-        "expected": model.result() if model else None,
-    }
+    points = picture.Points(short(at.speed_rad_s[::every]), short(torque[::every]))
+    other: Literal["healthy", "model"] = "healthy" if relative else "model"
+    return picture.TorqueSpeed("Nm", "rad/s", other, points, measured.drawn() if measured else None, model.drawn() if model else None)
 
 
-def _orders(balance: Balance, motion: MachineState, lines: Sequence[Lines]) -> dict[str, Any]:
+def _orders(balance: Balance, motion: MachineState, lines: tuple[Lines, Lines]) -> picture.Orders:
     """Amplitudes over orders, in turns of the motor and in leads of the screw."""
     at = motion.at(balance.time_s)
-    found: dict[str, Any] = {"unit": balance.unit}
-    for key, one in zip(("turns", "leads"), lines, strict=True):
+
+    def drawn(one: Lines) -> picture.Lines:
         amplitudes, chance = one.amplitudes(balance.residual, at)
         known = np.isfinite(amplitudes)
-        found[key] = {"order": short(one.orders[known]), "amplitude": short(amplitudes[known]), "chance": short(chance[known])}
-    found["stroke_turns"] = float(np.ptp(at.angle_rad) / (2.0 * math.pi))
-    found["stroke_leads"] = float(np.ptp(at.motor_mm) / motion.lead_mm)
-    return found
+        return picture.Lines(short(one.orders[known]), short(amplitudes[known]), short(chance[known]))
+
+    turns, leads = map(drawn, lines)
+    return picture.Orders(
+        balance.unit, turns, leads, float(np.ptp(at.angle_rad) / (2.0 * math.pi)), float(np.ptp(at.motor_mm) / motion.lead_mm)
+    )
 
 
-def _thin(*columns: Reals) -> list[list[float]]:
-    every = max(1, columns[0].size // _POINTS_MAX)
-    return [short(values[::every]) for values in columns]
+def _thin(x: Reals, y: Reals) -> picture.Points:
+    every = max(1, x.size // _POINTS_MAX)
+    return picture.Points(short(x[::every]), short(y[::every]))
 
 
 def _hysteresis(
     actuator: Actuator, record: Record, smoother: Smoother, motion: MachineState, mechanical: Balance | None, mean: Record | None
-) -> dict[str, Any]:
+) -> picture.Hysteresis:
     """Loops at reversals: rod minus motor position over motor position in um, of record, repeats and model; torque without inertia over position."""
-    found: dict[str, Any] = {}
+    play = around = None
     if record.motor_position_mm is not None:
         run = simulated(actuator, record)
-        # the loop is slow; the filter keeps it and drops the sensor noise
-        sides = {"measured": (record.position_mm, record.motor_position_mm), "model": (run.position_mm, run.motor_position_mm)}
-        if mean is not None and mean.motor_position_mm is not None:
-            sides["healthy"] = (mean.position_mm, mean.motor_position_mm)
-        loops = {}
-        for name, (rod, motor) in sides.items():
-            across = smoother.kept(smoother.smooth(motor))
-            x, y = _thin(across, 1e3 * smoother.kept(smoother.smooth(rod - motor)))
-            loops[name] = {"x": x, "y": y}
-        found["play"] = {"unit": "um", "axis_unit": "mm", **loops}
+
+        def loop(rod: Reals, motor: Reals) -> picture.Points:
+            # the loop is slow; the filter keeps it and drops the sensor noise
+            return _thin(smoother.kept(smoother.smooth(motor)), 1e3 * smoother.kept(smoother.smooth(rod - motor)))
+
+        play = picture.Loop(
+            "um",
+            "mm",
+            loop(record.position_mm, record.motor_position_mm),
+            loop(run.position_mm, run.motor_position_mm),
+            loop(mean.position_mm, mean.motor_position_mm) if mean is not None and mean.motor_position_mm is not None else None,
+        )
     if mechanical is not None:
         at = motion.at(mechanical.time_s)
         torque = mechanical.measured - actuator["screw.inertia_kgm2"] * at.acceleration_rad_s2
-        x, y, expected = _thin(at.position_mm, torque, torque - mechanical.residual)
-        found["torque"] = {
-            "unit": "Nm",
-            "axis_unit": "mm",
-            "measured": {"x": x, "y": y},
-            ("healthy" if mean is not None else "model"): {"x": x, "y": expected},
-        }
-    return found
+        expected = _thin(at.position_mm, torque - mechanical.residual)
+        around = picture.Loop("Nm", "mm", _thin(at.position_mm, torque), **{"healthy" if mean is not None else "model": expected})
+    return picture.Hysteresis(play, around)

@@ -7,9 +7,8 @@ passes between reversals and judged on the other, so that an axis that follows a
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -17,10 +16,11 @@ from ema_tools.balances.all import all_balances
 from ema_tools.balances.balance import Balance
 from ema_tools.base.arrays import Reals
 from ema_tools.compare.axes import Axis, Halves, MachineState, explained, hats, machine_state_of
-from ema_tools.compare.localisation import Reference, Where, binned, coarse, short
+from ema_tools.compare.localisation import Reference, Where, binned, coarse
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.library.registry import learned_effect, record_of
+from ema_tools.results.unexplained import UnknownPicture
 
 NODES = 16
 # Below this share out of sample nothing repeats.
@@ -28,7 +28,7 @@ REPEATS_SHARE = 0.2
 # Less of it is nothing, however small the scatter.
 _LEAST_SHARE = 0.05
 # A simpler description is kept unless a richer one explains this much more.
-_RICHER = 0.05
+RICHER = 0.05
 # What an axis explains must exceed the most that any axis explains of a healthy repeat by this factor.
 _CHANCE_MARGIN = 1.5
 # Along these axes an unknown may be finer than the table: jam spots, teeth, slots.
@@ -44,17 +44,6 @@ KINDS: Mapping[str, tuple[str, float]] = {
     "mechanical": ("torque on the shaft", -1.0),
     "electrical": ("voltage at the motor", -1.0),
     "kinematic": ("reading of the rod sensor", 1.0),
-}
-_WORDS = {
-    "speed": "with speed",
-    "position": "with position",
-    "place in the lead": "with the screw lead",
-    "motor angle": "with the motor angle",
-    "current": "with current",
-    "acceleration": "with acceleration",
-    "time since reversal": "with the time since reversal",
-    "time": "slowly in time",
-    "constant": "as a constant",
 }
 
 
@@ -74,15 +63,10 @@ class Ranked:
     nodes: Reals
     of_excess: float = 0.0
 
-    @property
-    def words(self) -> str:
-        """As in: it repeats ..."""
-        return _WORDS[self.axis] + (", against the motion" if self.friction else "")
-
 
 @dataclass(frozen=True)
 class Unknown:
-    """What one balance leaves: rms in its unit and that of healthy repeats, the axes best first, and what is said of it. `merit` orders the balances."""
+    """What one balance leaves: rms in its unit and that of healthy repeats, the axes best first. `merit` orders the balances."""
 
     balance: str
     what: str
@@ -91,34 +75,12 @@ class Unknown:
     floor_rms: float
     merit: float
     ranked: tuple[Ranked, ...]
-    sentence: str
-    pictures: tuple[dict[str, Any], ...] = field(repr=False)
+    pictures: tuple[UnknownPicture, ...] = field(repr=False)
 
     @property
     def best(self) -> Ranked | None:
         """The axis that it repeats with; None when it repeats with none."""
         return self.ranked[0] if self.ranked and self.ranked[0].of_excess >= REPEATS_SHARE else None
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "balance": self.balance,
-            "what": self.what,
-            "unit": self.unit,
-            "rms": self.rms,
-            "floor_rms": self.floor_rms,
-            "sentence": self.sentence,
-            "ranking": [
-                {
-                    "axis": one.axis,
-                    "friction": one.friction,
-                    "explained_percent": 100.0 * max(0.0, one.explained),
-                    "of_excess_percent": 100.0 * one.of_excess,
-                }
-                for one in self.ranked
-            ],
-            "pictures": list(self.pictures),
-        }
 
 
 @dataclass(frozen=True)
@@ -133,24 +95,6 @@ class Learned:
     nodes: Reals
     explained: float
     changes: dict[str, float]
-
-    @property
-    def sentence(self) -> str:
-        """What it is and where it holds."""
-        return f"{self.effect}, a table over {self.axis} seen from {self.first:.4g} to {self.last:.4g} {self.unit}: outside that range it holds its edge value and nothing is known"
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "effect": self.effect,
-            "axis": self.axis,
-            "axis_unit": self.unit,
-            "first": self.first,
-            "last": self.last,
-            "nodes": short(self.nodes),
-            "explained_percent": 100.0 * self.explained,
-            "sentence": self.sentence,
-        }
 
 
 def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown, ...]:
@@ -202,23 +146,20 @@ def unknown_of(balance: Balance, motion: MachineState, reference: Reference | No
     )
     foretold = ranked[0].explained if ranked[0].of_excess > 0.0 else 0.0
     merit = max((size / floor) ** 2 - 1.0, foretold * (size / floor) ** 2) if floor > 0.0 else foretold * _squared_share(balance)
-    pictures: list[dict[str, Any]] = []
+    pictures = []
     for axis in at.axes(rod):
         drawn = binned(axis, values)
         if drawn is not None:
             best = max((one for one in ranked if one.axis == axis.name), key=lambda one: one.explained, default=None)
-            share = 100.0 * max(best.explained, 0.0) if best else 0.0
-            picture: dict[str, Any] = {
-                "by": axis.name,
-                "axis_unit": axis.unit,
-                "unit": balance.unit,
-                "explained_percent": share,
-                "friction": bool(best and best.friction),
-            }
-            side = binned(axis, values * -at.direction) if picture["friction"] else None
-            pictures.append({**picture, **(side or drawn).result()})
-    pictures.sort(key=lambda one: -float(one["explained_percent"]))
-    return Unknown(balance.name, what, balance.unit, size, floor, merit, ranked, _sentence(what, ranked, at), tuple(pictures))
+            friction = best is not None and best.friction
+            side = binned(axis, values * -at.direction) if friction else None
+            share = 100.0 * max(best.explained, 0.0) if best is not None else 0.0
+            shape = vars((side or drawn).drawn())
+            pictures.append(
+                UnknownPicture(**shape, by=axis.name, axis_unit=axis.unit, unit=balance.unit, explained_percent=share, friction=friction)
+            )
+    pictures.sort(key=lambda one: -one.explained_percent)
+    return Unknown(balance.name, what, balance.unit, size, floor, merit, ranked, tuple(pictures))
 
 
 def _squared_share(balance: Balance) -> float:
@@ -279,7 +220,7 @@ def _by_merit(found: list[Ranked]) -> list[Ranked]:
     """Best first; among those that explain nearly as much as the best, the constant first, then the axes that a learned effect can have."""
     order = sorted(found, key=lambda one: -one.explained)
     top = order[0].explained
-    near = [one for one in order if top - one.explained < _RICHER and one.explained > 0.0]
+    near = [one for one in order if top - one.explained < RICHER and one.explained > 0.0]
     near.sort(key=lambda one: (one.axis != "constant", one.kind < 0, -one.explained))
     return near + [one for one in order if not any(one is other for other in near)]
 
@@ -296,30 +237,6 @@ def _stiffness(columns: Reals, periodic: bool) -> Reals:
             bend[place, place] -= 2.0
             bend[place, high % nodes] += 1.0
     return weight * bend
-
-
-def _sentence(what: str, ranked: Sequence[Ranked], at: MachineState) -> str:
-    best = ranked[0]
-    if best.of_excess < REPEATS_SHARE:
-        return f"the unknown {what} repeats with none of the axes: the best, {best.axis}, foretells {max(0.0, 100.0 * best.explained):.0f} % of it on other passes"
-    text = f"the unknown {what} repeats {best.words} ({100.0 * best.of_excess:.0f} % of it foretold on other passes)"
-    if best.explained - best.tabled > _RICHER and best.axis != "constant":
-        text += f", in finer detail than a table of {NODES} nodes holds"
-    rivals = {"position": "place in the lead", "place in the lead": "position"}
-    rival_name = rivals.get(best.axis, "")
-    rival = max((one for one in ranked if one.axis == rival_name), key=lambda one: one.explained, default=None)
-    if rival_name and rival is None:
-        text += "; position and screw lead cannot be told apart on a stroke below one lead"
-    elif rival is not None:
-        alike = best.explained - rival.explained < _RICHER
-        text += f"; {'as well' if alike else 'not'} {_WORDS[rival.axis]} ({100.0 * rival.of_excess:.0f} %)"
-    second = next(
-        (one for one in ranked[1:] if one.axis not in (best.axis, rival_name, "constant") and best.explained - one.explained < _RICHER),
-        None,
-    )
-    if second is not None and best.axis != "constant":
-        text += f"; nearly as well {second.words} ({100.0 * second.of_excess:.0f} %)"
-    return text
 
 
 def learned(unknown: Unknown) -> Learned | None:
@@ -356,12 +273,3 @@ def _table(effect: str, one: Ranked) -> Learned:
         one.tabled,
         {f"effects.{effect}.{name}": value for name, value in values.items()},
     )
-
-
-def result(unknowns: Sequence[Unknown], table: Learned | None = None) -> dict[str, Any]:
-    """All of it for JSON: the unknowns, the sentence of the first, and the learned effect that could stand for it."""
-    return {
-        "sentence": unknowns[0].sentence if unknowns else "no balance can be drawn, so the unknown cannot be drawn either",
-        "balances": [one.result() for one in unknowns],
-        "learned": table.result() if table is not None else None,
-    }

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +25,7 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.plant.native import Simulation
-
-Severity = Literal["blocks", "weakens", "fine"]
+from ema_tools.results.validity import Severity
 
 # What a record without a signal does not show.
 HIDES = {
@@ -93,27 +91,6 @@ class Gate:
     def answerable(self) -> bool:
         """Whether anything that follows means something."""
         return all(remark.severity != "blocks" for remark in self.remarks)
-
-    @property
-    def sentence(self) -> str:
-        """The judgement in one sentence."""
-        blocking = [remark for remark in self.remarks if remark.severity == "blocks"]
-        if blocking:
-            return f"This record cannot answer: {blocking[0].text}."
-        weak = [remark for remark in self.remarks if remark.severity == "weakens"]
-        if weak:
-            return f"This record can answer, with {len(weak)} reservation{'s' if len(weak) > 1 else ''}: {'; '.join(remark.text for remark in weak)}."
-        return "This record can answer: signals, clock, saturation and coverage are in order."
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "answerable": self.answerable,
-            "sentence": self.sentence,
-            "signals": {name: {"present": there, "hides": None if there else HIDES[name]} for name, there in self.signals.items()},
-            "remarks": [{"topic": one.topic, "severity": one.severity, "text": one.text, "next": one.next or None} for one in self.remarks],
-            "coverage": self.coverage,
-        }
 
 
 def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) -> Gate:

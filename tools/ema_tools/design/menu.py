@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +33,19 @@ _SMOOTH_SHARE = 0.999  # of a command's rows
 LIMIT_NAMES = ("stroke_mm", "speed_mm_s", "current_A")
 
 
+Asked = Literal["stroke_mm", "speed_mm_s", "current_A", "output"]
+
+
+@dataclass(frozen=True)
+class Offence:
+    """What of a limit a run exceeds, in the limit's unit; `effect`: the machine has it in that run."""
+
+    limit: Asked
+    value: float
+    allowed: float
+    effect: str = ""
+
+
 @dataclass(frozen=True)
 class Limits:
     """Largest excursion, speed, current, and share of the controller's range, of which the simulated run must stay inside."""
@@ -41,30 +55,20 @@ class Limits:
     current_A: float
     output: float
 
-    def offence(self, run: Simulation, command_mm: Reals, actuator: Actuator, period_s: float) -> str:
-        """Why a command is not safe; empty when it is."""
+    def offence(self, run: Simulation, command_mm: Reals, actuator: Actuator, period_s: float, effect: str = "") -> Offence | None:
+        """Why a command is not safe; None when it is."""
         stroke = float(max(np.max(np.abs(command_mm)), np.max(np.abs(run.position_mm)), np.max(np.abs(run.motor_position_mm))))
         # a step stands in a single row: there the motor's own speed counts
         asked = float(np.quantile(np.abs(np.diff(command_mm)), _SMOOTH_SHARE)) / period_s
         speed = max(float(np.max(np.abs(run.speed_mm_s))), asked)
         current = float(np.max(np.abs(run.current_A)))
-        share = _output_share(run, actuator)
         found = (
-            ("reaches", stroke, self.stroke_mm, "mm"),
-            ("runs at", speed, self.speed_mm_s, "mm/s"),
-            ("draws", current, self.current_A, "A"),
-            ("takes", 100.0 * share, 100.0 * self.output, "% of the controller's range"),
+            Offence("stroke_mm", stroke, self.stroke_mm, effect),
+            Offence("speed_mm_s", speed, self.speed_mm_s, effect),
+            Offence("current_A", current, self.current_A, effect),
+            Offence("output", _output_share(run, actuator), self.output, effect),
         )
-        return next((f"{verb} {value:.3g} {unit}, allowed is {limit:.3g}" for verb, value, limit, unit in found if not value <= limit), "")
-
-    def text(self) -> str:
-        """For the terminal."""
-        speed = f"{self.speed_mm_s:.3g} mm/s" if math.isfinite(self.speed_mm_s) else "any speed (no back-EMF is known)"
-        return f"at most {self.stroke_mm:.3g} mm from the middle, {speed}, {self.current_A:.3g} A, {100.0 * self.output:.0f} % of the controller's range"
-
-    def result(self) -> dict[str, float | None]:
-        """For JSON; a speed that nothing limits is null."""
-        return {name: value if math.isfinite(value) else None for name, value in vars(self).items()}
+        return next((one for one in found if not one.value <= one.allowed), None)
 
 
 def _is_current_mode(actuator: Actuator) -> bool:

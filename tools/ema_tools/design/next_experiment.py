@@ -22,7 +22,7 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, nearest, parsed, row_of, shown
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record, from_simulation
-from ema_tools.design.menu import LIMIT_NAMES, Limits, limits_of, menu
+from ema_tools.design.menu import LIMIT_NAMES, Limits, Offence, limits_of, menu
 from ema_tools.design.typical import scaled, typical_change, zero_of
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import Evidence, View, view
@@ -30,8 +30,6 @@ from ema_tools.fit.refit import refit
 from ema_tools.fit.whitening import Whitener, least_noise
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
-from ema_tools.library.measurements import MEASUREMENTS
-from ema_tools.library.registry import separating
 from ema_tools.plant.native import CHANNELS, Simulation, library
 from ema_tools.select.candidates import signatures
 
@@ -84,7 +82,7 @@ class Next:
     channels: tuple[str, ...]
     values: Mapping[str, Mapping[str, float]]
     options: tuple[Option, ...]
-    unsafe: Mapping[str, str]
+    unsafe: Mapping[str, Offence]
     limits: Limits
     larger: float = 1.0
     with_channels: tuple[tuple[str, ...], Option] | None = None
@@ -107,25 +105,9 @@ class Next:
         involved = dict.fromkeys(name for pair in self.confused for name in pair)
         return tuple(name for name in involved if max((option.shown[name] for option in self.options), default=0.0) < _PLAIN)
 
-    def sentence(self) -> str:
-        """The command to run, or that none helps and what would."""
-        names = " and ".join(self.effects) if len(self.effects) == 2 else ", ".join(self.effects)
-        if not self.options:
-            return f"No command of the menu is safe on this actuator: {next(iter(self.unsafe.values()), 'the menu is empty')}."
-        first = self.options[0]
-        if self.best is not None:
-            size = f", at sizes {self.larger:g} times the usual lower end" if self.larger > 1.0 else ""
-            return f"Next: {first.title}, --command {first.command}: it separates {names} by {first.separation:.3g} standard deviations{size} ({SEPARATE:g} tell them apart)."
-        if not self.confused:
-            each_pair = "; ".join(
-                f"{' and '.join(pair)}: --command {best.command} ({best.pairs[pair]:.3g})" for pair, best in self._best_of_each().items()
-            )
-            return f"No single command separates {names}, but each pair has one: {each_pair}."
-        most = max(option.separation for option in self.options)
-        pairs = "; ".join(" and ".join(pair) for pair in self.confused)
-        return f"No command of the menu separates {pairs}: at best {most:.2g} standard deviations, {SEPARATE:g} are needed. {' '.join(self.advice())}".strip()
-
-    def _best_of_each(self) -> dict[tuple[str, str], Option]:
+    @property
+    def best_of_each(self) -> dict[tuple[str, str], Option]:
+        """For each pair the command that tells it apart best."""
         return {pair: max(self.options, key=lambda option: option.pairs[pair]) for pair in self.options[0].pairs}
 
     def repeats(self) -> int | None:
@@ -133,56 +115,6 @@ class Next:
         most = max((option.separation for option in self.options), default=0.0)
         wanted = math.ceil((SEPARATE / most) ** 2) if most > 0.0 else _REPEATS_MAX + 1
         return wanted if 1 < wanted <= _REPEATS_MAX else None
-
-    def advice(self) -> tuple[str, ...]:
-        """What would separate the pairs that are left, a sentence each."""
-        if not self.confused:
-            return ()
-        found = []
-        if self.hidden:
-            found.append(
-                f"At these sizes no command shows {' or '.join(self.hidden)} plainly: ask again with larger sizes (--set), or with less noise."
-            )
-        if self.with_channels is not None:
-            names, option = self.with_channels
-            found.append(
-                f"Record {' and '.join(name for name in names if name not in self.channels)} too: --command {option.command} then separates them by {option.separation:.3g}."
-            )
-        count = self.repeats()
-        if count is not None:
-            found.append(f"The mean of {count} repeats of --command {self.options[0].command} would.")
-        would = {one for pair in self.confused for one in separating(pair)}
-        found += [f"What would: {one.do}: {one.because}." for one in MEASUREMENTS if one in would]
-        return tuple(found) or ("What would is outside this record: another sensor, a known load, or a change of temperature.",)
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "effects": list(self.effects),
-            "channels": list(self.channels),
-            "sizes": {effect: {name.split(".")[-1]: value for name, value in values.items()} for effect, values in self.values.items()},
-            "larger": self.larger,
-            "needed": SEPARATE,
-            "sentence": self.sentence(),
-            "best": _option_result(self.best) if self.best is not None else None,
-            "options": [_option_result(option) for option in self.options],
-            "unsafe": dict(self.unsafe),
-            "limits": self.limits.result(),
-            "confused": [list(pair) for pair in self.confused],
-            "advice": list(self.advice()),
-        }
-
-
-def _option_result(option: Option) -> dict[str, Any]:
-    return {
-        "title": option.title,
-        "command": option.command,
-        "separation": option.separation,
-        "pairs": [{"effects": list(pair), "separation": value} for pair, value in option.pairs.items()],
-        "shown": dict(option.shown),
-        "peak_current_A": option.peak_current_A,
-        "peak_speed_mm_s": option.peak_speed_mm_s,
-    }
 
 
 @dataclass(frozen=True)
@@ -338,24 +270,21 @@ def sizes_for(actuator: Actuator, effects: Sequence[str], evidence: Evidence, gi
 
 def _safe(
     runs: Sequence[_Run], actuator: Actuator, values: Mapping[str, Mapping[str, float]], limits: Limits
-) -> tuple[list[_Run], dict[str, str]]:
+) -> tuple[list[_Run], dict[str, Offence]]:
     """The commands that are safe on the machine as known and with each of the effects, and why the others are not."""
 
-    def why(one: _Run) -> str:
-        reason = limits.offence(one.run, one.record.command_mm, actuator, one.record.period_s)
+    def why(one: _Run) -> Offence | None:
+        found = limits.offence(one.run, one.record.command_mm, actuator, one.record.period_s)
         for effect, changes in values.items():
-            if not reason:
-                reason = limits.offence(
-                    _simulated(actuator.changed(changes), one.record.command_mm), one.record.command_mm, actuator, one.record.period_s
-                )
-                reason = f"with {effect} it {reason}" if reason else ""
-            else:
+            if found is not None:
                 break
-        return reason
+            run = _simulated(actuator.changed(changes), one.record.command_mm)
+            found = limits.offence(run, one.record.command_mm, actuator, one.record.period_s, effect)
+        return found
 
     reasons = each(why, runs)
-    return [one for one, reason in zip(runs, reasons, strict=True) if not reason], {
-        f"{one.title} ({one.text})": reason for one, reason in zip(runs, reasons, strict=True) if reason
+    return [one for one, reason in zip(runs, reasons, strict=True) if reason is None], {
+        f"{one.title} ({one.text})": reason for one, reason in zip(runs, reasons, strict=True) if reason is not None
     }
 
 

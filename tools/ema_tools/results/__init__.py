@@ -1,1 +1,1 @@
-"""What every result holds beside its own numbers: curves, and where it came from."""
+"""Results: what every command writes with --json, as types, and the one codec that writes and reads them."""

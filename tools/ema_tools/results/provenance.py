@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -12,32 +10,46 @@ from ema_tools import __version__
 from ema_tools.base.arrays import Reals
 from ema_tools.data.records import Record
 from ema_tools.plant.native import OUTPUTS, Simulation
+from ema_tools.results.codec import Series
+from ema_tools.results.parts import Channels, Curves, Provenance
 
 # Longer records are left out of result files; the page would not show more.
 CURVE_ROWS_MAX = 200_000
 _DIGITS = 8
 
 
-def rounded(values: Reals) -> list[float]:
+def rounded(values: Reals) -> Series:
     """Values [n] with the digits that a curve needs."""
     scale = float(np.max(np.abs(values), initial=0.0))
     if not scale > 0.0:
-        return [0.0] * values.size
-    return [float(value) for value in np.round(values, max(0, _DIGITS - int(np.ceil(np.log10(scale)))))]
+        return (0.0,) * values.size
+    return tuple(float(value) for value in np.round(values, max(0, _DIGITS - int(np.ceil(np.log10(scale))))))
 
 
-def curves(record: Record, models: Mapping[str, Simulation]) -> dict[str, Any] | None:
-    """Measured and simulated channels in the form that the page reads; None for a very long record."""
+def curves(
+    record: Record, *, model: Simulation | None = None, before: Simulation | None = None, after: Simulation | None = None
+) -> Curves | None:
+    """Measured and simulated channels for the page; None for a very long record."""
     if record.rows > CURVE_ROWS_MAX:
         return None
     measured = {name: rounded(values) for name in OUTPUTS if (values := record.channel(name)) is not None}
-    found: dict[str, Any] = {"start_s": record.first_time_s, "period_s": record.period_s, "measured": measured}
-    for title, simulation in models.items():
-        found[title] = {name: rounded(getattr(simulation, name)) for name in OUTPUTS if name in measured or name == "position_mm"}
-    return found
+
+    def of(simulation: Simulation | None) -> Channels | None:
+        if simulation is None:
+            return None
+        return Channels(**{name: rounded(getattr(simulation, name)) for name in OUTPUTS if name in measured or name == "position_mm"})
+
+    return Curves(
+        start_s=record.first_time_s,
+        period_s=record.period_s,
+        measured=Channels(**measured),
+        model=of(model),
+        before=of(before),
+        after=of(after),
+    )
 
 
-def provenance(command: str, **entries: object) -> dict[str, str]:
+def provenance(command: str, **entries: object) -> Provenance:
     """What made a result: the command line, versions, and further entries as text."""
     found = {"command": command, "ema": __version__, "python": platform.python_version(), "numpy": np.__version__}
     return {**found, **{name.replace("_", " "): str(value) for name, value in entries.items()}}

@@ -77,17 +77,6 @@ class Guarded:
         """Whether nothing was sought because the record cannot answer."""
         return self.verdict == "unknown" and bool(self.skipped)
 
-    def result(self) -> dict[str, Any]:
-        """For JSON: the effect, its class and values; name None where no effect of the library explains the record."""
-        return {
-            "name": self.effects[0] if self.effects else None,
-            "class": list(self.effects),
-            "parameters": {name.split(".")[-1]: value for name, value in self.values.items()},
-            "std": {name.split(".")[-1]: value for name, value in self.std.items()},
-            "beside_it": dict(self.faults),
-            "against_healthy_records": self.against,
-        }
-
 
 @dataclass(frozen=True)
 class _Fit:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,10 +77,6 @@ class Errors:
     holdout: float
     each: tuple[float, ...]
 
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {"training_percent": self.training, "holdout_percent": self.holdout, "each_held_out_percent": list(self.each)}
-
 
 @dataclass(frozen=True)
 class ForceStep:
@@ -94,21 +89,6 @@ class ForceStep:
     errors: Errors
     elsewhere: Mapping[str, tuple[float, float]]
 
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "effects": [self.effect],
-            "added": self.effect,
-            "class": [self.effect, *self.alike],
-            "parameters": {
-                name: {"value": value, "std": self.std.get(name), "unit": row_of(name).unit} for name, value in self.values.items()
-            },
-            **self.errors.result(),
-            "elsewhere": {by: {"before_percent": before, "after_percent": after} for by, (before, after) in self.elsewhere.items()},
-            "recommended": True,
-            "reason": "",
-        }
-
 
 @dataclass(frozen=True)
 class Refusal:
@@ -119,18 +99,6 @@ class Refusal:
     values: Mapping[str, float] = field(default_factory=dict)
     std: Mapping[str, float] = field(default_factory=dict)
     errors: Errors | None = None
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "effect": self.effect,
-            "reason": self.reason,
-            "parameters": {
-                name: {"value": value, "std": self.std.get(name), "unit": row_of(name).unit} for name, value in self.values.items()
-            },
-            **(self.errors.result() if self.errors is not None else {}),
-            "recommended": False,
-        }
 
 
 @dataclass(frozen=True)
@@ -147,32 +115,6 @@ class ForceSteps:
     laps: Laps
     period_s: float
     curves: Mapping[str, Reals]
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "error": {
-                "given": self.given.result(),
-                "refitted": self.refitted.result(),
-                "floor_percent": self.floor_percent if math.isfinite(self.floor_percent) else None,
-            },
-            "steps": [{**step.result(), "kept": step.effect in self.actuator.active_effects} for step in self.steps],
-            "refused": [refusal.result() for refusal in self.refused],
-            "values": {
-                name: self.actuator[name]
-                for name in (
-                    *MECHANICAL_PARAMETERS,
-                    *(row.name for row in load_definitions().effect_values if row.effect in self.actuator.active_effects),
-                )
-            },
-            "laps": {
-                "count": self.laps.count,
-                "period_s": self.laps.period_rows * self.period_s or None,
-                "parts": self.laps.folds,
-                "held_out_part": self.laps.folds,
-            },
-            "curves": {name: values.tolist() for name, values in self.curves.items()},
-        }
 
 
 @dataclass(frozen=True)

@@ -39,10 +39,6 @@ class Errors:
     holdout_after: float | None = None
     holdout_floor: float | None = None
 
-    def result(self) -> dict[str, float | None]:
-        """For JSON."""
-        return dict(vars(self))
-
     @property
     def confirmed(self) -> bool | None:
         """Whether the record held out says the same: its error fell; None without one."""

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.fit.evidence import Evidence, settled
 
 # So much of the excess must be one sensor's for it to be suspected: physics shows in more than one signal.
@@ -26,30 +24,6 @@ class Suspect:
     factor: float
     offset: float
     late_s: float
-
-    @property
-    def sentence(self) -> str:
-        """What it reads."""
-        parts = []
-        if self.factor != 1.0:
-            parts.append(f"{self.factor:.3g} times the signal")
-        if self.offset != 0.0:
-            parts.append(f"{self.offset:+.3g} {UNITS[self.channel]} beside it")
-        if self.late_s != 0.0:
-            parts.append(f"{1e3 * abs(self.late_s):.2g} ms {'late' if self.late_s > 0.0 else 'early'}")
-        return (
-            f"what is there looks like the sensor of the {TITLES[self.channel]}, not like the machine: {self.channel} reads {' and '.join(parts)} "
-            f"({100.0 * self.share:.0f} % of the excess), while the other signals are as they should be"
-        )
-
-    @property
-    def next(self) -> str:
-        """What to do."""
-        return f"check the sensor of the {TITLES[self.channel]} (scale, zero, delay) and record again"
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {**vars(self), "sentence": self.sentence, "next": self.next}
 
 
 def suspect(evidence: Evidence) -> Suspect | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from enum import Enum
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import where
-from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.refit import Fit, polished, refit
@@ -24,7 +24,7 @@ from ema_tools.select.beside_fault import beside_faults, known_machine
 from ema_tools.select.candidates import signatures
 from ema_tools.select.holdout import Errors, Step, fitted_machine, walk
 from ema_tools.select.search import LEAST_LIMIT, Diagnosis
-from ema_tools.tasks.diagnose import answerable, check_records, healthy_of, size_text
+from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
 
 _STARTS = 4
 _ROUNDS = 3
@@ -36,6 +36,32 @@ _FAULTS_ALONE = "CSJ and BLK alone"
 _FALL = 1e-3
 
 
+class Why(Enum):
+    """What an addition is judged by; the first four are against it."""
+
+    NOISE = "the error falls by no more than noise can make it"
+    UNDETERMINED = "its size could as well be none"
+    AT_BOUND = "a value lies on a bound of its range"
+    NOT_HELD = "the error on the record held out does not fall"
+    TIED = "the error falls, but the size cannot be told from another value"
+    FALLS = "the error falls; no record was held out"
+    HELD = "the error falls on both records"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Whether an addition is recommended; `value`: the name of the one on its bound, or of the one that the size cannot be told from, with their `correlation`."""
+
+    why: Why
+    value: str = ""
+    correlation: float = 0.0
+
+    @property
+    def recommended(self) -> bool:
+        """Whether to keep the effect."""
+        return self.why in (Why.TIED, Why.FALLS, Why.HELD)
+
+
 @dataclass(frozen=True)
 class Added:
     """The model with the effect, what was fitted, and whether it is recommended; `actuator` is what `ema add` writes. `refitted`: the model held the effect before."""
@@ -45,50 +71,19 @@ class Added:
     fit: Fit
     errors: Errors
     steps: tuple[Step, ...]
-    recommended: bool
-    reason: str
+    judgement: Judgement
     correlations: tuple[tuple[str, str, float], ...]
     refitted: bool = False
+
+    @property
+    def recommended(self) -> bool:
+        """Whether to keep the effect."""
+        return self.judgement.recommended
 
     @property
     def fitted(self) -> Actuator:
         """The machine as the record shows it: with the effect, and with CSJ and BLK as far as they were fitted beside it."""
         return self.actuator.changed(self.fit.values)
-
-    def sentence(self) -> str:
-        """What was done and what came of it."""
-        own = self.fit.of_effect(self.effect)
-        size = next(iter(own))
-        done = "was there and is refitted" if self.refitted else "added"
-        errors = f"{self.errors.before:.3g} before, {self.errors.after:.3g} after, floor {self.errors.floor:.3g}"
-        text = f"{self.effect} {done}, {row_of(size).field} {size_text(size, own[size], self.fit.std.get(size))}: weighted error {errors}"
-        if self.errors.holdout_before is not None:
-            text += f"; on the record held out {self.errors.holdout_before:.3g} before, {self.errors.holdout_after:.3g} after"
-        return f"{text}. {'Recommended' if self.recommended else 'Not recommended'}: {self.reason}."
-
-    def result(self) -> dict[str, Any]:
-        """For JSON: the keys that programs read, and more."""
-        return {
-            "effect": self.effect,
-            "sentence": self.sentence(),
-            "error": self.errors.result(),
-            "parameters": {
-                name: {"value": value, "std": self.fit.std.get(name), "unit": row_of(name).unit, "at_bound": name in self.fit.at_bound}
-                for name, value in self.fit.values.items()
-            },
-            "correlations": [{"values": [first, second], "correlation": value} for first, second, value in self.correlations],
-            "steps": [
-                {
-                    "effects": list(step.effects),
-                    "added": step.added or "as given",
-                    "error_training": step.error,
-                    "error_holdout": step.holdout,
-                }
-                for step in self.steps
-            ],
-            "recommended": self.recommended,
-            "reason": self.reason,
-        }
 
 
 def add(
@@ -118,7 +113,7 @@ def add(
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     correlations = tuple(_correlations(fit))
-    recommended, reason = _judged(fit, effect, errors, before, correlations)
+    judgement = _judged(fit, effect, errors, before, correlations)
     own = fit.of_effect(effect)
     tell(1.0, "done")
     return Added(
@@ -127,8 +122,7 @@ def add(
         fit,
         errors,
         steps,
-        recommended,
-        reason,
+        judgement,
         correlations,
         effect in actuator.active_effects,
     )
@@ -153,7 +147,7 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     errors, steps = walk(diagnosis, evidence, holdout)
     steps = (steps[0], replace(steps[1], added=_FAULTS_ALONE, holdout=None), *steps[2:])
     correlations = tuple(_correlations(fit))
-    recommended, reason = _judged(fit, effect, errors, before, correlations)
+    judgement = _judged(fit, effect, errors, before, correlations)
     tell(1.0, "done")
     return Added(
         effect,
@@ -161,22 +155,10 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
         fit,
         errors,
         steps,
-        recommended,
-        reason,
+        judgement,
         correlations,
         effect in actuator.active_effects,
     )
-
-
-def set_result(actuator: Actuator, effect: str) -> dict[str, Any]:
-    """For JSON: an effect whose values were given and not fitted, in the keys of `Added.result`."""
-    own = {f"effects.{value.name}": actuator[value.name] for value in load_definitions().effect(effect).parameters}
-    return {
-        "effect": effect,
-        "sentence": f"{effect} set to given values; nothing was fitted.",
-        "error": dict.fromkeys(("before", "after", "floor", "holdout_before", "holdout_after")),
-        "parameters": {name: {"value": value, "std": None, "unit": row_of(name).unit, "at_bound": False} for name, value in own.items()},
-    }
 
 
 def _fitted(here: View, effect: str) -> Fit:
@@ -217,28 +199,23 @@ def _correlations(fit: Fit) -> list[tuple[str, str, float]]:
     return sorted((pair for pair in pairs if abs(pair[2]) > _CORRELATED), key=lambda pair: -abs(pair[2]))
 
 
-def _judged(fit: Fit, effect: str, errors: Errors, before: float, correlations: Sequence[tuple[str, str, float]]) -> tuple[bool, str]:
+def _judged(fit: Fit, effect: str, errors: Errors, before: float, correlations: Sequence[tuple[str, str, float]]) -> Judgement:
     if before - fit.cost < LEAST_LIMIT:
-        return False, "the error on the fitted record does not fall by more than noise can make it"
+        return Judgement(Why.NOISE)
     if not fit.determined(effect):
-        return False, "its size could as well be none beside what the model does not explain: ema diagnose says what would explain more"
+        return Judgement(Why.UNDETERMINED)
     bound = [name for name in fit.at_bound if effect_of(name) == effect]
     if bound:
-        return False, f"{bound[0]} lies on a bound of its range, so the effect stands in for another one"
+        return Judgement(Why.AT_BOUND, bound[0])
     if (
         errors.holdout_before is not None
         and errors.holdout_after is not None
         and errors.holdout_after > (1.0 - _FALL) * errors.holdout_before
     ):
-        return False, "the error on the record held out does not fall"
+        return Judgement(Why.NOT_HELD)
     size = next(iter(fit.of_effect(effect)))
     tied = [pair for pair in correlations if size in pair[:2]]
     if tied:
         other = tied[0][1] if tied[0][0] == size else tied[0][0]
-        return True, f"the error falls, but its size cannot be told from {other} (correlation {tied[0][2]:.2f}) on this record"
-    held = (
-        " on the fitted record and on the one held out"
-        if errors.holdout_before is not None
-        else " on the fitted record; no record was held out"
-    )
-    return True, f"the error falls{held}"
+        return Judgement(Why.TIED, other, tied[0][2])
+    return Judgement(Why.HELD if errors.holdout_before is not None else Why.FALLS)

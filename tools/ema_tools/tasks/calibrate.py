@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
@@ -48,8 +48,6 @@ _REST_OF_DRIVE = 0.5
 
 # Share by which the loop's fit must lower the errors to be preferred to the balances'.
 _LOOP_GAIN = 0.02
-# An error of so many times its sensor's noise is no noise.
-_MANY_TIMES = 5.0
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ class Parameter:
     before: float
     after: float
     std: float
-    source: str
+    source: Literal["balance", "loop"]
     at_bound: bool
 
 
@@ -74,34 +72,6 @@ class Calibration:
     errors_after: dict[str, float]
     noise: dict[str, float]
     left_out: dict[str, str]
-
-    def unexplained(self) -> dict[str, float]:
-        """Channels whose error is many times their sensor's noise, and how many times: the values then make up for something else."""
-        return {
-            name: error / self.noise[name]
-            for name, error in self.errors_after.items()
-            if self.noise[name] > 0.0 and error > _MANY_TIMES * self.noise[name]
-        }
-
-    def result(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "parameters": {
-                parameter.name: {
-                    "before": parameter.before,
-                    "after": parameter.after,
-                    "std": parameter.std,
-                    "change_percent": 100.0 * (parameter.after - parameter.before) / parameter.before if parameter.before else None,
-                    "unit": row_of(parameter.name).unit,
-                    "source": parameter.source,
-                    "at_bound": parameter.at_bound,
-                }
-                for parameter in self.parameters
-            },
-            "at_rod": {title: model.as_dict() for title, model in self.at_rod().items()},
-            "error": {"before": self.errors_before, "after": self.errors_after, "noise": self.noise},
-            "left_out": self.left_out,
-        }
 
     def at_rod(self) -> dict[str, ForceModel]:
         """The mechanics as a force model at the rod: `before`, `after`, `std`; empty when they were not calibrated."""

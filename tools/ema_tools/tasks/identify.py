@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from ema_tools.data.actuator import Actuator, nearest, row_of, shown
 from ema_tools.data.records import Record
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, library
 from ema_tools.select.beside_fault import Guarded, guard
-from ema_tools.tasks.diagnose import check_apart, size_text
+from ema_tools.tasks.diagnose import check_apart
 
 # Keys of the result for the values that are identified by default.
 KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
@@ -25,23 +24,7 @@ MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
 # Reasons that send the guard out even where the residual is small: wear does not look like this, a missing effect may.
 _STRANGE = (REASONS[4], REASONS[64])
-_NOT_ADEQUATE = REASONS[2]
-TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
-
-
-def missing_words(guarded: Guarded) -> str:
-    """The missing effect in words, for a list of reasons."""
-    if guarded.unusable:
-        return f"nothing can be told from this record: {guarded.skipped}"
-    if guarded.verdict == "unknown":
-        return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
-    size = next(iter(guarded.values))
-    missing = "is not in the model at this size" if guarded.there else "is missing from the model"
-    alike = f", which looks like {', '.join(guarded.effects[1:])} on this record" if guarded.effects[1:] else ""
-    return (
-        f"{guarded.effects[0]} ({row_of(size).field} {size_text(size, guarded.values[size], guarded.std.get(size))}) {missing}{alike}: "
-        f"ema add ACTUATOR {guarded.effects[0]} --fit REC {'--healthy REC ...' if guarded.against else '--known'} -o NEW.toml puts it in"
-    )
+NOT_ADEQUATE = REASONS[2]
 
 
 @dataclass(frozen=True)
@@ -99,105 +82,6 @@ class Identified:
     def adequate(self) -> bool:
         """Whether the model explains the record, as far as the module and the guard see."""
         return self.answer.adequate and not self.objects
-
-    @property
-    def reasons(self) -> tuple[str, ...]:
-        """Why it is undecided: the module's reasons, and the missing effect behind the first of them."""
-        own = self.answer.reasons
-        if not self.objects or self.guarded is None:
-            return tuple(own)
-        if self.guarded.unusable:
-            # of a record that cannot answer, a residual says nothing about the model
-            return (missing_words(self.guarded), *(reason for reason in own if reason != _NOT_ADEQUATE))
-        place = own.index(_NOT_ADEQUATE) + 1 if _NOT_ADEQUATE in own else 0
-        return (*own[:place], missing_words(self.guarded), *own[place:])
-
-    def result(self) -> dict[str, Any]:
-        """For JSON: the keys that programs read, and more."""
-        answer = self.answer
-        found: dict[str, Any] = {
-            key: {
-                "estimate": None,
-                "std": None,
-                "shift_percent": None,
-                "healthy": 0.0,
-                "reason": "the healthy value is zero, and a shift is counted in % of it",
-            }
-            for name, key in KEYS.items()
-            if name not in identified_of(self.healthy)
-        }
-        for estimate in answer.identified:
-            found[KEYS.get(estimate.name, estimate.name)] = {
-                "estimate": estimate.estimate,
-                "std": estimate.std,
-                "shift_percent": estimate.shift_percent,
-                "healthy": self.healthy[estimate.name],
-                "at_bound": estimate.at_bound,
-            }
-        return {
-            **found,
-            "objective_before_mm2s": answer.objective_before,
-            "objective_after_mm2s": answer.objective_after,
-            "evaluations": answer.evaluations,
-            "verdict": self.verdict,
-            "adequate": self.adequate,
-            "reasons": list(self.reasons),
-            "missing_effect": self.guarded.result() if self.objects and self.guarded is not None else None,
-            "guard": None
-            if self.guarded is None
-            else {"verdict": self.guarded.verdict, "skipped": self.guarded.skipped or None, "wall_s": self.guarded.wall_s},
-            "sentence": self.sentence(),
-            "residual_rms_mm": answer.residual_rms_mm,
-            "residual_correlation": answer.residual_correlation,
-            "outcome": answer.outcome,
-            "accepted": answer.accepted,
-            "accepted_uphill": answer.accepted_uphill,
-            "model_steps": answer.model_steps,
-            "wall_s": self.wall_s,
-            "seed": self.seed,
-            "precision": self.precision,
-            "baseline": None
-            if self.baseline is None
-            else {"values": self.baseline.values, "std": self.baseline.std, "records": self.baseline.records},
-            "search": {"cost_mm2s": list(self.costs)},
-            "seeds": [
-                {
-                    **{KEYS.get(estimate.name, estimate.name): estimate.estimate for estimate in other.identified},
-                    "objective_after_mm2s": other.objective_after,
-                    "evaluations": other.evaluations,
-                }
-                for other in self.seeds
-            ],
-        }
-
-    def _cost(self, value: float) -> str:
-        return f"{value:.3g}{'' if self.weighted else ' mm2 s'}"
-
-    def sentence(self) -> str:
-        """The answer in one sentence."""
-        answer = self.answer
-        shifts = ", ".join(_shift(estimate, self.healthy[estimate.name]) for estimate in answer.identified)
-        found = f"in {answer.evaluations} model runs, error {self._cost(answer.objective_before)} before and {self._cost(answer.objective_after)} after"
-        if self.verdict == "healthy":
-            return f"Healthy: {shifts}; found {found}."
-        if self.verdict == "fault":
-            return f"Fault: {shifts}; found {found}."
-        return f"Undecided, because {'; '.join(self.reasons)}: the search reads {shifts}, {found}."
-
-
-def _shift(estimate: IdentifiedValue, healthy: float) -> str:
-    doubt = 100.0 * estimate.std / abs(healthy) if healthy else float("inf")
-    title = TITLES.get(estimate.name, estimate.name)
-    return f"{title} {estimate.shift_percent:+.{_decimals(doubt)}f} %"
-
-
-def _decimals(doubt_percent: float) -> int:
-    """Decimals of a shift in % that its standard error allows, at least one and at most three."""
-    if np.isnan(doubt_percent):
-        return 1
-    if not doubt_percent > 0.0:
-        return 3
-    return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
 
 
 def weight_of(text: str | None) -> tuple[float, float, float, float] | None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.faults import FAULT_RECORDS, FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.plant.native import CHANNELS
+from ema_tools.results.files import SignatureTable
 from ema_tools.select.baseline import same_command
 
 # What the table may take in flash, and what it is made of unless told: docs/ONBOARD_DIAGNOSIS.md has the measurement behind it.
@@ -112,18 +112,11 @@ class Signatures:
         """Numbers of 16 bits in the table."""
         return self.bins * (1 + len(self.signals) * (1 + len(self.rows)))
 
-    def summary(self) -> dict[str, Any]:
-        """For JSON: what the table is made of."""
-        return {
-            "bytes": 2 * self.numbers,
-            "signals": list(self.signals),
-            "rows": len(self.rows),
-            "bins": self.bins,
-            "rate_hz": 1.0 / (self.bin_rows * self.actuator.record_period_s),
-            "effects": sorted({one.effect for one in self.patterns}),
-            "limit": self.limit,
-            "energy": self.energy,
-        }
+    def summary(self) -> SignatureTable:
+        """What the table is made of."""
+        rate_hz = 1.0 / (self.bin_rows * self.actuator.record_period_s)
+        effects = tuple(sorted({one.effect for one in self.patterns}))
+        return SignatureTable(2 * self.numbers, tuple(self.signals), len(self.rows), self.bins, rate_hz, effects, self.limit, self.energy)
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,4 @@
-"""The page for results of `ema identify`, `ema compare`, `ema diagnose` and `ema add`: one HTML file that needs nothing else. For the last two see `ema_tools.words.page.diagnosis`.
-
-Besides the keys that programs read, a result may hold these, and the page shows what is there:
-
-    name         what to call it; else the file's name
-    wall_s       time of the identification
-    curves       {start_s, period_s, measured: {position_mm: [...], speed_mm_s, current_A, voltage_V}, before: {...}, after: {...}};
-                 for a comparison `model` in place of before and after; the speed is derived where it is absent
-    search       {cost_mm2s: [...]}: cost of every model run in the order they were made
-    provenance   {key: text}: command, versions, seed, record
-    case, noise  letter of the paper's case whose truth is known, and the sensor noise in the record
-    sentence     of a comparison: what it found
-"""
+"""The page for results of `ema identify`, `ema compare`, `ema diagnose` and `ema add`: one HTML file that needs nothing else."""
 
 from __future__ import annotations
 

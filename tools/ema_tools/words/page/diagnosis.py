@@ -1,26 +1,5 @@
 """The part of the page for a result of `ema diagnose` or `ema add`, in the order in which a reader asks: can the record answer, where does the model fail, what is missing, did the error fall,
-what is still unknown.
-
-Layout of the JSON (keys marked * must be there; everything else is shown where it is there):
-
-    command           "diagnose", or "add" with effect (what was added), actuator (the new file), parameters, recommended, reason
-    name              what to call the record; else the file's name
-    verdict *         adequate | missing | unknown (not needed for "add")
-    sentence          the answer in one sentence
-    effects           [{name, class: [..], parameters: {name: number or {value, std, at_bound}}, score, limit, accepted, reason}], best first
-    error *           {before, after, floor, holdout_before, holdout_after}: weighted rms, null where there is none
-    next_experiment   a text, or an object with `sentence`
-    gate              ema_tools.compare.validity.Gate.result()
-    where             ema_tools.compare.localisation.Where.result(); pictures in it:
-                        bins          [{source, unit, by, axis_unit, friction, center, mean, low, high, share_percent, time_percent}]
-                        torque_speed  {unit, axis_unit, other: model | healthy, points: {x, y}, measured, expected: {center, mean, low, high, ..}}
-                        orders        {balance: {unit, turns: {order, amplitude, chance}, leads: {order, amplitude, chance}, ..}}
-                        hysteresis    {play, torque: {unit, axis_unit, measured: {x, y}, model or healthy: {x, y}}}
-    unknown           ema_tools.compare.unexplained.result(): {sentence, balances: [{what, unit, rms, sentence, ranking, pictures}], learned: {.., sentence} or null}
-    steps             [{effects: [..], added, error_training, error_holdout, parameters: {name: {value, std, at_bound}}, recommended, reason}], in the order of addition
-    curves            ema_tools.results.provenance.curves with models `before` and, where something was added, `after`
-    provenance        {key: text}
-"""
+what is still unknown."""
 
 from __future__ import annotations
 
@@ -132,7 +111,7 @@ def _gate(page: Sheet, result: Diagnosed) -> None:
     page.add("<h3>Can this record answer?</h3>", f"<p>{escape(result.gate_sentence)}</p>")
     rows = [
         f'<tr><th scope="row">{escape(one.topic)}</th><td class="left"><span class="verdict {one.severity}">{_SEVERITY[one.severity]}</span></td>'
-        f'<td class="reason">{escape(one.text)}</td><td class="reason">{escape(one.next)}</td></tr>'
+        f'<td class="reason">{escape(one.text)}</td><td class="reason">{escape(one.next or "")}</td></tr>'
         for one in result.remarks
     ]
     if rows:
@@ -155,10 +134,17 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
     for block in result.blocks:
         head = f'<tr><th scope="row">{escape(block.name)}</th>'
         if block.rms is None:
-            rows.append(f'{head}<td colspan="4" class="reason">{escape(block.reason)}</td></tr>')
+            rows.append(f'{head}<td colspan="4" class="reason">{escape(block.reason or "")}</td></tr>')
             continue
         floor = "–" if block.floor_rms is None else f"{words.number(block.floor_rms)} {escape(block.unit)}"
-        told = f"{escape(block.words)} ({words.number(block.words_percent, 2)} %)" if block.words_percent >= 25.0 else "no simple term"
+        told = next(
+            (
+                f"{escape(one.words)} ({words.number(one.explained_percent, 2)} %)"
+                for one in block.terms[:1]
+                if one.explained_percent >= 25.0
+            ),
+            "no simple term",
+        )
         term = told if block.telling else "nothing beyond the floor"
         rows.append(
             f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="reason">{term}</td></tr>'
@@ -170,9 +156,10 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
             _table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as", texts=(4,)), rows)
         )
     rows = [
-        f'<tr><th scope="row">{escape(CHANNEL_TITLES.get(name, name))}</th><td>{words.number(rms)} {escape(unit)}</td><td>{"–" if floor is None else f"{words.number(floor)} {escape(unit)}"}</td>'
-        f"<td>{words.number(share, 2)} %</td></tr>"
-        for name, unit, rms, floor, share in result.signals
+        f'<tr><th scope="row">{escape(CHANNEL_TITLES.get(one.name, one.name))}</th><td>{words.number(one.rms)} {escape(one.unit)}</td>'
+        f"<td>{'–' if one.floor_rms is None else f'{words.number(one.floor_rms)} {escape(one.unit)}'}</td><td>{words.number(one.share_percent, 2)} %</td></tr>"
+        for one in result.signals
+        if one.rms is not None
     ]
     if rows:
         page.add(

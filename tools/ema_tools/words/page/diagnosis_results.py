@@ -1,17 +1,23 @@
-"""Reads the JSON of `ema diagnose` and `ema add`, whose layout `ema_tools.words.page.diagnosis` states."""
+"""What the page shows of a result of `ema diagnose` or `ema add`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
 
-from ema_tools.words.page.reader import Reader, Series
-from ema_tools.words.page.results import Curves, Place, curves_of, provenance_of
+import numpy as np
 
-VERDICTS = ("adequate", "missing", "unknown")
-SEVERITIES = ("blocks", "weakens", "fine")
+from ema_tools.base.arrays import Reals
+from ema_tools.results.addition import Addition
+from ema_tools.results.codec import Series
+from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
+from ema_tools.results.localisation import Bins, Block, Localisation, Pictures, Points, Signal
+from ema_tools.results.parts import EffectEntry, Place
+from ema_tools.results.unexplained import Unexplained
+from ema_tools.results.validity import Remark, Validity
+from ema_tools.words.page.results import Curves, curves_of
+
+_ERRORS = ("before", "after", "floor", "holdout_before", "holdout_after")
 
 
 @dataclass(frozen=True)
@@ -38,51 +44,13 @@ class Suspect:
 
 
 @dataclass(frozen=True)
-class Step:
-    """One addition: the effects that the model then holds, and the error on both records, weighted rms; `recommended` is None where nothing is said about it."""
-
-    effects: tuple[str, ...]
-    added: str
-    training: float
-    holdout: float | None
-    values: tuple[Value, ...]
-    recommended: bool | None
-    reason: str
-
-
-@dataclass(frozen=True)
-class Remark:
-    """One remark of the gate."""
-
-    topic: str
-    severity: str
-    text: str
-    next: str
-
-
-@dataclass(frozen=True)
-class BlockError:
-    """One balance: rms and that of the floor, both None with a reason; share of the excess in %; what it is proportional to, with the share that this explains in %."""
-
-    name: str
-    unit: str
-    rms: float | None
-    floor_rms: float | None
-    share_percent: float
-    telling: bool
-    words: str
-    words_percent: float
-    reason: str
-
-
-@dataclass(frozen=True)
 class Line:
     """A drawn curve: points, and a band of one standard deviation where there is one."""
 
-    x: Series
-    y: Series
-    low: Series | None = None
-    high: Series | None = None
+    x: Reals
+    y: Reals
+    low: Reals | None = None
+    high: Reals | None = None
 
 
 @dataclass(frozen=True)
@@ -94,15 +62,28 @@ class Picture:
     unit: str
     axis_unit: str
     lines: dict[str, Line]
-    share: Series | None = None
-    time: Series | None = None
+    share: Reals | None = None
+    time: Reals | None = None
     explained_percent: float | None = None
     friction: bool = False
 
 
 @dataclass(frozen=True)
+class Shown:
+    """One addition: the effects that the model then holds, the error on both records, and of the last one the values; `recommended` is None where nothing is said about it."""
+
+    effects: tuple[str, ...]
+    added: str
+    training: float
+    holdout: float | None
+    values: tuple[Value, ...] = ()
+    recommended: bool | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
 class Diagnosed:
-    """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by the names of the contract; what the file does not hold is empty."""
+    """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by their names, those that are known; what the result does not hold is empty."""
 
     name: str
     added: str
@@ -115,14 +96,14 @@ class Diagnosed:
     remarks: tuple[Remark, ...]
     where_sentence: str
     relative: bool
-    blocks: tuple[BlockError, ...]
-    signals: tuple[tuple[str, str, float, float | None, float], ...]
+    blocks: tuple[Block, ...]
+    signals: tuple[Signal, ...]
     places: tuple[Place, ...]
     pictures: tuple[Picture, ...]
     unknown_sentence: str
     unknown_pictures: tuple[Picture, ...]
     learned_sentence: str
-    steps: tuple[Step, ...]
+    steps: tuple[Shown, ...]
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
 
@@ -132,229 +113,128 @@ class Diagnosed:
         return f"{self.added} added, on {self.name}" if self.added else f"Diagnosis of {self.name}"
 
 
-def diagnosed(reader: Reader, stem: str) -> Diagnosed:
-    """The result that a file holds. Raises InputError that names the field."""
-    added = reader.text("effect", "") if reader.data.get("command") == "add" else ""
-    verdict = reader.text("verdict", "missing" if added else "")
-    if verdict not in VERDICTS:
-        raise reader.fail("verdict", f"is none of {', '.join(VERDICTS)}")
-    error = reader.table("error")
-    gate, where, unknown = (_part(reader, key) for key in ("gate", "where", "unknown"))
-    pictures = _part(where, "pictures")
-    curves = reader.table("curves") if reader.data.get("curves") is not None else None
-    suspects = tuple(_suspect(part) for part in reader.tables("effects"))
+def diagnosed(found: Diagnosis | DiagnosisByLaps | Addition, source: str, stem: str) -> Diagnosed:
+    """What the page shows of a diagnosis or an addition. Raises InputError for curves of unlike lengths."""
+    added = found.effect if isinstance(found, Addition) else ""
+    gate, where, next_experiment, verdict = Validity(), Localisation(), "", "missing"
+    entries: tuple[EffectEntry, ...] = ()
+    unknown: Unexplained | None = None
+    if not isinstance(found, Addition):
+        gate, where, unknown, entries = found.gate, found.where, found.unknown, found.effects
+        next_experiment, verdict = found.next_experiment, found.verdict
+    suspects = tuple(map(_suspect, entries))
     return Diagnosed(
-        name=reader.text("name", stem),
+        name=found.name or stem,
         added=added,
         verdict=verdict,
-        sentence=reader.text("sentence", ""),
+        sentence=found.sentence,
         suspects=suspects,
-        errors={
-            key: value
-            for key in ("before", "after", "floor", "holdout_before", "holdout_after")
-            if (value := error.optional(key)) is not None
-        },
-        next_experiment=_said(reader, "next_experiment"),
-        gate_sentence=gate.text("sentence", ""),
-        remarks=tuple(_remark(part) for part in gate.tables("remarks")),
-        where_sentence=where.text("sentence", ""),
-        relative=bool(where.data.get("relative_to_healthy", False)),
-        blocks=tuple(_block(part) for part in where.tables("blocks")),
-        signals=tuple(
-            (part.text("name", ""), part.text("unit", ""), part.number("rms"), part.optional("floor_rms"), part.number("share_percent"))
-            for part in where.tables("channels")
-        ),
-        places=tuple(
-            Place(part.text("name", "unnamed"), part.number("share_percent"), 100.0 * part.number("time_share"))
-            for part in where.tables("places")
-            if part.data.get("time_share") is not None
-        ),
-        pictures=tuple(_pictures(pictures)),
-        unknown_sentence=unknown.text("sentence", ""),
-        unknown_pictures=tuple(_unknown_pictures(unknown)),
-        learned_sentence=_part(unknown, "learned").text("sentence", ""),
-        steps=_steps(reader, error, added, suspects),
-        curves=None if curves is None else curves_of(curves, tuple(key for key in ("before", "after") if key in curves.data)),
-        provenance=provenance_of(reader),
+        errors={key: value for key in _ERRORS if (value := getattr(found.error, key)) is not None},
+        next_experiment=next_experiment,
+        gate_sentence=gate.sentence,
+        remarks=gate.remarks,
+        where_sentence=where.sentence,
+        relative=where.relative_to_healthy,
+        blocks=where.blocks,
+        signals=tuple(one for one in where.channels if one.rms is not None),
+        places=tuple(place for place in where.places if place.time_share is not None),
+        pictures=tuple(_pictures(where.pictures)),
+        unknown_sentence=unknown.sentence if unknown is not None else "",
+        unknown_pictures=tuple(_unknown_pictures(unknown)) if unknown is not None else (),
+        learned_sentence=unknown.learned.sentence if unknown is not None and unknown.learned is not None else "",
+        steps=_steps(found, suspects),
+        curves=None if found.curves is None else curves_of(found.curves, source),
+        provenance=found.provenance,
     )
 
 
-def _part(reader: Reader, key: str) -> Reader:
-    """A nested object, empty where it is absent."""
-    return reader.table(key) if reader.data.get(key) is not None else Reader({}, reader.source, f"{reader.prefix}{key}.")
+def _suspect(one: EffectEntry) -> Suspect:
+    return Suspect(one.name, one.alike or (one.name,), _own_values(one), one.score, one.limit, one.accepted, one.reason or "")
 
 
-def _said(reader: Reader, key: str) -> str:
-    """A text, or the `sentence` or `command` of an object; empty where it is absent."""
-    found = reader.data.get(key)
-    if isinstance(found, dict):
-        part = reader.table(key)
-        return part.text("sentence", part.text("command", ""))
-    return "" if found is None else reader.text(key, "")
-
-
-def _values(reader: Reader) -> tuple[Value, ...]:
-    """Values as objects, or as numbers beside which `std` and `at_bound` stand."""
-    table, std = _part(reader, "parameters"), _part(reader, "std")
-    bound = reader.data.get("at_bound") or ()
-    found = []
-    for name, value in table.data.items():
-        if isinstance(value, dict):
-            part = table.table(name)
-            found.append(Value(name, part.number("value"), part.optional("std"), bool(part.data.get("at_bound", False))))
-        else:
-            found.append(Value(name, table.number(name), std.optional(name), name in bound))
-    return tuple(found)
-
-
-def _suspect(part: Reader) -> Suspect:
-    name = part.text("name", "unnamed")
-    return Suspect(
-        name,
-        part.texts("class") or (name,),
-        _own_values(part),
-        part.number("score"),
-        part.number("limit"),
-        bool(part.data.get("accepted", False)),
-        _said(part, "reason"),
-    )
-
-
-def _steps(reader: Reader, error: Reader, added: str, suspects: tuple[Suspect, ...]) -> tuple[Step, ...]:
-    """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
-    steps = [
-        Step(
-            part.texts("effects"),
-            part.text("added", ""),
-            part.number("error_training"),
-            part.optional("error_holdout"),
-            _values(part),
-            _judged(part),
-            _said(part, "reason"),
-        )
-        for part in reader.tables("steps")
-    ]
-    # the model as it was given is the first model, which the page shows anyhow
-    given = bool(steps) and not steps[0].effects and steps[0].training == error.optional("before")
-    if given:
-        del steps[0]
-    after = error.optional("after")
-    names = (added,) if added else tuple(one.name for one in suspects if one.accepted)
-    if not steps and not given and after is not None and names:
-        steps.append(Step(names, " + ".join(names), after, error.optional("holdout_after"), (), True, ""))
-    if not steps or not steps[-1].effects or steps[-1].values:
-        return tuple(steps)
-    # what was fitted is stated once, for the last model
-    last = replace(steps[-1], values=_last_values(reader, added))
-    return (*steps[:-1], replace(last, recommended=_judged(reader), reason=_said(reader, "reason")) if added else last)
-
-
-def _judged(part: Reader) -> bool | None:
-    said = part.data.get("recommended")
-    return None if said is None else bool(said)
-
-
-def _last_values(reader: Reader, added: str) -> tuple[Value, ...]:
-    """Values of the last model: those that were added, or those of every accepted effect and of the faults that changed beside them."""
-    if added:
-        return _values(reader)
-    faults = _part(reader, "faults")
-    parts = [part for part in (*reader.tables("effects"), *map(faults.table, faults.data)) if part.data.get("accepted")]
-    return tuple(value for part in parts for value in _own_values(part))
-
-
-def _own_values(part: Reader) -> tuple[Value, ...]:
+def _own_values(one: EffectEntry) -> tuple[Value, ...]:
     """Values of one effect or fault under their full names."""
-    return tuple(replace(value, name=_full_name(part.text("name", ""), value.name)) for value in _values(part))
+    bound = one.at_bound or ()
+    return tuple(Value(_full_name(one.name, name), value, one.std.get(name), name in bound) for name, value in one.parameters.items())
 
 
 def _full_name(effect: str, field_name: str) -> str:
     """The name in the actuator's file of a value that is stated by its last word."""
-    return (
-        field_name
-        if "." in field_name
-        else f"screw.{field_name}"
-        if field_name.startswith(f"{effect}_")
-        else f"effects.{effect}.{field_name}"
-    )
+    return f"screw.{field_name}" if field_name.startswith(f"{effect}_") else f"effects.{effect}.{field_name}"
 
 
-def _remark(part: Reader) -> Remark:
-    severity = part.text("severity", "")
-    if severity not in SEVERITIES:
-        raise part.fail("severity", f"is none of {', '.join(SEVERITIES)}")
-    return Remark(part.text("topic", ""), severity, part.text("text", ""), _said(part, "next"))
+def _steps(found: Diagnosis | DiagnosisByLaps | Addition, suspects: tuple[Suspect, ...]) -> tuple[Shown, ...]:
+    """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
+    steps = [Shown(one.effects, one.added, one.error_training, one.error_holdout) for one in found.steps or ()]
+    # the model as it was given is the first model, which the page shows anyhow
+    given = bool(steps) and not steps[0].effects and steps[0].training == found.error.before
+    if given:
+        del steps[0]
+    after = found.error.after
+    names = (found.effect,) if isinstance(found, Addition) else tuple(one.name for one in suspects if one.accepted)
+    if not steps and not given and after is not None and names:
+        steps.append(Shown(names, " + ".join(names), after, found.error.holdout_after, (), True))
+    if not steps or not steps[-1].effects:
+        return tuple(steps)
+    # what was fitted is stated once, for the last model
+    last = replace(steps[-1], values=_last_values(found))
+    if isinstance(found, Addition):
+        last = replace(last, recommended=found.recommended, reason=found.reason or "")
+    return (*steps[:-1], last)
 
 
-def _block(part: Reader) -> BlockError:
-    term = next(part.tables("terms"), None)
-    return BlockError(
-        part.text("name", ""),
-        part.text("unit", ""),
-        part.optional("rms"),
-        part.optional("floor_rms"),
-        part.number("share_percent"),
-        bool(part.data.get("telling", False)),
-        term.text("words", "") if term else "",
-        term.number("explained_percent") if term else math.nan,
-        _said(part, "reason"),
-    )
+def _last_values(found: Diagnosis | DiagnosisByLaps | Addition) -> tuple[Value, ...]:
+    """Values of the last model: those that were added, or those of every accepted effect and of the faults that changed beside them."""
+    if isinstance(found, Addition):
+        return tuple(Value(name, one.value, one.std, one.at_bound) for name, one in found.parameters.items())
+    return tuple(value for one in (*found.effects, *found.faults.values()) if one.accepted for value in _own_values(one))
 
 
-def _binned(part: Reader) -> Line:
-    return Line(part.series("center"), part.series("mean"), part.series("low"), part.series("high"))
+def _array(values: Series) -> Reals:
+    return np.asarray(values, dtype=np.float64)
 
 
-def _points(part: Reader) -> Line:
-    return Line(part.series("x"), part.series("y"))
+def _binned(one: Bins) -> Line:
+    return Line(_array(one.center), _array(one.mean), _array(one.low), _array(one.high))
 
 
-def _pictures(pictures: Reader) -> Iterator[Picture]:
+def _points(one: Points) -> Line:
+    return Line(_array(one.x), _array(one.y))
+
+
+def _pictures(found: Pictures) -> Iterator[Picture]:
     """Bins by balance and axis, torque against speed, orders, hysteresis."""
-    for part in pictures.tables("bins"):
-        heads = (part.text("source", ""), part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""))
-        yield Picture(
-            *heads,
-            {"excess": _binned(part)},
-            part.series("share_percent"),
-            part.series("time_percent"),
-            friction=bool(part.data.get("friction", False)),
-        )
-    if pictures.data.get("torque_speed") is not None:
-        part = pictures.table("torque_speed")
-        lines = {"points": _points(part.table("points"))}
-        if part.data.get("expected") is not None:
-            lines[part.text("other", "model")] = _binned(part.table("expected"))
-        if part.data.get("measured") is not None:
-            lines["measured"] = _binned(part.table("measured"))
-        yield Picture("torque without inertia", "speed", part.text("unit", ""), part.text("axis_unit", ""), lines)
-    orders = _part(pictures, "orders")
-    for name in orders.data:
-        part = orders.table(name)
-        for key, axis in (("turns", "periods per motor turn"), ("leads", "periods per screw lead")):
-            peaks = part.table(key)
-            if peaks.data.get("order"):
-                orders_at = peaks.series("order")
-                drawn = {"order": Line(orders_at, peaks.series("amplitude"))}
-                if peaks.data.get("chance"):
-                    drawn["chance"] = Line(orders_at, peaks.series("chance"))
-                yield Picture(f"{name} order", axis, part.text("unit", ""), "", drawn)
-    loops = _part(pictures, "hysteresis")
-    for name in loops.data:
-        part = loops.table(name)
-        lines = {key: _points(part.table(key)) for key in ("healthy", "model", "measured") if part.data.get(key) is not None}
-        yield Picture(f"{name} loop", "position", part.text("unit", ""), part.text("axis_unit", ""), lines)
+    for one in found.bins:
+        lines = {"excess": _binned(one)}
+        share, time = _array(one.share_percent), _array(one.time_percent)
+        yield Picture(one.source, one.by, one.unit, one.axis_unit, lines, share, time, friction=one.friction)
+    torque = found.torque_speed
+    if torque is not None:
+        lines = {"points": _points(torque.points)}
+        if torque.expected is not None:
+            lines[torque.other] = _binned(torque.expected)
+        if torque.measured is not None:
+            lines["measured"] = _binned(torque.measured)
+        yield Picture("torque without inertia", "speed", torque.unit, torque.axis_unit, lines)
+    for name, orders in found.orders.items():
+        for peaks, axis in ((orders.turns, "periods per motor turn"), (orders.leads, "periods per screw lead")):
+            if peaks.order:
+                lines = {"order": Line(_array(peaks.order), _array(peaks.amplitude))}
+                if peaks.chance:
+                    lines["chance"] = Line(_array(peaks.order), _array(peaks.chance))
+                yield Picture(f"{name} order", axis, orders.unit, "", lines)
+    for name, loop in (("play", found.hysteresis.play), ("torque", found.hysteresis.torque)):
+        if loop is not None:
+            sides = {"healthy": loop.healthy, "model": loop.model, "measured": loop.measured}
+            lines = {key: _points(side) for key, side in sides.items() if side is not None}
+            yield Picture(f"{name} loop", "position", loop.unit, loop.axis_unit, lines)
 
 
-def _unknown_pictures(unknown: Reader) -> Iterator[Picture]:
-    first: Reader | None = next(unknown.tables("balances"), None)
-    if first is None:
-        return
-    what = first.text("what", "unknown")
-    for part in first.tables("pictures"):
-        share: dict[str, Any] = {
-            "share": part.series("share_percent"),
-            "explained_percent": part.number("explained_percent"),
-            "friction": bool(part.data.get("friction", False)),
-        }
-        yield Picture(what, part.text("by", ""), part.text("unit", ""), part.text("axis_unit", ""), {"excess": _binned(part)}, **share)
+def _unknown_pictures(found: Unexplained) -> Iterator[Picture]:
+    for first in found.balances[:1]:
+        for one in first.pictures:
+            lines = {"excess": _binned(one)}
+            share = _array(one.share_percent)
+            yield Picture(
+                first.what, one.by, one.unit, one.axis_unit, lines, share, explained_percent=one.explained_percent, friction=one.friction
+            )

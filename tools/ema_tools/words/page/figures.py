@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.words.page.results import FAULTS, Identified, Place
+from ema_tools.results.parts import Place
+from ema_tools.words.page.results import FAULTS, Identified
 from ema_tools.words.page.text import number, shift
 
 LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}

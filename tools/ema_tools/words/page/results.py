@@ -1,23 +1,35 @@
-"""Reads result files: what the page takes from the JSON of `ema identify` and `ema compare`, checked field by field; those of `ema diagnose` are read next door."""
+"""What the page shows of a result: its numbers as arrays, in the order of the page; that of a diagnosis is next door."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
 import numpy as np
 
+from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import read_json
 from ema_tools.data.cases import CASES, PaperCase
-from ema_tools.words.page.reader import Reader, Series
+from ema_tools.results import codec, parts
+from ema_tools.results import reading as results
+from ema_tools.results.addition import Addition
+from ema_tools.results.comparison import Comparison
+from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
+from ema_tools.results.identification import KEYS, Identification
+from ema_tools.results.identification import Estimate as ResultEstimate
+from ema_tools.results.parts import Place
+from ema_tools.results.reading import result_of
 
 if TYPE_CHECKING:
     from ema_tools.words.page.diagnosis_results import Diagnosed
 
-FAULTS = ("csj_Nm", "blk_mm")
+Series: TypeAlias = Reals
+
+FAULTS = KEYS
 CHANNELS = ("position_mm", "speed_mm_s", "current_A", "voltage_V")
 BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 
@@ -116,22 +128,6 @@ class Identified:
 
 
 @dataclass(frozen=True)
-class Place:
-    """A part of the record: its share of a residual's square and of the time, both in %."""
-
-    name: str
-    share_percent: float
-    time_percent: float
-
-    @property
-    def surprise(self) -> float:
-        """How much more of the residual than of the time lies here."""
-        if not self.share_percent > self.time_percent > 0.0:
-            return 0.0
-        return self.share_percent * math.log(self.share_percent / self.time_percent)
-
-
-@dataclass(frozen=True)
 class Compared:
     """A result of `ema compare`: channels as (rms in the channel's unit, % of the measured), balances alike or why there is none."""
 
@@ -153,134 +149,118 @@ Result = Union["Identified", "Compared", "Diagnosed"]
 
 
 def read_result(path: Path) -> Result:
-    """The result in the file at `path`.
-
-    Raises InputError when the file cannot be read, is no JSON, or lacks a field.
-    """
-    data = read_json(path)
-    return parse_result(data, str(path), path.stem)
+    """What the page shows of the file at `path`. Raises InputError when the file cannot be read, or is not as its type says."""
+    return parse_result(read_json(path), str(path), path.stem)
 
 
-def parse_result(data: dict[str, Any], source: str, stem: str) -> Result:
-    """The result in `data`; `source` names it in errors, `stem` on the page when it has no name of its own."""
+def parse_result(data: Mapping[str, Any], source: str, stem: str) -> Result:
+    """What the page shows of a JSON object; `source` names it in errors, `stem` on the page when it has no name of its own. Raises InputError."""
+    return shown(result_of(data, source), source, stem)
+
+
+def shown(found: results.Result, source: str, stem: str) -> Result:
+    """What the page shows of a result. Raises InputError for a result that has no page, and for numbers that do not belong together."""
     from ema_tools.words.page.diagnosis_results import diagnosed
 
-    reader = Reader(data, source)
-    if data.get("command") in ("diagnose", "add") or ("error" in data and "balances" not in data):
-        return diagnosed(reader, stem)
-    if any(name in data for name in FAULTS):
-        return _identified(reader, stem)
-    if "balances" in data:
-        return _compared(reader, stem)
+    if isinstance(found, Diagnosis | DiagnosisByLaps | Addition):
+        return diagnosed(found, source, stem)
+    if isinstance(found, Identification):
+        return identified(found, source, stem)
+    if isinstance(found, Comparison):
+        return compared(found, source, stem)
     raise InputError(
-        f"{source}: holds none of `csj_Nm`, `blk_mm` and `balances`, nor a diagnosis: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`"
+        f"{source}: the result of `ema {found.command}` has no page: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`"
     )
 
 
-def _identified(reader: Reader, stem: str) -> Identified:
-    faults: dict[str, Estimate] = {}
-    left_out: dict[str, str] = {}
-    for name in (name for name in FAULTS if name in reader.data):
-        part = reader.table(name)
-        if part.data.get("estimate") is None and part.data.get("reason") is not None:
-            left_out[name] = part.text("reason", "")
-            continue
-        estimate, shift = part.number("estimate"), part.number("shift_percent")
-        if shift <= -100.0:
-            raise part.fail("shift_percent", "is not above -100")
-        healthy = part.number("healthy") if "healthy" in part.data else estimate / (1.0 + shift / 100.0)
-        undetermined = "std" in part.data and part.data["std"] is None
-        faults[name] = Estimate(estimate, math.nan if undetermined else part.number("std"), shift, healthy)
-    if not faults:
-        raise Reader({}, reader.source, f"{next(iter(left_out))}.").fail(
-            "estimate", "is null for every parameter, which leaves nothing to show"
-        )
-    letter = reader.text("case", "")
-    if letter and len(faults) < len(FAULTS):
-        raise reader.fail(next(name for name in FAULTS if name not in faults), "is missing, which a case needs")
+def _fail(source: str, path: str, problem: str) -> InputError:
+    return InputError(f"{source}: field {path} {problem}: write the result again with --json")
+
+
+def identified(found: Identification, source: str, stem: str) -> Identified:
+    """Of `ema identify`. Raises InputError for what cannot be shown."""
+    left_out = {name: one.reason for name, one in found.left_out.items()}
+    if not found.estimates:
+        raise _fail(source, f"{next(iter(left_out), FAULTS[0])}.estimate", "is null for every parameter, which leaves nothing to show")
+    letter = found.case or ""
+    if letter and len(found.estimates) < len(FAULTS):
+        raise _fail(source, next(name for name in FAULTS if name not in found.estimates), "is missing, which a case needs")
     cases = {case.letter: case for case in CASES}
     if letter and letter not in cases:
-        raise reader.fail("case", f"names no case ({letter!r}; known: {', '.join(cases)})")
+        raise _fail(source, "case", f"names no case ({letter!r}; known: {', '.join(cases)})")
     return Identified(
-        name=reader.text("name", stem),
-        faults=faults,
-        before_mm2s=reader.number("objective_before_mm2s"),
-        after_mm2s=reader.number("objective_after_mm2s"),
-        evaluations=int(reader.number("evaluations")),
-        verdict=reader.text("verdict", "undecided"),
-        adequate=bool(reader.data.get("adequate", False)),
-        reasons=reader.texts("reasons"),
-        wall_s=reader.number("wall_s") if "wall_s" in reader.data else None,
+        name=found.name or stem,
+        faults={name: _estimate(one, source, name) for name, one in found.estimates.items()},
+        before_mm2s=found.objective_before_mm2s,
+        after_mm2s=found.objective_after_mm2s,
+        evaluations=found.evaluations,
+        verdict=found.verdict,
+        adequate=found.adequate,
+        reasons=found.reasons,
+        wall_s=found.wall_s,
         case=cases.get(letter),
-        noise=reader.text("noise", ""),
-        search=_search(reader.table("search")) if "search" in reader.data else None,
-        curves=curves_of(reader.table("curves"), ("before", "after")) if "curves" in reader.data else None,
-        provenance=provenance_of(reader),
+        noise=found.noise or "",
+        search=_search(found.search.cost_mm2s, source) if found.search is not None else None,
+        curves=curves_of(found.curves, source) if found.curves is not None else None,
+        provenance=found.provenance,
         left_out=left_out,
     )
 
 
-def _compared(reader: Reader, stem: str) -> Compared:
-    channels: dict[str, tuple[float, float | None]] = {}
-    table = reader.table("channels")
-    for name in table.data:
-        part = table.table(name)
-        silent = part.data.get("relative_percent") is None
-        channels[name] = (part.number("rmse"), None if silent else part.number("relative_percent"))
-    balances: dict[str, tuple[float, float] | str] = {}
-    table = reader.table("balances")
-    for name in table.data:
-        part = table.table(name)
-        if part.data.get("relative_percent") is None:
-            balances[name] = part.text("reason", "not available")
-        else:
-            balances[name] = (part.number("rms"), part.number("relative_percent"))
-    where = reader.data.get("where", [])
-    if not isinstance(where, list):
-        raise reader.fail("where", "is not a list")
-    places: list[Place] = []
-    for index, entry in enumerate(where):
-        part = Reader(entry if isinstance(entry, dict) else {}, reader.source, f"where[{index}].")
-        if part.data.get("time_share") is not None:
-            places.append(Place(part.text("name", "unnamed"), part.number("share_percent"), 100.0 * part.number("time_share")))
+def _estimate(one: ResultEstimate, source: str, name: str) -> Estimate:
+    if one.shift_percent <= -100.0:
+        raise _fail(source, f"{name}.shift_percent", "is not above -100")
+    healthy = one.healthy if one.healthy is not None else one.estimate / (1.0 + one.shift_percent / 100.0)
+    return Estimate(one.estimate, math.nan if one.std is None else one.std, one.shift_percent, healthy)
+
+
+def compared(found: Comparison, source: str, stem: str) -> Compared:
+    """Of `ema compare`."""
+    balances: dict[str, tuple[float, float] | str] = {
+        name: (one.rms, one.relative_percent) if one.rms is not None and one.relative_percent is not None else one.reason or "not available"
+        for name, one in found.balances.items()
+    }
     return Compared(
-        name=reader.text("name", stem),
-        sentence=reader.text("sentence", ""),
-        channels=channels,
+        name=found.name or stem,
+        sentence=found.sentence,
+        channels={name: (one.rmse, one.relative_percent) for name, one in found.channels.items()},
         balances=balances,
-        where=tuple(sorted((place for place in places if place.surprise > 0.0), key=lambda place: -place.surprise)),
-        curves=curves_of(reader.table("curves"), ("model",)) if "curves" in reader.data else None,
-        provenance=provenance_of(reader),
+        where=tuple(sorted((place for place in found.where if place.surprise > 0.0), key=lambda place: -place.surprise)),
+        curves=curves_of(found.curves, source) if found.curves is not None else None,
+        provenance=found.provenance,
     )
 
 
-def _search(reader: Reader) -> Search:
-    cost = reader.series("cost_mm2s")
+def _search(costs: codec.Series, source: str) -> Search:
+    if not costs:
+        raise _fail(source, "search.cost_mm2s", "is not a list of numbers")
+    cost = np.asarray(costs, dtype=np.float64)
     return Search(cost, np.minimum.accumulate(cost))
 
 
-def curves_of(reader: Reader, models: tuple[str, ...]) -> Curves:
-    period_s = reader.number("period_s")
-    if period_s <= 0.0:
-        raise reader.fail("period_s", "is not positive")
+def curves_of(found: parts.Curves, source: str) -> Curves:
+    """Curves as arrays, the speed derived where it is not recorded. Raises InputError for curves of unlike lengths."""
+    if not found.period_s > 0.0:
+        raise _fail(source, "curves.period_s", "is not positive")
+    rows = len(found.measured.position_mm)
     tables: dict[str, dict[str, Series]] = {}
-    rows = reader.table("measured").series("position_mm").size
-    for key in ("measured", *models):
-        part = reader.table(key)
-        tables[key] = {name: part.series(name) for name in CHANNELS if name in part.data}
-        for name, values in tables[key].items():
-            if values.size != rows:
-                raise part.fail(name, f"has {values.size} rows where measured.position_mm has {rows}")
-        if "position_mm" not in tables[key]:
-            raise part.fail("position_mm", "is missing")
+    for key in ("measured", "model", "before", "after"):
+        channels: parts.Channels | None = getattr(found, key)
+        if channels is None:
+            continue
+        there = {name: values for name in CHANNELS if (values := getattr(channels, name)) is not None}
+        for name, values in there.items():
+            if len(values) != rows or not rows:
+                raise _fail(source, f"curves.{key}.{name}", f"has {len(values)} rows where measured.position_mm has {rows}")
+        tables[key] = {name: np.asarray(values, dtype=np.float64) for name, values in there.items()}
     derived: frozenset[str] = frozenset()
     if "speed_mm_s" not in tables["measured"] and rows > 2 * SLOPE_ROWS:
         derived = frozenset(("speed_mm_s",))
         # The same filter for every curve, so that their difference is not the filter's.
         for table in tables.values():
-            table["speed_mm_s"] = slope(table["position_mm"], period_s)
+            table["speed_mm_s"] = slope(table["position_mm"], found.period_s)
     measured = tables.pop("measured")
-    return Curves(reader.number("start_s") if "start_s" in reader.data else 0.0, period_s, measured, tables, derived)
+    return Curves(found.start_s, found.period_s, measured, tables, derived)
 
 
 def slope(values: Series, period_s: float) -> Series:
@@ -290,10 +270,3 @@ def slope(values: Series, period_s: float) -> Series:
     inner = np.convolve(values, weights[::-1], mode="valid")
     ends = np.gradient(values, period_s)
     return np.concatenate((ends[:SLOPE_ROWS], inner, ends[-SLOPE_ROWS:]))
-
-
-def provenance_of(reader: Reader) -> dict[str, str]:
-    table = reader.data.get("provenance", {})
-    if not isinstance(table, dict):
-        raise reader.fail("provenance", "is not an object")
-    return {str(key): str(value) for key, value in table.items()}

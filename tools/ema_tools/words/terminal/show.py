@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple
+
 from rich.console import Console
 from rich.text import Text
 
-from ema_tools.compare.comparison import TITLES, UNITS, Comparison
+from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
-from ema_tools.data.linear_axis import ForceModel
-from ema_tools.select.holdout import Step
-from ema_tools.select.search import Diagnosis
-from ema_tools.tasks.add import Added
-from ema_tools.tasks.calibrate import Calibration
-from ema_tools.tasks.diagnose import Answer, size_text
-from ema_tools.tasks.diagnose_by_laps import LapsAnswer, size_of
-from ema_tools.tasks.identify import TITLES as FAULTS
-from ema_tools.tasks.identify import Identified
+from ema_tools.library.registry import record_of
+from ema_tools.results.addition import Addition
+from ema_tools.results.calibration import Calibration, RodModel
+from ema_tools.results.comparison import Comparison
+from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps, ForceStep
+from ema_tools.results.identification import Identification
+from ema_tools.results.parts import Step
+from ema_tools.select.search import Diagnosis as Searched
+from ema_tools.words.sentences.sizes import size_text
 from ema_tools.words.terminal.console import number, table
 
 _PLACES = 8
+# An error of so many times its sensor's noise is no noise.
+_MANY_TIMES = 5.0
+FAULTS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
 # The share of the limit below which an effect is not worth a look.
 _WORTH_SHOWING = 0.1
 
@@ -28,13 +34,13 @@ def say(console: Console, text: str) -> None:
     console.print(Text(text))
 
 
-def comparison(console: Console, found: Comparison, actuator: str, record: str) -> None:
+def comparison(console: Console, found: Comparison, actuator: str) -> None:
     """What `ema compare` found."""
     say(console, found.sentence)
     console.print()
-    shown = table(f"{actuator} against {record}", "channel", "unit", "rms error", "of measured", text_columns=2)
+    shown = table(f"{actuator} against {found.name}", "channel", "unit", "rms error", "of measured", text_columns=2)
     for name, error in found.channels.items():
-        shown.add_row(TITLES[name], UNITS[name], number(error.rmse), f"{number(error.relative_percent, 3)} %")
+        shown.add_row(TITLES[name], error.unit, number(error.rmse), f"{number(error.relative_percent, 3)} %")
     console.print(shown)
     console.print()
     shown = table("Balances", "balance", "unit", "rms residual", "of measured", "noise", "method", "remark", text_columns=2)
@@ -44,7 +50,8 @@ def comparison(console: Console, found: Comparison, actuator: str, record: str) 
         if balance.reason:
             shown.add_row(name, "", "-", "-", "-", "-", balance.reason)
         else:
-            rest = f"at rest {balance.resting_percent:.0f} % of the time" if balance.resting_percent >= 0.5 else ""
+            resting = balance.resting_percent or 0.0
+            rest = f"at rest {resting:.0f} % of the time" if resting >= 0.5 else ""
             shown.add_row(
                 name,
                 balance.unit,
@@ -60,9 +67,7 @@ def comparison(console: Console, found: Comparison, actuator: str, record: str) 
         console.print()
         shown = table("Where more of the squared residual lies than of the time", "residual", "part", "share", "time", text_columns=2)
         for place in telling:
-            shown.add_row(
-                place.source, f"{place.by} {place.part}", f"{100.0 * place.share:.0f} %", f"{100.0 * (place.time_share or 0.0):.0f} %"
-            )
+            shown.add_row(place.source, f"{place.by} {place.part}", f"{place.share_percent:.0f} %", f"{place.time_percent:.0f} %")
         console.print(shown)
 
 
@@ -70,22 +75,25 @@ def calibration(console: Console, found: Calibration) -> None:
     """What `ema calibrate` found."""
     shown_table = table("Calibrated", "value", "unit", "before", "after", "std error", "from", text_columns=2)
     shown_table.columns[-1].justify = "left"
-    for parameter in found.parameters:
-        source = parameter.source + (", at its bound" if parameter.at_bound else "")
-        row = row_of(parameter.name)
-        shown_table.add_row(shown(row), row.unit, number(parameter.before, 5), number(parameter.after, 5), number(parameter.std, 2), source)
+    for name, value in found.parameters.items():
+        source = value.source + (", at its bound" if value.at_bound else "")
+        row = row_of(name)
+        shown_table.add_row(shown(row), value.unit, number(value.before, 5), number(value.after, 5), number(value.std, 2), source)
     console.print(shown_table)
     for names, why in found.left_out.items():
         say(console, f"No balance for {names}: {why}.")
-    if found.at_rod():
+    if found.at_rod:
         console.print()
-        force_models(console, "The mechanics at the rod: force = M a + Fv v + Fc sgn v + offset", found.at_rod())
+        force_models(console, "The mechanics at the rod: force = M a + Fv v + Fc sgn v + offset", found.at_rod)
     console.print()
     errors = table("Measured minus simulated, rms", "channel", "unit", "before", "after", text_columns=2)
-    for name, before in found.errors_before.items():
-        errors.add_row(TITLES[name], UNITS[name], number(before), number(found.errors_after[name]))
+    for name, before in found.error.before.items():
+        errors.add_row(TITLES[name], UNITS[name], number(before), number(found.error.after[name]))
     console.print(errors)
-    left = found.unexplained()
+    noise = found.error.noise
+    left = {
+        name: error / noise[name] for name, error in found.error.after.items() if noise[name] > 0.0 and error > _MANY_TIMES * noise[name]
+    }
     if left:
         times = ", ".join(f"{TITLES[name]} {number(value, 2)}" for name, value in left.items())
         say(
@@ -95,66 +103,66 @@ def calibration(console: Console, found: Calibration) -> None:
         )
 
 
-def identification(console: Console, found: Identified) -> None:
+def identification(console: Console, found: Identification) -> None:
     """What `ema identify` found."""
-    say(console, found.sentence())
+    say(console, found.sentence)
     console.print()
     rows = table("", "fault", "unit", "healthy", "estimate", "std error", "shift", text_columns=2)
-    for estimate in found.answer.identified:
-        unit = row_of(estimate.name).unit
-        title = FAULTS.get(estimate.name, estimate.name) + (" (at its bound)" if estimate.at_bound else "")
-        healthy = found.healthy[estimate.name]
+    for name, estimate in found.estimates.items():
+        title = FAULTS[name] + (" (at its bound)" if estimate.at_bound else "")
+        unit = name.partition("_")[2]
         rows.add_row(
-            title, unit, number(healthy, 5), number(estimate.estimate, 5), number(estimate.std, 2), f"{estimate.shift_percent:+.3f} %"
+            title,
+            unit,
+            number(estimate.healthy, 5),
+            number(estimate.estimate, 5),
+            number(estimate.std, 2),
+            f"{estimate.shift_percent:+.3f} %",
         )
     console.print(rows)
-    answer = found.answer
     say(
         console,
-        f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(answer.residual_rms_mm, 3)} mm rms",
+        f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms",
     )
     for reason in found.reasons:
         say(console, f"  because {reason}")
     say(
         console,
-        f"{answer.evaluations} model runs, {answer.model_steps} steps, {found.wall_s:.2f} s, {found.precision} bit, seed {found.seed}, ended by {answer.outcome}",
+        f"{found.evaluations} model runs, {found.model_steps} steps, {found.wall_s or 0.0:.2f} s, {found.precision} bit, seed {found.seed}, ended by {found.outcome}",
     )
     if found.baseline is not None:
         text = ", ".join(
-            f"{FAULTS.get(name, name)} {number(value, 5)} +- {number(found.baseline.std[name], 2)}"
+            f"{FAULTS[name.partition('.')[2]]} {number(value, 5)} +- {number(found.baseline.std[name], 2)}"
             for name, value in found.baseline.values.items()
         )
         say(console, f"healthy values from {found.baseline.records} healthy record{'s' if found.baseline.records > 1 else ''}: {text}")
-    if found.seeds:
-        for place, estimate in enumerate(answer.identified):
-            values = [estimate.estimate, *(other.identified[place].estimate for other in found.seeds)]
-            spread = 100.0 * (max(values) - min(values)) / abs(found.healthy[estimate.name])
-            say(
-                console,
-                f"{FAULTS.get(estimate.name, estimate.name)} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest",
-            )
+    for name, estimate in found.estimates.items() if found.seeds else ():
+        others = (other.csj_Nm if name == "csj_Nm" else other.blk_mm for other in found.seeds)
+        values = [estimate.estimate, *(value for value in others if value is not None)]
+        spread = 100.0 * (max(values) - min(values)) / abs(estimate.healthy or 1.0)
+        say(console, f"{FAULTS[name]} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
 
 
-def diagnosis(console: Console, found: Answer) -> None:
-    """What `ema diagnose` found, in the order in which a user asks."""
-    say(console, found.sentence())
+def diagnosis(console: Console, found: Diagnosis, searched: Searched) -> None:
+    """What `ema diagnose` found, in the order in which a user asks; `searched` ranks effects and faults together."""
+    say(console, found.sentence)
     console.print()
     say(console, found.gate.sentence)
     say(console, found.where.sentence)
-    if found.hidden():
-        say(console, found.hidden())
+    if found.cannot_see:
+        say(console, found.cannot_see)
     console.print()
-    _candidates(console, found.diagnosis)
+    _candidates(console, searched)
     console.print()
-    steps(console, found.steps, found.errors.floor)
-    for left in found.left[:1]:
-        say(console, left.sentence)
-    if found.learned is not None:
-        say(console, f"It can be flown without a name: {found.learned.sentence}.")
-    say(console, found.next_step())
+    steps(console, found.steps, found.error.floor)
+    if found.unknown is not None:
+        say(console, found.unknown.sentence)
+        if found.unknown.learned is not None:
+            say(console, f"It can be flown without a name: {found.unknown.learned.sentence}.")
+    say(console, found.next_experiment)
 
 
-def _candidates(console: Console, found: Diagnosis) -> None:
+def _candidates(console: Console, found: Searched) -> None:
     """What was accepted, and what would take off enough to be worth a look."""
     telling = [one for one in found.named[:_PLACES] if one.accepted or one.score > _WORTH_SHOWING * one.limit]
     if not telling:
@@ -170,9 +178,9 @@ def _candidates(console: Console, found: Diagnosis) -> None:
     console.print(rows)
 
 
-def laps(console: Console, found: LapsAnswer) -> None:
+def laps(console: Console, found: DiagnosisByLaps) -> None:
     """What `ema diagnose` found by the laps of one record."""
-    say(console, found.sentence())
+    say(console, found.sentence)
     console.print()
     say(console, found.gate.sentence)
     say(console, found.where.sentence)
@@ -187,17 +195,17 @@ def laps(console: Console, found: LapsAnswer) -> None:
         "laps held out",
         text_columns=3,
     )
-    rows.add_row("as given", "", "", number(forces.given.training, 3), number(forces.given.holdout, 3))
-    rows.add_row("base values refitted", "", "", number(forces.refitted.training, 3), number(forces.refitted.holdout, 3))
+    for title, first in (("as given", forces.error.given), ("base values refitted", forces.error.refitted)):
+        rows.add_row(title, "", "", number(first.training_percent, 3), number(first.holdout_percent, 3))
     for step in forces.steps:
         rows.add_row(
-            f"+ {step.effect}",
-            ", ".join(step.alike),
-            size_of(step, forces.steps[-1]),
-            number(step.errors.training, 3),
-            number(step.errors.holdout, 3),
+            f"+ {step.added}",
+            ", ".join(step.alike[1:]),
+            _size_of(step, forces.steps[-1]),
+            number(step.training_percent, 3),
+            number(step.holdout_percent, 3),
         )
-    rows.add_row("floor: lap to lap", "", "", number(forces.floor_percent, 3), "")
+    rows.add_row("floor: lap to lap", "", "", number(forces.error.floor_percent, 3), "")
     console.print(rows)
     refused = table("Refused", "effect", "why", text_columns=2)
     refused.columns[-1].no_wrap = False
@@ -205,43 +213,47 @@ def laps(console: Console, found: LapsAnswer) -> None:
         refused.add_row(one.effect, one.reason)
     console.print()
     console.print(refused)
-    say(console, found.next_step())
+    say(console, found.next_experiment)
 
 
-def steps(console: Console, way: tuple[Step, ...], floor: float) -> None:
+def _size_of(step: ForceStep, last: ForceStep) -> str:
+    """The size of a step's effect as the last fit has it, with its standard error."""
+    for name, size in last.parameters.items():
+        if f"{step.added}." in name or name == record_of(step.added).base_value:
+            return f"{row_of(name).field} {size_text(name, size.value, size.std)}"
+    return ""
+
+
+def steps(console: Console, way: Sequence[Step], floor: float | None) -> None:
     """The fall of the error."""
-    held = any(step.holdout is not None for step in way)
+    held = any(step.error_holdout is not None for step in way)
     rows = table("Weighted error", "model", "on the record", *(("held out",) if held else ()))
     for place, step in enumerate(way):
-        title = "as given" if place == 0 else f"+ {step.added}"
-        rows.add_row(title, number(step.error, 4), *((number(step.holdout, 4),) if held else ()))
+        title = step.added if place == 0 else f"+ {step.added}"
+        rows.add_row(title, number(step.error_training, 4), *((number(step.error_holdout, 4),) if held else ()))
     rows.add_row("floor", number(floor, 4), *(("",) if held else ()))
     console.print(rows)
 
 
-def added(console: Console, found: Added) -> None:
+def added(console: Console, found: Addition) -> None:
     """What `ema add` did."""
-    say(console, found.sentence())
+    say(console, found.sentence)
     console.print()
     rows = table("Fitted", "value", "unit", "after", "std error", "", text_columns=2)
-    for name, value in found.fit.values.items():
-        rows.add_row(
-            shown(row_of(name)),
-            row_of(name).unit,
-            number(value, 5),
-            number(found.fit.std.get(name), 2),
-            "at its bound" if name in found.fit.at_bound else "",
-        )
+    for name, value in found.parameters.items():
+        bound = "at its bound" if value.at_bound else ""
+        rows.add_row(shown(row_of(name)), value.unit, number(value.value, 5), number(value.std, 2), bound)
     console.print(rows)
     console.print()
-    steps(console, found.steps, found.errors.floor)
-    for first, second, value in found.correlations:
-        say(console, f"{first} and {second} cannot be told apart on this record (correlation {value:.3f}).")
+    steps(console, found.steps or (), found.error.floor)
+    for pair in found.correlations or ():
+        first, second = pair.values
+        say(console, f"{first} and {second} cannot be told apart on this record (correlation {pair.correlation:.3f}).")
 
 
-def force_models(console: Console, title: str, models: dict[str, ForceModel]) -> None:
+def force_models(console: Console, title: str, models: Mapping[str, RodModel]) -> None:
     """Force models at a carriage, side by side."""
     rows = table(title, "", "M kg", "Fv N s/m", "Fc N", "offset N")
     for name, model in models.items():
-        rows.add_row(name, f"{model.mass_kg:.4f}", f"{model.viscous_N_s_per_m:.4f}", f"{model.coulomb_N:.4f}", f"{model.offset_N:.4f}")
+        rows.add_row(name, *(f"{value:.4f}" if value is not None else "-" for value in astuple(model)))
     console.print(rows)

@@ -1,0 +1,36 @@
+"""What `ema add` writes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ema_tools.results.codec import SPARE
+from ema_tools.results.parts import Curves, Errors, FittedValue, Provenance, Step, WeightedErrors
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """Two fitted values that this record cannot tell apart."""
+
+    values: tuple[str, str]  # by full name
+    correlation: float  # -1..1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Addition:
+    """One effect put into a model and fitted, or set to values that were given: then nothing was fitted and the errors are None."""
+
+    command: Literal["add"] = "add"
+    name: str | None = field(default=None, metadata=SPARE)  # of the record
+    actuator: str  # the file that was written
+    effect: str
+    sentence: str = ""
+    error: Errors | WeightedErrors  # the latter where it was fitted
+    parameters: dict[str, FittedValue]  # by full name
+    correlations: tuple[Correlation, ...] | None = field(default=None, metadata=SPARE)
+    steps: tuple[Step, ...] | None = field(default=None, metadata=SPARE)
+    recommended: bool | None = field(default=None, metadata=SPARE)
+    reason: str | None = field(default=None, metadata=SPARE)  # why it is recommended, or not
+    provenance: Provenance = field(default_factory=dict)
+    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record

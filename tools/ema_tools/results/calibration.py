@@ -1,0 +1,53 @@
+"""What `ema calibrate` writes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ema_tools.results.parts import Provenance
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """One value, in its unit."""
+
+    before: float
+    after: float
+    std: float | None  # standard error
+    change_percent: float | None  # None where it was zero before
+    unit: str
+    source: Literal["balance", "loop"]  # what gave it
+    at_bound: bool
+
+
+@dataclass(frozen=True)
+class RodModel:
+    """The mechanics at the rod: force = mass * acceleration + viscous * speed + coulomb * sign of the speed + offset."""
+
+    mass_kg: float | None
+    viscous_N_s_per_m: float | None
+    coulomb_N: float | None
+    offset_N: float | None
+
+
+@dataclass(frozen=True)
+class ChannelErrors:
+    """Rms of measured minus simulated by channel, in the unit of its name."""
+
+    before: dict[str, float]
+    after: dict[str, float]
+    noise: dict[str, float]  # of the sensor
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Base parameters fitted to healthy records."""
+
+    command: Literal["calibrate"]
+    actuator: str  # the file that was written
+    parameters: dict[str, Calibrated]  # by full name
+    at_rod: dict[str, RodModel]  # before, after, std; empty where the mechanics were not calibrated
+    error: ChannelErrors
+    left_out: dict[str, str]  # names to why they were not calibrated by their balance
+    provenance: Provenance

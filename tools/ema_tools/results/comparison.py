@@ -1,0 +1,46 @@
+"""What `ema compare` writes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ema_tools.results.codec import SPARE
+from ema_tools.results.parts import Curves, Place, Provenance
+
+
+@dataclass(frozen=True)
+class ChannelError:
+    """Measured minus simulated of one channel."""
+
+    rmse: float  # in the unit
+    relative_percent: float | None  # 100 * norm over norm of the measured; None where that is zero
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class BalanceError:
+    """The residual of one balance; numbers are None where it cannot be drawn."""
+
+    rms: float | None  # in the unit
+    relative_percent: float | None  # of the measured side; of the drive torque for the mechanical balance
+    unit: str = ""
+    noise_rms: float | None = None  # what the record's white sensor noise makes of it
+    method_rms: float | None = None  # what the method leaves on a record of the model
+    resting_percent: float | None = None  # of the time at rest, where friction answers whatever there is
+    reason: str | None = None  # why it cannot be drawn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """A model against a record."""
+
+    command: Literal["compare"] = "compare"
+    name: str | None = None  # of the record
+    channels: dict[str, ChannelError]  # by column
+    balances: dict[str, BalanceError]  # mechanical, electrical, kinematic, controller
+    where: tuple[Place, ...] = ()  # largest share first
+    sentence: str = ""
+    crowded_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
+    provenance: Provenance = field(default_factory=dict)
+    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record

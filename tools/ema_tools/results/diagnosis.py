@@ -1,0 +1,160 @@
+"""What `ema diagnose` writes: by simulation of all signals, or by the laps of one record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ema_tools.results.codec import SPARE, Series, key
+from ema_tools.results.localisation import Localisation
+from ema_tools.results.parts import Curves, EffectEntry, Errors, Provenance, Step, WeightedErrors
+from ema_tools.results.unexplained import Unexplained
+from ema_tools.results.validity import Validity
+
+Verdict = Literal["adequate", "missing", "unknown"]
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """The sensor that the unknown looks like: it reads factor times the signal plus offset, late."""
+
+    channel: str
+    share: float  # of the excess, 0..1
+    cost: float  # what stays, units of cost
+    factor: float
+    offset: float  # in the signal's unit
+    late_s: float
+    sentence: str
+    next: str  # what to do
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosis:
+    """Which effect is missing, by simulation."""
+
+    command: Literal["diagnose"] = "diagnose"
+    name: str | None = None  # of the record
+    verdict: Verdict
+    sentence: str = ""
+    mode: Literal["against healthy repeats", "without healthy repeats"] = "against healthy repeats"
+    cannot_see: str | None = None  # what this kind of evidence hides
+    effects: tuple[EffectEntry, ...] = ()  # best first
+    faults: dict[str, EffectEntry] = field(default_factory=dict)  # changes of csj and blk, by name
+    standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
+    error: WeightedErrors
+    next_experiment: str = ""  # what to do next
+    unexplained: float | None = None  # share of the excess that stays, 0..1
+    steps: tuple[Step, ...] = ()
+    gate: Validity = field(default_factory=Validity)
+    where: Localisation = field(default_factory=Localisation)
+    unknown: Unexplained | None = None
+    sensor: Sensor | None = None
+    provenance: Provenance = field(default_factory=dict)
+    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+
+
+@dataclass(frozen=True)
+class ForceErrors:
+    """Relative errors of the mechanical balance, % of the drive's force."""
+
+    training_percent: float | None  # of the laps fitted
+    holdout_percent: float | None  # of the laps held out
+    each_held_out_percent: tuple[float | None, ...]  # of each part when it is held out
+
+
+@dataclass(frozen=True)
+class ForceValue:
+    """One value that the balance was fitted with."""
+
+    value: float  # in its unit
+    std: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """Error at places or speeds to which nothing was fitted, before and after an effect."""
+
+    before_percent: float | None
+    after_percent: float | None
+
+
+@dataclass(frozen=True)
+class ForceStep(ForceErrors):
+    """One effect that was added, with the errors after it."""
+
+    effects: tuple[str, ...]
+    added: str
+    alike: tuple[str, ...] = field(metadata=key("class"))
+    parameters: dict[str, ForceValue]  # by full name
+    elsewhere: dict[str, Elsewhere]  # by what was left out
+    recommended: bool
+    reason: str
+    kept: bool  # whether the last model holds it
+
+
+@dataclass(frozen=True)
+class ForceRefusal:
+    """One effect that was not added, and why; errors where it could be fitted."""
+
+    effect: str
+    reason: str
+    parameters: dict[str, ForceValue]
+    recommended: bool
+    training_percent: float | None = field(default=None, metadata=SPARE)
+    holdout_percent: float | None = field(default=None, metadata=SPARE)
+    each_held_out_percent: tuple[float | None, ...] | None = field(default=None, metadata=SPARE)
+
+
+@dataclass(frozen=True)
+class ForceSummary:
+    """The errors before any effect."""
+
+    given: ForceErrors  # of the model as it was given
+    refitted: ForceErrors  # of its base values refitted
+    floor_percent: float | None  # how far one lap is from the others; None where it is not known
+
+
+@dataclass(frozen=True)
+class Laps:
+    """How the record was divided."""
+
+    count: int
+    period_s: float | None
+    parts: int
+    held_out_part: int
+
+
+@dataclass(frozen=True)
+class Forces:
+    """The mechanical balance, effect by effect."""
+
+    error: ForceSummary
+    steps: tuple[ForceStep, ...]
+    refused: tuple[ForceRefusal, ...]
+    values: dict[str, float]  # of the last model, by full name
+    laps: Laps
+    curves: dict[str, Series]  # torque and residuals before and after, Nm, for a picture
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiagnosisByLaps:
+    """Which effects are missing, by the mechanical balance of a command that repeats."""
+
+    command: Literal["diagnose"] = "diagnose"
+    name: str | None = None  # of the record
+    verdict: Verdict
+    sentence: str = ""
+    mode: Literal["laps of one record"]
+    effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
+    faults: dict[str, EffectEntry] = field(default_factory=dict)  # none: the balance knows no play
+    error: Errors
+    error_unit: str
+    next_experiment: str = ""  # what to do next
+    steps: tuple[Step, ...] = ()
+    forces: Forces
+    gate: Validity = field(default_factory=Validity)
+    where: Localisation = field(default_factory=Localisation)
+    unknown: Unexplained | None = None  # none: nothing is drawn of it
+    provenance: Provenance = field(default_factory=dict)
+    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record

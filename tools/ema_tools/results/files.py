@@ -1,0 +1,81 @@
+"""What the commands write that make files: simulate, export, import, report, demo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ema_tools.results.codec import SPARE
+from ema_tools.results.parts import Provenance
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A recording that was made."""
+
+    command: Literal["simulate"]
+    actuator: str  # file
+    record: str  # file
+    rows: int
+    period_s: float  # from row to row
+    settings: tuple[str, ...]  # name=value, as they were given
+    noise: dict[str, float]  # standard deviation by column, in its unit
+    seed: int  # of the noise
+    precision: int  # bits of the module's numbers
+
+
+@dataclass(frozen=True)
+class SignatureTable:
+    """The table for the onboard diagnosis."""
+
+    bytes: int
+    signals: tuple[str, ...]
+    rows: int
+    bins: int  # of each row
+    rate_hz: float  # of the bins
+    effects: tuple[str, ...]
+    limit: float  # units of cost that an effect must take off
+    energy: float  # of the healthy repeats, units of cost
+
+
+@dataclass(frozen=True)
+class Exported:
+    """The configuration that firmware compiles in."""
+
+    command: Literal["export"]
+    actuator: str  # file
+    header: str  # file
+    flat: str | None  # file; None where it was not asked for
+    effects: tuple[str, ...]  # that the actuator has
+    signatures: str | None = field(default=None, metadata=SPARE)  # file
+    table: SignatureTable | None = field(default=None, metadata=SPARE)
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A foreign measurement in this project's formats."""
+
+    command: Literal["import emps"]
+    actuator: str  # file
+    record: str  # file
+    rows: int
+    period_s: float  # from row to row
+    provenance: Provenance
+
+
+@dataclass(frozen=True)
+class Reported:
+    """A page of results."""
+
+    command: Literal["report"]
+    results: tuple[str, ...]  # files
+    page: str  # file
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What the demo left."""
+
+    command: Literal["demo"]
+    page: str  # file
+    results: tuple[str, ...]  # names of files beside it

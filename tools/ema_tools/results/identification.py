@@ -1,0 +1,129 @@
+"""What `ema identify` writes, and `ema demo` for the paper's cases."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ema_tools.results.codec import SPARE, Series, key
+from ema_tools.results.parts import Curves, Provenance
+
+# Values that can be identified.
+KEYS = ("csj_Nm", "blk_mm")
+
+Verdict = Literal["healthy", "fault", "undecided"]
+GuardVerdict = Literal["adequate", "missing", "unknown"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One identified value, in the unit of its name."""
+
+    estimate: float
+    std: float | None  # standard error; None where the record does not determine the value
+    shift_percent: float  # of the healthy value
+    healthy: float | None = field(default=None, metadata=SPARE)
+    at_bound: bool = False  # of the search
+
+
+@dataclass(frozen=True)
+class NotIdentified:
+    """A value that was not searched, and why."""
+
+    estimate: None
+    std: None
+    shift_percent: None
+    healthy: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class MissingEffect:
+    """The effect behind an estimate that is no fault; values by the last word of their names."""
+
+    name: str | None  # None where no effect of the library explains the record
+    alike: tuple[str, ...] = field(metadata=key("class"))  # effects that this record cannot tell from it, itself first
+    parameters: dict[str, float]
+    std: dict[str, float | None]
+    beside_it: dict[str, float]  # CSJ and BLK beside it, by full name
+    against_healthy_records: int  # that it was compared with
+
+
+@dataclass(frozen=True)
+class Guard:
+    """What the look behind a fault said."""
+
+    verdict: GuardVerdict
+    skipped: str | None  # why nothing was sought
+    wall_s: float
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Healthy values found on healthy records."""
+
+    values: dict[str, float]  # by full name
+    std: dict[str, float | None]  # standard errors
+    records: int
+
+
+@dataclass(frozen=True)
+class Search:
+    """The search, run by run."""
+
+    cost_mm2s: Series  # of every model run; of one given up early what had come together; with weights no longer mm2 s
+
+
+@dataclass(frozen=True)
+class Seed:
+    """The answer of one further seed."""
+
+    objective_after_mm2s: float | None
+    evaluations: int
+    csj_Nm: float | None = field(default=None, metadata=SPARE)
+    blk_mm: float | None = field(default=None, metadata=SPARE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """CSJ and BLK of one record."""
+
+    command: Literal["identify", "demo"] = "identify"
+    name: str | None = None  # of the record
+    case: str | None = field(default=None, metadata=SPARE)  # letter of the paper's case whose truth is known
+    noise: str | None = field(default=None, metadata=SPARE)  # the sensor noise in a record of a case, in words
+    csj_Nm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # static dry friction
+    blk_mm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # backlash at the rod
+    objective_before_mm2s: float  # with healthy values; with weights no longer mm2 s
+    objective_after_mm2s: float
+    evaluations: int  # model runs
+    verdict: Verdict = "undecided"
+    adequate: bool = False  # whether the model explains the record
+    reasons: tuple[str, ...] = ()  # why it is undecided
+    missing_effect: MissingEffect | None = None  # None where nothing stands behind the estimates
+    guard: Guard | None = None  # None where nobody looked
+    sentence: str = ""
+    residual_rms_mm: float | None = None
+    residual_correlation: float | None = None  # of neighbouring rows, -1..1
+    outcome: str | None = None  # what ended the search
+    accepted: int | None = None  # candidates that the search took
+    accepted_uphill: int | None = None  # of them those that were worse
+    model_steps: int | None = None
+    wall_s: float | None = None  # time of the search
+    seed: int | None = None
+    precision: int | None = None  # bits of the module's numbers
+    baseline: Baseline | None = None  # None where the actuator's healthy values were taken
+    search: Search | None = None
+    seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
+    provenance: Provenance = field(default_factory=dict)
+    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """What was identified, by key."""
+        return {name: one for name in KEYS if isinstance(one := getattr(self, name), Estimate)}
+
+    @property
+    def left_out(self) -> dict[str, NotIdentified]:
+        """What was not identified, by key."""
+        return {name: one for name in KEYS if isinstance(one := getattr(self, name), NotIdentified)}

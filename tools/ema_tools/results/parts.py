@@ -1,0 +1,118 @@
+"""Parts that results of several commands share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from ema_tools.results.codec import SPARE, Series, key
+
+# What made a result: the command line, versions of the tool and of what it uses, and whatever else names the inputs; all as text, by what it is.
+Provenance = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Signals of one record or of one simulation, row by row; None where a signal is not there."""
+
+    position_mm: Series  # rod position
+    motor_position_mm: Series | None = field(default=None, metadata=SPARE)  # motor encoder, expressed at the rod
+    current_A: Series | None = field(default=None, metadata=SPARE)  # motor current
+    voltage_V: Series | None = field(default=None, metadata=SPARE)  # voltage applied to the motor
+    speed_mm_s: Series | None = field(default=None, metadata=SPARE)  # rod speed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curves:
+    """A record beside simulations of it, for the page; a comparison has `model`, the others `before` and, where something was found, `after`."""
+
+    start_s: float = 0.0  # time of the first row
+    period_s: float  # from row to row
+    measured: Channels
+    model: Channels | None = field(default=None, metadata=SPARE)  # the model that was compared
+    before: Channels | None = field(default=None, metadata=SPARE)  # the first model
+    after: Channels | None = field(default=None, metadata=SPARE)  # the last model
+
+
+@dataclass(frozen=True)
+class Errors:
+    """The error from the first model to the last, one weighting throughout: weighted rms, 1 is sensor noise; by the balance % of the drive's force."""
+
+    before: float | None  # of the first model; None where nothing was fitted
+    after: float | None  # of the last model
+    floor: float | None = None  # what a record with nothing new has; None where it is not known
+    holdout_before: float | None = None  # of the first model on the record held out; None without one
+    holdout_after: float | None = None  # of the last model there
+
+
+@dataclass(frozen=True)
+class WeightedErrors(Errors):
+    """Errors as weighted rms, with the floor of the record held out."""
+
+    holdout_floor: float | None = None  # what the record held out would have with nothing new
+
+
+@dataclass(frozen=True)
+class Step:
+    """One model of the way from the first to the last."""
+
+    effects: tuple[str, ...]  # that it holds
+    added: str  # what came last, in words where it is no effect
+    error_training: float  # on the record that was fitted, as in `Errors`
+    error_holdout: float | None  # on the record held out; None without one
+
+
+@dataclass(frozen=True)
+class FittedValue:
+    """One fitted value of an actuator."""
+
+    value: float  # in its unit
+    std: float | None  # standard error, in the same unit; None where the record does not determine it
+    unit: str = ""
+    at_bound: bool = False  # whether it lies on an end of its range
+
+
+@dataclass(frozen=True, kw_only=True)
+class EffectEntry:
+    """One effect of a ranking, or a changed CSJ or BLK. Values by the last word of their names, in the units of the actuator file."""
+
+    name: str  # as in the library
+    # effects that this record cannot tell from it, itself first
+    alike: tuple[str, ...] = field(default=(), metadata=key("class"))
+    # csj or blk, where this record cannot tell them from it
+    looks_like_fault: tuple[str, ...] | None = field(default=None, metadata=SPARE)
+    parameters: dict[str, float] = field(default_factory=dict)
+    std: dict[str, float | None] = field(default_factory=dict)  # standard errors
+    # lower and upper end; None for what was refused
+    interval95: dict[str, tuple[float | None, float | None]] | None = field(default=None, metadata=SPARE)
+    # values on an end of their range; None where it was not looked at
+    at_bound: tuple[str, ...] | None = field(default=None, metadata=SPARE)
+    score: float  # what it takes off: units of cost, or squared % of the held-out force
+    limit: float  # what it must take off, alike
+    accepted: bool
+    reason: str | None = field(default=None, metadata=SPARE)  # why it was refused
+
+
+@dataclass(frozen=True)
+class Place:
+    """A part of a record, and how much of a residual lies there."""
+
+    name: str  # residual and part, in words
+    share_percent: float  # of the squared residual
+    time_share: float | None  # of the record's time, 0..1; None for a part that is no part of the time
+    source: str = ""  # which residual
+    by: str = ""  # by what it was divided; empty for the balances among themselves
+    part: str = ""  # which part
+    share: float | None = field(default=None, metadata=SPARE)  # the share again, 0..1
+
+    @property
+    def time_percent(self) -> float:
+        """Of the record's time; 0 for a part that is no part of the time."""
+        return 100.0 * (self.time_share or 0.0)
+
+    @property
+    def surprise(self) -> float:
+        """How much more of the residual than of the time lies here, in %; what a part must have to say something."""
+        if not self.share_percent > self.time_percent > 0.0:
+            return 0.0
+        return self.share_percent * math.log(self.share_percent / self.time_percent)

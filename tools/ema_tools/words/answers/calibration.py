@@ -1,0 +1,28 @@
+"""The result of `ema calibrate`."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from ema_tools.data.actuator import row_of
+from ema_tools.results import calibration as result
+from ema_tools.results.parts import Provenance
+from ema_tools.tasks.calibrate import Calibration, Parameter
+
+
+def calibration(found: Calibration, actuator: str, provenance: Provenance) -> result.Calibration:
+    """What was found; `actuator` is the file that was written."""
+    return result.Calibration(
+        command="calibrate",
+        actuator=actuator,
+        parameters={parameter.name: _calibrated(parameter) for parameter in found.parameters},
+        at_rod={title: result.RodModel(**asdict(model)) for title, model in found.at_rod().items()},
+        error=result.ChannelErrors(found.errors_before, found.errors_after, found.noise),
+        left_out=found.left_out,
+        provenance=provenance,
+    )
+
+
+def _calibrated(one: Parameter) -> result.Calibrated:
+    change_percent = 100.0 * (one.after - one.before) / one.before if one.before else None
+    return result.Calibrated(one.before, one.after, one.std, change_percent, row_of(one.name).unit, one.source, one.at_bound)

@@ -1,0 +1,32 @@
+"""The result of `ema compare`."""
+
+from __future__ import annotations
+
+from ema_tools.compare.comparison import UNITS, BalanceError, Comparison, ErrorPart
+from ema_tools.results import comparison as result
+from ema_tools.results.parts import Curves, Place, Provenance
+from ema_tools.words.sentences.comparison import place_name, sentence
+
+
+def comparison(found: Comparison, provenance: Provenance, curves: Curves | None = None) -> result.Comparison:
+    """What was found on the record."""
+    return result.Comparison(
+        name=found.record,
+        channels={name: result.ChannelError(error.rmse, error.relative_percent, UNITS[name]) for name, error in found.channels.items()},
+        balances={name: _balance(error) for name, error in found.balances.items()},
+        where=tuple(map(_place, found.where)),
+        sentence=sentence(found),
+        crowded_steps=found.simulation.crowded_steps,
+        provenance=provenance,
+        curves=curves,
+    )
+
+
+def _balance(error: BalanceError) -> result.BalanceError:
+    if error.reason:
+        return result.BalanceError(None, None, error.unit, reason=error.reason)
+    return result.BalanceError(error.rms, error.relative_percent, error.unit, error.noise_rms, error.method_rms, error.resting_percent)
+
+
+def _place(place: ErrorPart) -> Place:
+    return Place(place_name(place), 100.0 * place.share, place.time_share, place.source, place.by, place.part, place.share)

@@ -1,0 +1,78 @@
+"""The result of `ema diagnose`, by simulation."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import FAULTS
+from ema_tools.results import diagnosis as result
+from ema_tools.results.parts import Curves, EffectEntry, Provenance
+from ema_tools.select.search import Diagnosis as Searched
+from ema_tools.select.search import Named
+from ema_tools.select.sensors import Suspect
+from ema_tools.tasks.diagnose import Answer
+from ema_tools.words.answers.localisation import localisation
+from ema_tools.words.answers.steps import errors, steps
+from ema_tools.words.answers.unexplained import unexplained
+from ema_tools.words.answers.validity import validity
+from ema_tools.words.sentences.diagnosis import hidden, next_step, sensor_next, sensor_sentence, sentence
+
+# Effects that are listed.
+_LISTED = 12
+# Standard errors of a two-sided interval of 95 %.
+INTERVAL = 1.96
+
+
+def diagnosis(found: Answer, provenance: Provenance, curves: Curves | None = None) -> result.Diagnosis:
+    """What was found on the record."""
+    named = [one for one in found.diagnosis.named if one.name not in FAULTS]
+    relative = found.evidence.relative
+    return result.Diagnosis(
+        name=found.record.file,
+        verdict=cast(result.Verdict, found.verdict),
+        sentence=sentence(found),
+        mode="against healthy repeats" if relative else "without healthy repeats",
+        cannot_see=hidden(found) or None,
+        effects=tuple(_effect(one, found.diagnosis) for one in named[:_LISTED]),
+        faults={one.name: _effect(one, found.diagnosis) for one in found.faults},
+        standing=_standing(found) if relative else {},
+        error=errors(found.errors),
+        next_experiment=next_step(found),
+        unexplained=found.diagnosis.unexplained,
+        steps=steps(found.steps),
+        gate=validity(found.gate),
+        where=localisation(found.where),
+        unknown=unexplained(found.left, found.learned) if found.left else None,
+        sensor=_sensor(found.sensor) if found.sensor is not None else None,
+        provenance=provenance,
+        curves=curves,
+    )
+
+
+def _standing(found: Answer) -> dict[str, dict[str, float]]:
+    effects = (load_definitions().effect(name) for name in found.known.active_effects)
+    return {effect.name: {value.field: found.known[value.name] for value in effect.parameters} for effect in effects}
+
+
+def _effect(one: Named, found: Searched) -> EffectEntry:
+    at_bound = found.fit.at_bound if found.fit is not None else ()
+    short: dict[str, Any] = {name: name.split(".")[-1] for name in one.values}
+    return EffectEntry(
+        name=one.name,
+        alike=tuple(name for name in one.alike if name not in FAULTS),
+        looks_like_fault=tuple(name for name in one.alike if name in FAULTS and name != one.name),
+        parameters={short[name]: value for name, value in one.values.items()},
+        std={short[name]: value for name, value in one.std.items()},
+        interval95={
+            short[name]: (one.values[name] - INTERVAL * value, one.values[name] + INTERVAL * value) for name, value in one.std.items()
+        },
+        at_bound=tuple(short[name] for name in one.values if name in at_bound),
+        score=one.score,
+        limit=one.limit,
+        accepted=one.accepted,
+    )
+
+
+def _sensor(one: Suspect) -> result.Sensor:
+    return result.Sensor(one.channel, one.share, one.cost, one.factor, one.offset, one.late_s, sensor_sentence(one), sensor_next(one))

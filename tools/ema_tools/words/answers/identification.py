@@ -1,0 +1,80 @@
+"""The result of `ema identify`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, cast
+
+from ema_tools.plant.native import Identification
+from ema_tools.results import identification as result
+from ema_tools.results.parts import Curves, Provenance
+from ema_tools.select.beside_fault import Guarded
+from ema_tools.tasks.identify import KEYS, Identified, identified_of
+from ema_tools.words.sentences.identification import reasons, sentence
+
+_ZERO = "the healthy value is zero, and a shift is counted in % of it"
+
+
+def identification(
+    found: Identified, name: str, provenance: Provenance, curves: Curves | None = None, **case: Any
+) -> result.Identification:
+    """What was found on a record of that name; `case` and `noise` where the truth is known."""
+    answer = found.answer
+    return result.Identification(
+        **case,
+        name=name,
+        **_values(found),
+        objective_before_mm2s=answer.objective_before,
+        objective_after_mm2s=answer.objective_after,
+        evaluations=answer.evaluations,
+        verdict=cast(result.Verdict, found.verdict),
+        adequate=found.adequate,
+        reasons=reasons(found),
+        missing_effect=_missing(found.guarded) if found.objects and found.guarded is not None else None,
+        guard=None
+        if found.guarded is None
+        else result.Guard(cast(result.GuardVerdict, found.guarded.verdict), found.guarded.skipped or None, found.guarded.wall_s),
+        sentence=sentence(found),
+        residual_rms_mm=answer.residual_rms_mm,
+        residual_correlation=answer.residual_correlation,
+        outcome=answer.outcome,
+        accepted=answer.accepted,
+        accepted_uphill=answer.accepted_uphill,
+        model_steps=answer.model_steps,
+        wall_s=found.wall_s,
+        seed=found.seed,
+        precision=found.precision,
+        baseline=None
+        if found.baseline is None
+        else result.Baseline(dict(found.baseline.values), dict(found.baseline.std), found.baseline.records),
+        search=result.Search(found.costs),
+        seeds=tuple(map(_seed, found.seeds)),
+        provenance=provenance,
+        curves=curves,
+    )
+
+
+def _values(found: Identified) -> Mapping[str, Any]:
+    absent = {
+        key: result.NotIdentified(None, None, None, 0.0, _ZERO) for name, key in KEYS.items() if name not in identified_of(found.healthy)
+    }
+    return absent | {
+        KEYS[one.name]: result.Estimate(one.estimate, one.std, one.shift_percent, found.healthy[one.name], one.at_bound)
+        for one in found.answer.identified
+    }
+
+
+def _missing(guarded: Guarded) -> result.MissingEffect:
+    return result.MissingEffect(
+        guarded.effects[0] if guarded.effects else None,
+        tuple(guarded.effects),
+        {name.split(".")[-1]: value for name, value in guarded.values.items()},
+        {name.split(".")[-1]: value for name, value in guarded.std.items()},
+        dict(guarded.faults),
+        guarded.against,
+    )
+
+
+def _seed(other: Identification) -> result.Seed:
+    values = {KEYS[estimate.name]: estimate.estimate for estimate in other.identified}
+    return result.Seed(other.objective_after, other.evaluations, **values)

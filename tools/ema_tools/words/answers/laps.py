@@ -1,0 +1,134 @@
+"""The result of `ema diagnose`, by the laps of one record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
+from ema_tools.data.actuator import row_of
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import record_of
+from ema_tools.results import diagnosis as result
+from ema_tools.results.parts import Curves, EffectEntry, Errors, Provenance, Step
+from ema_tools.select import force_balance as forces
+from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
+from ema_tools.tasks.diagnose_by_laps import LapsAnswer
+from ema_tools.words.answers.diagnosis import INTERVAL
+from ema_tools.words.answers.localisation import localisation
+from ema_tools.words.answers.steps import FIRST
+from ema_tools.words.answers.validity import validity
+from ema_tools.words.sentences.laps import next_step, sentence
+
+REFITTED = "base values refitted"
+
+
+def diagnosis_by_laps(found: LapsAnswer, provenance: Provenance, curves: Curves | None = None) -> result.DiagnosisByLaps:
+    """What was found on the record."""
+    way = found.forces
+    last = way.steps[-1].errors if way.steps else way.refitted
+    kept = {step.effect for step in found.accepted}
+    return result.DiagnosisByLaps(
+        name=found.record.file,
+        verdict=found.verdict,
+        sentence=sentence(found),
+        mode="laps of one record",
+        effects=(*(_accepted(way, step) for step in found.accepted), *(_refused(one) for one in way.refused if one.effect not in kept)),
+        error=Errors(way.given.training, last.training, way.floor_percent, way.given.holdout, last.holdout),
+        error_unit="% of the drive's force",
+        next_experiment=next_step(found),
+        steps=_steps(way),
+        forces=forces_of(way),
+        gate=validity(found.gate),
+        where=localisation(found.where),
+        provenance=provenance,
+        curves=curves,
+    )
+
+
+def _steps(way: ForceSteps) -> tuple[Step, ...]:
+    steps = [Step((), FIRST, way.given.training, way.given.holdout), Step((), REFITTED, way.refitted.training, way.refitted.holdout)]
+    names: tuple[str, ...] = ()
+    for step in way.steps:
+        names = (*names, step.effect)
+        steps.append(Step(names, step.effect, step.errors.training, step.errors.holdout))
+    return tuple(steps)
+
+
+def _accepted(way: ForceSteps, step: ForceStep) -> EffectEntry:
+    """One accepted effect, with its size as the last joint fit has it."""
+    place = way.steps.index(step)
+    before = way.steps[place - 1].errors if place else way.refitted
+    values, std = _numbers(step.effect, way.steps[-1].values), _numbers(step.effect, way.steps[-1].std)
+    return EffectEntry(
+        name=step.effect,
+        alike=(step.effect, *step.alike),
+        parameters=values,
+        std=dict(std),
+        interval95={
+            name: (values[name] - INTERVAL * doubt, values[name] + INTERVAL * doubt) for name, doubt in std.items() if name in values
+        },
+        score=before.holdout**2 - step.errors.holdout**2,
+        limit=0.0,
+        accepted=True,
+    )
+
+
+def _refused(one: Refusal) -> EffectEntry:
+    return EffectEntry(
+        name=one.effect,
+        alike=(one.effect,),
+        parameters=_numbers(one.effect, one.values),
+        std=dict(_numbers(one.effect, one.std)),
+        score=0.0,
+        limit=0.0,
+        accepted=False,
+        reason=one.reason,
+    )
+
+
+def _numbers(effect: str, values: Mapping[str, float]) -> dict[str, float]:
+    """Values of one effect by field."""
+    base_value = record_of(effect).base_value
+    return {name.split(".")[-1]: float(value) for name, value in values.items() if f"{effect}." in name or name == base_value}
+
+
+def forces_of(way: ForceSteps) -> result.Forces:
+    """The balance, effect by effect."""
+    known, effects = way.actuator, way.actuator.active_effects
+    names = (*MECHANICAL_PARAMETERS, *(row.name for row in load_definitions().effect_values if row.effect in effects))
+    folds = way.laps.folds
+    return result.Forces(
+        result.ForceSummary(_errors(way.given), _errors(way.refitted), way.floor_percent),
+        tuple(_step(step, step.effect in effects) for step in way.steps),
+        tuple(map(_refusal, way.refused)),
+        {name: known[name] for name in names},
+        result.Laps(way.laps.count, way.laps.period_rows * way.period_s or None, folds, folds),
+        {name: tuple(values.tolist()) for name, values in way.curves.items()},
+    )
+
+
+def _errors(one: forces.Errors) -> result.ForceErrors:
+    return result.ForceErrors(one.training, one.holdout, one.each)
+
+
+def _values(values: Mapping[str, float], std: Mapping[str, float]) -> dict[str, result.ForceValue]:
+    return {name: result.ForceValue(value, std.get(name), row_of(name).unit) for name, value in values.items()}
+
+
+def _step(step: ForceStep, kept: bool) -> result.ForceStep:
+    return result.ForceStep(
+        **vars(_errors(step.errors)),
+        effects=(step.effect,),
+        added=step.effect,
+        alike=(step.effect, *step.alike),
+        parameters=_values(step.values, step.std),
+        elsewhere={by: result.Elsewhere(before, after) for by, (before, after) in step.elsewhere.items()},
+        recommended=True,
+        reason="",
+        kept=kept,
+    )
+
+
+def _refusal(one: Refusal) -> result.ForceRefusal:
+    there = vars(_errors(one.errors)) if one.errors is not None else {}
+    return result.ForceRefusal(one.effect, one.reason, _values(one.values, one.std), recommended=False, **there)

@@ -1,0 +1,48 @@
+"""Where a model fails, as a part of a result."""
+
+from __future__ import annotations
+
+from ema_tools.compare.comparison import UNITS, ErrorPart
+from ema_tools.compare.localisation import Block, Channel, Where
+from ema_tools.results import localisation as result
+from ema_tools.results.parts import Place
+from ema_tools.words.sentences.comparison import place_name
+from ema_tools.words.sentences.localisation import sentence
+
+# Terms of a balance that are listed.
+_TERMS = 5
+
+
+def localisation(found: Where) -> result.Localisation:
+    """All of it."""
+    return result.Localisation(
+        found.relative,
+        sentence(found),
+        tuple(map(_block, found.blocks)),
+        tuple(map(_signal, found.channels)),
+        tuple(map(_place, found.places)),
+        found.pictures,
+    )
+
+
+def _block(block: Block) -> result.Block:
+    terms = tuple(result.Term(term.words, 100.0 * block.of_excess(term), term.coefficient) for term in block.terms[:_TERMS])
+    return result.Block(
+        block.name,
+        block.unit,
+        block.rms,
+        block.floor_rms,
+        block.relative_percent,
+        100.0 * block.share,
+        block.telling,
+        terms,
+        block.reason or None,
+    )
+
+
+def _signal(one: Channel) -> result.Signal:
+    return result.Signal(one.name, UNITS[one.name], one.rms, one.floor_rms, 100.0 * one.share)
+
+
+def _place(place: ErrorPart) -> Place:
+    return Place(place_name(place), 100.0 * place.share, place.time_share, place.source, place.by, place.part)

@@ -1,0 +1,18 @@
+"""The judgement of a record, as a part of a result."""
+
+from __future__ import annotations
+
+from ema_tools.compare.validity import HIDES, Gate
+from ema_tools.results.validity import Remark, Signal, Validity
+from ema_tools.words.sentences.validity import sentence
+
+
+def validity(gate: Gate) -> Validity:
+    """All of it."""
+    return Validity(
+        gate.answerable,
+        sentence(gate),
+        {name: Signal(there, None if there else HIDES[name]) for name, there in gate.signals.items()},
+        tuple(Remark(one.topic, one.severity, one.text, one.next or None) for one in gate.remarks),
+        dict(gate.coverage),
+    )

@@ -1,0 +1,40 @@
+"""What `ema add` says."""
+
+from __future__ import annotations
+
+from ema_tools.data.actuator import row_of
+from ema_tools.tasks.add import Added, Why
+from ema_tools.words.sentences.sizes import size_text
+
+_WHY = {
+    Why.NOISE: "the error on the fitted record does not fall by more than noise can make it",
+    Why.UNDETERMINED: "its size could as well be none beside what the model does not explain: ema diagnose says what would explain more",
+    Why.AT_BOUND: "{value} lies on a bound of its range, so the effect stands in for another one",
+    Why.NOT_HELD: "the error on the record held out does not fall",
+    Why.TIED: "the error falls, but its size cannot be told from {value} (correlation {correlation:.2f}) on this record",
+    Why.FALLS: "the error falls on the fitted record; no record was held out",
+    Why.HELD: "the error falls on the fitted record and on the one held out",
+}
+
+
+def reason(found: Added) -> str:
+    """Why it is recommended, or not."""
+    judged = found.judgement
+    return _WHY[judged.why].format(value=judged.value, correlation=judged.correlation)
+
+
+def sentence(found: Added) -> str:
+    """What was done and what came of it."""
+    own = found.fit.of_effect(found.effect)
+    size = next(iter(own))
+    done = "was there and is refitted" if found.refitted else "added"
+    errors = f"{found.errors.before:.3g} before, {found.errors.after:.3g} after, floor {found.errors.floor:.3g}"
+    text = f"{found.effect} {done}, {row_of(size).field} {size_text(size, own[size], found.fit.std.get(size))}: weighted error {errors}"
+    if found.errors.holdout_before is not None:
+        text += f"; on the record held out {found.errors.holdout_before:.3g} before, {found.errors.holdout_after:.3g} after"
+    return f"{text}. {'Recommended' if found.recommended else 'Not recommended'}: {reason(found)}."
+
+
+def set_sentence(effect: str) -> str:
+    """Of values that were given."""
+    return f"{effect} set to given values; nothing was fitted."

@@ -1,0 +1,107 @@
+"""What `ema diagnose` says."""
+
+from __future__ import annotations
+
+from ema_tools.compare.comparison import TITLES, UNITS
+from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.library.faults import FAULTS
+from ema_tools.library.registry import record_of, separating
+from ema_tools.select.search import Named
+from ema_tools.select.sensors import Suspect
+from ema_tools.tasks.diagnose import Answer
+from ema_tools.words.sentences import unexplained, validity
+from ema_tools.words.sentences.sizes import size_text
+
+
+def sentence(found: Answer) -> str:
+    """The answer in a sentence or two."""
+    if not found.gate.answerable:
+        return validity.sentence(found.gate)
+    first = f"{found.record.file}: "
+    fall = f"weighted error {found.errors.before:.3g} before, {found.errors.after:.3g} after, floor {found.errors.floor:.3g}"
+    faults = "; ".join(_fault_words(one, found.known) for one in found.faults)
+    if found.verdict == "adequate":
+        versus = "this machine's repeatability" if found.evidence.relative else "what sensors and a data sheet leave open"
+        text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
+        return f"{first}{text} ({fall})."
+    if found.verdict == "unknown":
+        if found.sensor is not None:
+            return f"{first}{sensor_sentence(found.sensor)} (weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g})."
+        if found.refuted:
+            last = unexplained.sentence(found.left[0]) if found.left else ""
+            told = f"{first}something is there, and {' and '.join(found.refuted)} would explain it, but not the record held out, whose error rises"
+            return f"{told}: no effect is recommended ({fall}). {last}".strip()
+        left = 100.0 * found.diagnosis.unexplained
+        text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
+        return f"{first}{text}. {unexplained.sentence(found.left[0]) if found.left else ''}".strip()
+    named = " and ".join(_words(one) for one in found.effects)
+    others = [other for one in found.effects for other in one.alike[1:]]
+    alike = f", which looks like {', '.join(others)}" if others else ""
+    faults = f"; beside it {faults}" if faults else ""
+    are = "is" if len(found.refuted) == 1 else "are"
+    refuted = (
+        f"; {' and '.join(found.refuted)} would lower the error further but raise that of the record held out, and {are} not recommended"
+        if found.refuted
+        else ""
+    )
+    return f"{first}missing is {named}{alike}{faults}{refuted} ({fall})."
+
+
+def next_step(found: Answer) -> str:
+    """What to do next."""
+    confused = next((one for one in found.diagnosis.named if one.accepted and len(one.alike) > 1), None)
+    if found.verdict == "unknown" and found.sensor is not None:
+        return f"Next: {sensor_next(found.sensor)}."
+    if found.verdict == "unknown":
+        table = f"ema add ACTUATOR {found.learned.effect} --fit REC flies it as a learned table; " if found.learned is not None else ""
+        return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
+    if confused is not None:
+        if set(confused.alike) <= {confused.name, *record_of(confused.name).inseparable}:
+            would = separating(confused.alike)[0]
+            return f"Next: no command tells {' and '.join(confused.alike)} apart; what would: {would.do}: {would.because}."
+        return f"Next: ema next ACTUATOR --between {' '.join(confused.alike)} says which command tells them apart."
+    if found.effects and found.effects[0].name in found.known.active_effects:
+        return f"Next: {found.effects[0].name} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
+    if found.effects:
+        return f"Next: ema add ACTUATOR {found.effects[0].name} --fit REC puts it into the model; then diagnose again."
+    return "Next: ema identify gives CSJ and BLK; nothing is to be added."
+
+
+def hidden(found: Answer) -> str:
+    """What this kind of evidence cannot show."""
+    if found.evidence.relative:
+        return ""
+    names = ", ".join(sorted({one.title for one in found.evidence.spread}))
+    usual = "the slight ripple, cogging, bend of the friction's law, drop and delay that every machine has"
+    return f"Without healthy repeats nothing can be named that a unit's usual distance from its data sheet explains as well ({names}), nor {usual}."
+
+
+def _words(one: Named) -> str:
+    size = next(iter(one.values))
+    return f"{one.name} ({row_of(size).field} {size_text(size, one.values[size], one.std.get(size))})"
+
+
+def _fault_words(one: Named, known: Actuator) -> str:
+    name = FAULTS[one.name]
+    value, healthy = one.values[name], known[name]
+    return f"{one.name.upper()} changed by {100.0 * (value / healthy - 1.0):+.1f} % to {size_text(name, value, one.std.get(name))}"
+
+
+def sensor_sentence(found: Suspect) -> str:
+    """What the sensor reads that the unknown looks like."""
+    parts = []
+    if found.factor != 1.0:
+        parts.append(f"{found.factor:.3g} times the signal")
+    if found.offset != 0.0:
+        parts.append(f"{found.offset:+.3g} {UNITS[found.channel]} beside it")
+    if found.late_s != 0.0:
+        parts.append(f"{1e3 * abs(found.late_s):.2g} ms {'late' if found.late_s > 0.0 else 'early'}")
+    return (
+        f"what is there looks like the sensor of the {TITLES[found.channel]}, not like the machine: {found.channel} reads {' and '.join(parts)} "
+        f"({100.0 * found.share:.0f} % of the excess), while the other signals are as they should be"
+    )
+
+
+def sensor_next(found: Suspect) -> str:
+    """What to do about it."""
+    return f"check the sensor of the {TITLES[found.channel]} (scale, zero, delay) and record again"
