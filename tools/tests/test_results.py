@@ -13,10 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ema_tools.base.errors import InputError
+from ema_tools.benchmarks.frozen import read_frozen
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import FORMAT, SPARE, Series, _choices, _rows, from_json, to_json
 from ema_tools.results.comparison import BalanceError, ChannelError, Comparison
-from ema_tools.results.diagnosis import Diagnosis
+from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
 from ema_tools.results.identification import Estimate, Identification, NotIdentified
 from ema_tools.results.parts import Curves, EffectEntry, Errors, WeightedErrors
 from ema_tools.results.reading import Result, kind_of, read_result, result_of
@@ -198,3 +199,20 @@ def test_a_spare_field_is_no_key_where_it_is_none() -> None:
     assert to_json(Small()) == {"format": FORMAT, "kept": None}
     assert "curves" not in to_json(COMPARED)
     assert Series == tuple[float, ...] and Curves(period_s=1.0, measured=None).start_s == 0.0  # type: ignore[arg-type]
+
+
+def _without_long_rows(value: Any) -> Any:
+    """A frozen answer with its long rows, which are frozen as three numbers, empty."""
+    if isinstance(value, dict):
+        return [] if set(value) == {"count", "sum", "rms"} else {key: _without_long_rows(one) for key, one in value.items()}
+    return [_without_long_rows(one) for one in value] if isinstance(value, list) else value
+
+
+def test_every_frozen_answer_reads_as_its_type_and_is_written_as_it_was() -> None:
+    answers = [_without_long_rows(one) for one in read_frozen().values() if "error_line" not in one]
+    assert len(answers) > 50
+    for data in answers:
+        found = result_of(data, "frozen")
+        assert isinstance(found, Diagnosis | DiagnosisByLaps)
+        again = json.loads(json.dumps(to_json(found)))
+        assert {key: value for key, value in again.items() if key not in ("format", "provenance")} == data

@@ -87,35 +87,37 @@ def test_place_of_a_jam_is_told() -> None:
     assert places[0].part == max((place for place in places), key=lambda place: place.share).part
     low, high = (float(word) for word in places[0].part.removesuffix(" mm").split(" to "))
     assert low < 0.8 < high and "at position" in sentence(answer)
-    bins = next(one for one in answer.pictures["bins"] if one["source"] == "mechanical" and one["by"] == "position")
-    peak = bins["center"][int(np.argmax(bins["share_percent"]))]
+    bins = next(one for one in answer.pictures.bins if one.source == "mechanical" and one.by == "position")
+    peak = bins.center[int(np.argmax(bins.share_percent))]
     assert peak == pytest.approx(0.8, abs=0.2)
 
 
 def test_orders_show_the_line_and_the_screw() -> None:
     answer = found({"effects.cogging_torque.amplitude_Nm": 0.045, "effects.cogging_torque.periods": 12.0})
-    turns = answer.pictures["orders"]["mechanical"]["turns"]
-    place = int(np.argmax(np.divide(turns["amplitude"], turns["chance"])))
-    assert turns["order"][place] == 12.0
-    assert turns["amplitude"][place] == pytest.approx(0.045, rel=0.25) and turns["chance"][place] < 0.02
+    turns = answer.pictures.orders["mechanical"].turns
+    place = int(np.argmax(np.divide(turns.amplitude, turns.chance)))
+    assert turns.order[place] == 12.0
+    assert turns.amplitude[place] == pytest.approx(0.045, rel=0.25) and turns.chance[place] < 0.02
     screw = found({"effects.sensor_gain.error": 0.0}, WIDE)
-    assert screw.pictures["orders"]["mechanical"]["stroke_leads"] == pytest.approx(3.2, abs=0.1)
+    assert screw.pictures.orders["mechanical"].stroke_leads == pytest.approx(3.2, abs=0.1)
 
 
 def test_torque_against_speed_shows_the_added_friction() -> None:
-    pictures = found({"screw.csj_Nm": 0.188}).pictures["torque_speed"]
-    fast = [place for place, speed in enumerate(pictures["measured"]["center"]) if speed > 50.0]
-    measured_torque = np.mean([pictures["measured"]["mean"][place] for place in fast])
-    healthy_torque = np.mean([pictures["expected"]["mean"][place] for place in fast])
-    assert pictures["other"] == "healthy"
+    drawn = found({"screw.csj_Nm": 0.188}).pictures.torque_speed
+    assert drawn is not None and drawn.measured is not None and drawn.expected is not None
+    fast = [place for place, speed in enumerate(drawn.measured.center) if speed > 50.0]
+    measured_torque = np.mean([drawn.measured.mean[place] for place in fast])
+    healthy_torque = np.mean([drawn.expected.mean[place] for place in fast])
+    assert drawn.other == "healthy"
     assert measured_torque - healthy_torque == pytest.approx(0.05, rel=0.1)
 
 
 def test_play_is_the_width_of_its_loop() -> None:
-    loops = found({"screw.blk_mm": 0.1}).pictures["hysteresis"]["play"]
-    assert np.ptp(loops["measured"]["y"]) == pytest.approx(100.0, rel=0.1)
-    assert np.ptp(loops["healthy"]["y"]) == pytest.approx(33.0, rel=0.2)
-    assert np.ptp(loops["model"]["y"]) == pytest.approx(33.0, rel=0.1)
+    loops = found({"screw.blk_mm": 0.1}).pictures.hysteresis.play
+    assert loops is not None and loops.healthy is not None and loops.model is not None
+    assert np.ptp(loops.measured.y) == pytest.approx(100.0, rel=0.1)
+    assert np.ptp(loops.healthy.y) == pytest.approx(33.0, rel=0.2)
+    assert np.ptp(loops.model.y) == pytest.approx(33.0, rel=0.1)
 
 
 def test_missing_signals_are_said() -> None:
