@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ema_tools.balances.balances import BALANCES, Balance, Smoother, all_balances, filter_of, noise_of
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
@@ -133,9 +134,14 @@ class Comparison:
 
 
 def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:
-    """Compare the C model with a record; `report` is told of the three passes. Raises InputError when the model refuses the actuator."""
+    """Compare the C model with a record; `report` is told of the three passes. Raises InputError when the model refuses the actuator, and for a record too short for any filter."""
+    smoother = Smoother.of(record.period_s)
+    if record.rows < smoother.least_rows:
+        raise InputError(
+            f"{record.file}: {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter: record {smoother.least_rows * record.period_s:g} s or more, best a chirp of ten"
+        )
     simulation = simulated(actuator, record, bits)
-    inner = Smoother.of(record.period_s).inner
+    inner = smoother.inner
     channels: dict[str, ChannelError] = {}
     errors: dict[str, Balance] = {}
     for name in OUTPUTS:

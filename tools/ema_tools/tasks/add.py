@@ -168,12 +168,16 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     )
 
 
-def set_result(actuator: Actuator, effect: str) -> dict[str, Any]:
-    """For JSON: an effect whose values were given and not fitted, in the keys of `Added.result`."""
-    own = {f"effects.{value.name}": actuator[value.name] for value in load_definitions().effect(effect).parameters}
+def set_result(actuator: Actuator, effect: str, before: Actuator) -> dict[str, Any]:
+    """For JSON: an effect whose values were given and not fitted, in the keys of `Added.result`; `replaced`: what it was in the actuator `before`, None where it was absent."""
+    row = load_definitions().effect(effect)
+    own = {f"effects.{value.name}": actuator[value.name] for value in row.parameters}
+    there = {f"effects.{value.name}": before[value.name] for value in row.parameters} if effect in before.active_effects else None
+    was = f"{effect} was there with {row.size.field} = {before[row.size.name]:g}; it is now" if there else f"{effect}"
     return {
         "effect": effect,
-        "sentence": f"{effect} set to given values; nothing was fitted.",
+        "sentence": f"{was} set to given values; nothing was fitted.",
+        "replaced": there,
         "error": dict.fromkeys(("before", "after", "floor", "holdout_before", "holdout_after")),
         "parameters": {name: {"value": value, "std": None, "unit": row_of(name).unit, "at_bound": False} for name, value in own.items()},
     }

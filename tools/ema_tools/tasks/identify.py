@@ -120,6 +120,7 @@ class Identified:
                 "estimate": None,
                 "std": None,
                 "shift_percent": None,
+                "bias": None,
                 "healthy": 0.0,
                 "reason": "the healthy value is zero, and a shift is counted in % of it",
             }
@@ -133,6 +134,7 @@ class Identified:
                 "shift_percent": estimate.shift_percent,
                 "healthy": self.healthy[estimate.name],
                 "at_bound": estimate.at_bound,
+                "bias": estimate.bias,
             }
         return {
             **found,
