@@ -421,7 +421,7 @@ def _odd(record: Record, cut: int | None = None, keep: tuple[str, ...] | None = 
     return record
 
 
-@pytest.mark.parametrize("odd", ODD_RECORDS)
+@pytest.mark.parametrize("odd", [pytest.param(odd, marks=pytest.mark.slow if "keep" in how else ()) for odd, how in ODD_RECORDS.items()])
 def test_odd_records_are_answered(odd: str, tmp_path: Path) -> None:
     how = ODD_RECORDS[odd]
     full = chirp_record(reference_actuator().changed(HOT), str(how.get("text", "chirp"))).with_noise(NOISE, 1)

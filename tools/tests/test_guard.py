@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,10 +82,17 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
         assert abs(0.01 * estimate.shift_percent - true[estimate.name]) < allowed, found.sentence()
 
 
+def hidden_cases() -> Iterator[Any]:
+    """Signals, effect and wear; the quick ones are all effects of a worn machine with all signals."""
+    for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True)):
+        quick = worn and not only
+        yield pytest.param(
+            effect, worn, only, id=f"{'position' if only else 'four_signals'}-{effect}-{worn}", marks=() if quick else pytest.mark.slow
+        )
+
+
 @needs_numba
-@pytest.mark.parametrize("worn", [False, True])
-@pytest.mark.parametrize("effect", HIDDEN)
-@pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
+@pytest.mark.parametrize(("effect", "worn", "only"), hidden_cases())
 def test_a_hidden_effect_is_named_and_once_added_csj_and_blk_are_right(effect: str, worn: bool, only: bool) -> None:
     record = measured(effect, worn, 11)
     record = alone(record) if only else record
