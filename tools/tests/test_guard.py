@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator
+
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -82,13 +82,13 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
         assert abs(0.01 * estimate.shift_percent - true[estimate.name]) < allowed, found.sentence()
 
 
-def hidden_cases() -> Iterator[Any]:
+def hidden_cases() -> list[Any]:
     """Signals, effect and wear; the quick ones are all effects of a worn machine with all signals."""
+    found = []
     for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True)):
-        quick = worn and not only
-        yield pytest.param(
-            effect, worn, only, id=f"{'position' if only else 'four_signals'}-{effect}-{worn}", marks=() if quick else pytest.mark.slow
-        )
+        name = f"{'position' if only else 'four_signals'}-{effect}-{worn}"
+        found.append(pytest.param(effect, worn, only, id=name, marks=() if worn and not only else pytest.mark.slow))
+    return found
 
 
 @needs_numba
