@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
