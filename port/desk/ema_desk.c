@@ -362,6 +362,7 @@ static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
         to->std[i] = (double)from->identified[i].std;
         to->shift_percent[i] = (double)from->identified[i].shift_percent;
         to->at_bound[i] = from->identified[i].at_bound ? 1 : 0;
+        to->bias[i] = (double)from->identified[i].bias;
     }
     to->objective_before = (double)from->objective_before;
     to->objective_after = (double)from->objective_after;

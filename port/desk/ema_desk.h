@@ -98,6 +98,7 @@ typedef struct {
     int32_t adequate;
     int32_t reasons; /* EMA_REASON_ bits */
     uint64_t random_state;
+    double bias[4]; /* of the estimates, as in ema_estimate_t */
 } ema_desk_result_t;
 
 /* Called after each model run of the search with the run's number, the cost found and the best so far; may be NULL. A

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,16 @@ def read_text(text: str, folder: Path) -> Actuator:
     path = folder / "a.toml"
     path.write_text(text, encoding="utf-8")
     return read_actuator(path)
+
+
+@pytest.mark.parametrize("value", ["inf", "-inf", "nan"])
+@pytest.mark.parametrize(("key", "said"), [("every_steps", "not a whole number"), ("step_s", "outside ")])
+def test_numbers_that_are_none_are_refused(tmp_path: Path, key: str, value: str, said: str) -> None:
+    text, count = re.subn(rf"^({key} *= )[0-9.e-]+", rf"\g<1>{value}", REFERENCE.read_text(encoding="utf-8"), count=1, flags=re.MULTILINE)
+    assert count == 1
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=rf"a\.toml: \w+\.{key} = {value}: {said}"):
+        read_actuator(tmp_path / "a.toml")
 
 
 def test_shipped_file_is_the_nominal_column() -> None:

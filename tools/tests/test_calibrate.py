@@ -63,6 +63,30 @@ def test_stated_errors_hold_under_sensor_noise() -> None:
     assert np.mean(rms) > 0.4
 
 
+@pytest.mark.parametrize(
+    ("command", "rows", "name"),
+    [
+        ("step:amplitude_mm=0", 2000, "screw.csj_Nm"),
+        ("triangle:amplitude_mm=2,start_hz=0.02,duration_s=5", 5000, "motor.inductance_H"),
+        ("chirp", 300, "motor.inductance_H"),
+        ("chirp", 120, "screw.inertia_kgm2"),
+    ],
+)
+def test_what_a_record_does_not_determine_is_named(command: str, rows: int, name: str) -> None:
+    """No motion, no acceleration, hardly a row: the fit runs to where the model cannot be stepped, which is no fault of the step."""
+    full = chirp_record(text=command)
+    record = full.with_columns({column: full.recorded(column)[:rows] for column in full.present}).with_noise(NOISE, 1)
+    with pytest.raises(InputError, match=rf"^calibrate: {name}: (the records do not determine it|no record moves what it acts on): "):
+        calibrate(reference_actuator(), [record])
+
+
+def test_a_record_too_short_for_the_balances_says_so() -> None:
+    full = chirp_record()
+    record = full.with_columns({column: full.recorded(column)[:120] for column in full.present})
+    left_out = calibrate(reference_actuator(), [record], loop=False).left_out
+    assert left_out and all("rows are too few for any filter, 200 are needed" in why for why in left_out.values())
+
+
 def test_effects_that_the_actuator_has_are_not_calibrated_into_its_values() -> None:
     changes = {"winding_heating.rise_degC": 60.0, "constant_load.torque_Nm": 0.03, "stribeck_friction.rise": 0.3}
     truth = reference_actuator().changed(changes)

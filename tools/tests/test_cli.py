@@ -77,6 +77,31 @@ BAD = [
         ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "drive.mode=torque"),
         "--set drive.mode = torque: not a choice: use one of voltage, current",
     ),
+    *(
+        (
+            ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", f"timing.record_every_steps={value}"),
+            f"--set timing.record_every_steps = {value}: not a whole number: give one in 1 .. ",
+        )
+        for value in ("inf", "-inf", "nan", "1.5")
+    ),
+    *(
+        (
+            ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", f"search.initial_temperature_mm2s={value}"),
+            f"--set search.initial_temperature_mm2s = {value}: outside ",
+        )
+        for value in ("inf", "nan")
+    ),
+    (("simulate", REFERENCE, "--command", "multisine:count=inf", "-o", "r.csv"), "command multisine: count=inf: not a finite number"),
+    (("simulate", REFERENCE, "--command", "multisine:count=1e300", "-o", "r.csv"), "a value is outside its range"),
+    (
+        ("simulate", REFERENCE, "--command", "chirp:duration_s=1e308", "-o", "r.csv"),
+        "command chirp: duration_s=1e+308: inf rows: ask for 1 to",
+    ),
+    (("effects", "--json", "new/e.json"), "new/e.json: there is no folder new: make it, or choose another place"),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "new/r.csv", "--json", "new/r.json"),
+        "new/r.json: there is no folder new: make it, or choose another place",
+    ),
     (
         ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--noise", "position=1"),
         "--noise position=1: unknown column (did you mean position_mm?)",
@@ -175,8 +200,8 @@ def test_outputs_are_kept_apart_from_inputs_and_from_each_other(tmp_path: Path, 
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-def test_folders_are_made_and_results_are_json(tmp_path: Path) -> None:
-    target = tmp_path / "new" / "deep" / "c.json"
+def test_results_are_json_and_the_folder_of_a_page_is_made(tmp_path: Path) -> None:
+    target = tmp_path / "c.json"
     ran = run_ema("compare", REFERENCE, RECORDINGS / "case_a_noisy.csv", "--json", target)
     assert ran.code == 0, ran.err
     assert ran.err == ""
@@ -186,7 +211,7 @@ def test_folders_are_made_and_results_are_json(tmp_path: Path) -> None:
     assert result["curves"]["period_s"] == pytest.approx(1e-3)
     assert len(result["curves"]["model"]["position_mm"]) == 10000
     assert ran.out.splitlines()[0] == result["sentence"]
-    page = tmp_path / "page.html"
+    page = tmp_path / "new" / "deep" / "page.html"
     assert run_ema("report", target, "-o", page).code == 0
     assert page.stat().st_size > 10_000
 

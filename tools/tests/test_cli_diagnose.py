@@ -198,6 +198,11 @@ def test_values_that_are_given_are_written_in_the_same_keys(tmp_path: Path) -> N
     assert found["parameters"] == {"effects.winding_heating.rise_degC": {"value": 30.0, "std": None, "unit": "degC", "at_bound": False}}
     assert set(found["error"]) == ERROR_KEYS and set(found["error"].values()) == {None}
     assert read_actuator(new)["winding_heating.rise_degC"] == 30.0
+    assert found["replaced"] is None and ran.out == f"{new} written\n"
+    again = tmp_path / "again.toml"
+    ran = run_ema("add", new, "winding_heating", "--set", "rise_degC=40", "-o", again, "--json", tmp_path / "b.json")
+    assert result(tmp_path / "b.json")["replaced"] == {"effects.winding_heating.rise_degC": 30.0}
+    assert ran.out.startswith("winding_heating was there with rise_degC = 30; it is now set to given values")
 
 
 def test_an_effect_that_is_there_is_refitted_and_said_so(runs: dict[str, Path], tmp_path: Path) -> None:
@@ -416,7 +421,7 @@ def _odd(record: Record, cut: int | None = None, keep: tuple[str, ...] | None = 
     return record
 
 
-@pytest.mark.parametrize("odd", ODD_RECORDS)
+@pytest.mark.parametrize("odd", [pytest.param(odd, marks=pytest.mark.slow if "keep" in how else ()) for odd, how in ODD_RECORDS.items()])
 def test_odd_records_are_answered(odd: str, tmp_path: Path) -> None:
     how = ODD_RECORDS[odd]
     full = chirp_record(reference_actuator().changed(HOT), str(how.get("text", "chirp"))).with_noise(NOISE, 1)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ema_tools.base.errors import InputError
 from ema_tools.compare.comparison import compare
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
@@ -14,6 +15,13 @@ from ema_tools.results.codec import to_json
 from ema_tools.words.answers.comparison import comparison
 from ema_tools.words.sentences.comparison import sentence
 from support import RECORDINGS, chirp_record
+
+
+def test_a_record_too_short_for_any_filter_is_one_line() -> None:
+    full = chirp_record()
+    record = full.with_columns({column: full.recorded(column)[:199] for column in full.present})
+    with pytest.raises(InputError, match=r"simulated: 199 rows, 0.199 s, too few for any filter: record 0.2 s or more"):
+        compare(reference_actuator(), record)
 
 
 def test_channels_are_measured_minus_simulated() -> None:

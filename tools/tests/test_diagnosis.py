@@ -156,6 +156,7 @@ def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
 
 
 @needs_numba
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "size", "value", "shape"),
     [
@@ -176,6 +177,7 @@ def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_pe
 
 
 @needs_numba
+@pytest.mark.slow
 def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Record]) -> None:
     """The strongest alone is CSJ, which then takes what belongs to BLK and to the effect."""
     own = machine(UNIT).values

@@ -80,6 +80,22 @@ def test_flat_text_is_read_by_the_host_program(tmp_path: Path) -> None:
     assert answers[0].split(":")[0] == answers[1].split(":")[0]
 
 
+NAMES = ("line\nscrew.csj_Nm = 9", "a\r\nb\x00\tc\x1bd\u2028e", "*/ int x; /*", "long " * 400, "\\\n")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_name_breaks_what_is_exported(tmp_path: Path, name: str) -> None:
+    actuator = reference_actuator().changed({}, {"name": name})
+    head, *values = flat_text(actuator).splitlines()
+    assert values == flat_text(reference_actuator()).splitlines()[1:]
+    assert head.startswith("# ") and head.isprintable() and len(head.encode()) < 1024
+    assert header_text(actuator).splitlines()[1:] == header_text(reference_actuator()).splitlines()[1:]
+    comment = header_text(actuator).splitlines()[0]
+    assert comment.count("*/") == comment.count("/*") == 1 and comment.endswith("*/")
+    actuator.write(tmp_path / "a.toml")
+    assert read_actuator(tmp_path / "a.toml").about["name"] == name
+
+
 def test_flat_text_names_everything() -> None:
     lines = dict(line.split(" = ") for line in flat_text(reference_actuator()).splitlines()[1:])
     known = load_definitions()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,10 +83,17 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
         assert abs(0.01 * estimate.shift_percent - true[estimate.name]) < allowed, sentence(found)
 
 
+def hidden_cases() -> list[Any]:
+    """Signals, effect and wear; the quick ones are all effects of a worn machine with all signals."""
+    found = []
+    for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True)):
+        name = f"{'position' if only else 'four_signals'}-{effect}-{worn}"
+        found.append(pytest.param(effect, worn, only, id=name, marks=() if worn and not only else pytest.mark.slow))
+    return found
+
+
 @needs_numba
-@pytest.mark.parametrize("worn", [False, True])
-@pytest.mark.parametrize("effect", HIDDEN)
-@pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
+@pytest.mark.parametrize(("effect", "worn", "only"), hidden_cases())
 def test_a_hidden_effect_is_named_and_once_added_csj_and_blk_are_right(effect: str, worn: bool, only: bool) -> None:
     record = measured(effect, worn, 11)
     record = alone(record) if only else record

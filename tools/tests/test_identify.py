@@ -61,7 +61,9 @@ def test_result_has_the_keys_that_programs_read(tmp_path: Path) -> None:
     assert "over 3 seeds" in ran.out
     result = json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))
     for key in ("csj_Nm", "blk_mm"):
-        assert {"estimate", "std", "shift_percent"} <= set(result[key])
+        assert {"estimate", "std", "shift_percent", "bias"} <= set(result[key])
+        # of a model that is adequate, what lasts in the residual is small beside the noise
+        assert 0.0 <= result[key]["bias"] < 3.0 * result[key]["std"]
     assert result["csj_Nm"]["shift_percent"] == pytest.approx(117.39, abs=0.2)
     assert result["blk_mm"]["shift_percent"] == pytest.approx(25.0, abs=3.0 * 100.0 * result["blk_mm"]["std"] / 0.033)
     assert result["objective_before_mm2s"] == pytest.approx(0.675, abs=0.005)

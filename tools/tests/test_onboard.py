@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -246,6 +247,12 @@ def test_rows_are_of_length_one_and_free_of_faults(table: Signatures) -> None:
     assert abs(blk) > 20.0 * np.max(np.abs(effects))
 
 
+def test_a_machine_that_is_its_model_is_not_warned_of(table: Signatures) -> None:
+    assert table.warning is None
+    assert max(table.misfit.values()) < 2.0
+    assert table.summary()["warning"] is None
+
+
 def test_table_keeps_to_its_size() -> None:
     actuator = reference_actuator()
     healthy = [_record(actuator, k, 40.0) for k in range(2)]
@@ -271,9 +278,14 @@ def test_export_writes_the_table(tmp_path: Path) -> None:
     story = ROOT / "recordings" / "story"
     actuator = ROOT / "actuators" / "reference.toml"
     healthy = [word for k in (1, 2, 3) for word in ("--healthy", story / f"healthy_{k}.csv")]
-    ran = run_ema("export", actuator, "-o", tmp_path / "a.h", "--signatures", tmp_path / "s.h", *healthy)
+    ran = run_ema("export", actuator, "-o", tmp_path / "a.h", "--signatures", tmp_path / "s.h", "--json", tmp_path / "e.json", *healthy)
     assert ran.code == 0, ran.err
     assert "KiB of signatures in position_mm, current_A" in ran.out
+    told = json.loads((tmp_path / "e.json").read_text(encoding="utf-8"))["table"]
+    # a data sheet is no calibrated machine
+    assert min(told["misfit"].values()) > 15.0
+    assert ran.err == f"ema: {told['warning']}\n"
+    assert told["warning"].startswith("--signatures: current_A: reference.toml misses the healthy records by 2")
     assert "static const ema_signatures_t EMA_SIGNATURES" in (tmp_path / "s.h").read_text(encoding="utf-8")
     again = run_ema("export", actuator, "-o", tmp_path / "b.h", "--signatures", tmp_path / "s.h", *healthy)
     assert complaint(again).endswith("s.h: exists already: choose another name or give --force")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import MissingSignal
 
 # Rows at both ends that carry the filters' edges: 50 at 1 kHz.
 EDGE_S = 0.05
@@ -56,6 +57,11 @@ class Smoother:
         """Rows dropped at each end."""
         return max(1, round(EDGE_S / self.period_s))
 
+    @property
+    def least_rows(self) -> int:
+        """Rows of the shortest record that is worth filtering: half of it is left."""
+        return 4 * self.edge_rows
+
     def smooth(self, values: Reals) -> Reals:
         """Filtered forward and backward, [rows]."""
         return np.asarray(signal.sosfiltfilt(_butterworth(2.0 * self.cutoff_hz * self.period_s), values))
@@ -70,7 +76,9 @@ class Smoother:
         return values[self.edge_rows : -self.edge_rows]
 
     def decimated(self, values: Reals) -> Reals:
-        """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples]."""
+        """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples]. Raises MissingSignal for fewer than the least rows."""
+        if len(values) < self.least_rows:
+            raise MissingSignal(f"{len(values)} rows are too few for any filter, {self.least_rows} are needed")
         inner = self.inner(values)
         return inner if self.every == 1 else np.asarray(signal.sosfiltfilt(self.low_pass, inner))[:: self.every]
 

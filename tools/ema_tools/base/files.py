@@ -2,17 +2,47 @@
 
 from __future__ import annotations
 
+import codecs
+import io
 import json
 import math
 import os
+import re
 import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
 from ema_tools.base.errors import InputError
+
+
+def readable(text: str | Path) -> str:
+    """`text` with only what UTF-8 can hold: the bytes of a file name that are not UTF-8 are shown as \\xff.
+
+    The system hands such a name over with a lone surrogate in the place of each byte, and opens the file by it; no text can be written with one.
+    """
+    return re.sub("[\ud800-\udfff]", lambda lone: f"\\x{ord(lone[0]) - 0xDC00:02x}" if lone[0] >= "\udc80" else "?", str(text))
+
+
+def show_any_name(stream: TextIO) -> None:
+    """Lets a stream take what its encoding cannot hold, as `readable` writes it."""
+
+    def shown(error: UnicodeError) -> tuple[str, int]:
+        if not isinstance(error, UnicodeEncodeError):
+            raise error
+        text = readable(error.object[error.start : error.end])
+        return text.encode(error.encoding, "backslashreplace").decode(error.encoding), error.end
+
+    codecs.register_error("ema_readable", shown)
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="ema_readable")
+
+
+def one_line(text: str) -> str:
+    """`text` without line ends and other control characters, for a line of a file."""
+    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
 
 
 def read_text(path: str | Path) -> str:
@@ -57,6 +87,12 @@ def may_write(path: str | Path, force: bool) -> Path:
     return target
 
 
+def has_folder(path: str | Path) -> None:
+    """Raises InputError when the folder that a file is to be written in does not exist."""
+    if not Path(os.path.realpath(path)).parent.is_dir():
+        raise InputError(f"{path}: there is no folder {Path(path).parent}: make it, or choose another place")
+
+
 def keep_apart(outputs: Iterable[str | Path], inputs: Iterable[str | Path] = ()) -> None:
     """Raises InputError when an output is also an input, or two outputs are one file; links are followed."""
     sources = list(inputs)
@@ -83,7 +119,7 @@ def write_text(path: str | Path, text: str, force: bool = False) -> None:
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         with part.open("w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+            stream.write(readable(text))
         part.replace(target)
     except OSError as error:
         part.unlink(missing_ok=True)
@@ -91,9 +127,9 @@ def write_text(path: str | Path, text: str, force: bool = False) -> None:
 
 
 def plain(value: Any) -> Any:
-    """`value` for JSON: arrays become lists, numbers that are not finite null."""
+    """`value` for JSON: arrays become lists, numbers that are not finite null, text what UTF-8 can hold."""
     if isinstance(value, Mapping):
-        return {str(key): plain(inner) for key, inner in value.items()}
+        return {readable(str(key)): plain(inner) for key, inner in value.items()}
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
     if isinstance(value, list | tuple):
@@ -102,8 +138,8 @@ def plain(value: Any) -> Any:
         return plain(value.item())
     if isinstance(value, float) and not math.isfinite(value):
         return None
-    if isinstance(value, Path):
-        return str(value)
+    if isinstance(value, str | Path):
+        return readable(value)
     return value
 
 

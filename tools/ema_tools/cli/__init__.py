@@ -6,6 +6,7 @@ Modules behind a command are imported by the command, so that help and errors co
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import shlex
 import sys
@@ -62,12 +63,19 @@ def save(json_path: str | Path | None, result: Result, force: bool) -> None:
         write_json(json_path, to_json(result), force)
 
 
-def writable(*paths: str | Path | None, force: bool, inputs: Iterable[str] = ()) -> None:
-    """Complain before the work, not after it: about outputs that exist, that are one of the inputs, or that are one file."""
-    from ema_tools.base.files import keep_apart, may_write
+def writable(
+    *paths: str | None, json_path: str | None = None, force: bool, inputs: Iterable[str] = (), made: str | Path | None = None
+) -> None:
+    """Complain before the work, not after it: about outputs that exist, that are one of the inputs, or that are one file, and a --json whose folder does not exist.
 
-    outputs = [path for path in paths if path]
+    `made`: the folder that the command makes for its outputs.
+    """
+    from ema_tools.base.files import has_folder, keep_apart, may_write
+
+    outputs = [path for path in (*paths, json_path) if path]
     keep_apart(outputs, inputs)
+    if json_path and not (made and Path(json_path).parent == Path(made)):
+        has_folder(json_path)
     for path in outputs:
         may_write(path, force)
 
@@ -121,7 +129,7 @@ def simulate(
     from ema_tools.results.files import Simulated
     from ema_tools.tasks import simulate as work
 
-    writable(out, json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
+    writable(out, json_path=json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
     model = work.with_settings(read_actuator(actuator), settings)
     std = work.noise_of(noise)
     command = make_command(command_text, model)
@@ -151,7 +159,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
-    writable(json_path, force=force, inputs=(actuator, record))
+    writable(json_path=json_path, force=force, inputs=(actuator, record))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     with progress("comparing", 3) as bar:
@@ -185,7 +193,7 @@ def calibrate(
     from ema_tools.words.answers.calibration import calibration
     from ema_tools.words.terminal import show
 
-    writable(out, json_path, force=force, inputs=(actuator, *records))
+    writable(out, json_path=json_path, force=force, inputs=(actuator, *records))
     model = read_actuator(actuator)
     measured = [read_record(record, model) for record in records]
     chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
@@ -247,7 +255,7 @@ def identify(
     from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
 
-    writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy))
+    writable(fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
@@ -307,7 +315,7 @@ def diagnose(
     from ema_tools.words.answers.diagnosis import diagnosis
     from ema_tools.words.terminal import show
 
-    writable(json_path, page, fitted, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
+    writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
@@ -421,7 +429,7 @@ def add(
     from ema_tools.words.answers.addition import addition, setting
     from ema_tools.words.terminal import show
 
-    writable(out, json_path, page, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
+    writable(out, page, json_path=json_path, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
     model = read_actuator(actuator)
     if effect in FAULTS:
         raise InputError(f"add {effect}: no effect but a value that every model has, {FAULTS[effect]}: ema identify finds it")
@@ -435,7 +443,10 @@ def add(
         if effect not in made.active_effects:
             raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
         made.write(out, force)
-        save(json_path, setting(made, effect, out, provenance(command_line(), actuator=model.name)), force)
+        told = setting(made, effect, model, out, provenance(command_line(), actuator=model.name))
+        save(json_path, told, force)
+        if told.replaced:
+            show.say(output(), told.sentence)
         output().print(f"{out} written", highlight=False)
         return
     if settings:
@@ -520,7 +531,7 @@ def next_command(
     from ema_tools.words.answers.experiment import experiment
     from ema_tools.words.terminal.next_experiment import print_next
 
-    writable(json_path, force=force, inputs=(actuator,))
+    writable(json_path=json_path, force=force, inputs=(actuator,))
     model = read_actuator(actuator)
     effects = following.check_effects((first, *others))
     values = following.sizes_of(settings)
@@ -577,7 +588,7 @@ def export(
 
     if not signatures and (healthy or signals):
         raise click.UsageError("--healthy and --signals belong to --signatures FILE.h")
-    writable(out, flat, signatures, json_path, force=force, inputs=(actuator, *healthy))
+    writable(out, flat, signatures, json_path=json_path, force=force, inputs=(actuator, *healthy))
     model = read_actuator(actuator)
     work.check_for_firmware(model)
     table = None
@@ -591,6 +602,8 @@ def export(
         write_text(signatures, work.signatures_text(table), force)
     made = table.summary() if table is not None else None
     save(json_path, Exported("export", actuator, out, flat, model.active_effects, signatures if made else None, made), force)
+    if table and table.warning:
+        complain(table.warning)
     told = [f"{path} written" for path in (out, flat) if path]
     if signatures and table:
         told.append(f"{signatures} written: {2 * table.numbers / 1024:.1f} KiB of signatures in {', '.join(table.signals)}")
@@ -606,7 +619,7 @@ def report(results: tuple[str, ...], out: str, json_path: str | None, force: boo
     from ema_tools.results.files import Reported
     from ema_tools.words.page import write_report
 
-    writable(out, json_path, force=force, inputs=results)
+    writable(out, json_path=json_path, force=force, inputs=results)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
     save(json_path, Reported("report", results, out), force)
     output().print(f"{out} written", highlight=False)
@@ -623,7 +636,7 @@ def demo_command(folder: str | None, json_path: str | None, force: bool) -> None
 
     target = Path(folder) if folder else work.output_folder()
     keep_apart([*work.written(target), *filter(None, (json_path,))])
-    writable(json_path, force=force)
+    writable(json_path=json_path, force=force, made=target)
     page = work.run(output(), target)
     save(json_path, Shown("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
@@ -648,7 +661,7 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     from ema_tools.words.terminal import show
 
     keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
-    writable(json_path, force=force)
+    writable(json_path=json_path, force=force, made=folder)
     found = work(file, folder, force)
     origin = provenance(command_line(), source=found.actuator.about["source"])
     record = found.record
@@ -673,7 +686,7 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
     from ema_tools.words.answers.effects import effects as described
     from ema_tools.words.terminal.effects import print_all, print_one
 
-    writable(json_path, force=force)
+    writable(json_path=json_path, force=force)
     rows = [work.find_effect(effect)] if effect else list(load_definitions().effects)
     found = described(rows)
     save(json_path, found, force)
@@ -685,8 +698,15 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
 
 def main() -> None:
     """Entry point: runs the command line and ends the process with its exit code."""
+    from ema_tools.base.files import show_any_name
     from ema_tools.plant.native import LibraryError
 
+    if sys.stderr is None:
+        sys.stderr = io.StringIO()  # nobody listens
+    if sys.stdout is None:
+        complain("standard output: is closed: send it to a file or to /dev/null")
+        sys.exit(1)
+    show_any_name(sys.stdout)
     try:
         cli(prog_name="ema", standalone_mode=False)
         sys.stdout.flush()

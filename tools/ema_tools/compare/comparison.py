@@ -14,6 +14,7 @@ from ema_tools.balances.balance import Balance
 from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.mechanical import filter_of
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.noise import white_noise
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
@@ -96,9 +97,14 @@ class Comparison:
 
 
 def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:
-    """Compare the C model with a record; `report` is told of the three passes. Raises InputError when the model refuses the actuator."""
+    """Compare the C model with a record; `report` is told of the three passes. Raises InputError when the model refuses the actuator, and for a record too short for any filter."""
+    smoother = Smoother.of(record.period_s)
+    if record.rows < smoother.least_rows:
+        raise InputError(
+            f"{record.file}: {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter: record {smoother.least_rows * record.period_s:g} s or more, best a chirp of ten"
+        )
     simulation = simulated(actuator, record, bits)
-    inner = Smoother.of(record.period_s).inner
+    inner = smoother.inner
     channels: dict[str, ChannelError] = {}
     errors: dict[str, Balance] = {}
     for name in OUTPUTS:

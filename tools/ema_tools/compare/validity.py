@@ -97,8 +97,8 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     """Judges a record and the healthy repeats that it is to be compared with. Raises InputError when the model refuses the actuator."""
     present = {name: record.channel(name) is not None for name in HIDES}
     smoother = Smoother.of(record.period_s)
-    if record.rows < 4 * smoother.edge_rows:
-        wanted = 4 * smoother.edge_rows * record.period_s
+    if record.rows < smoother.least_rows:
+        wanted = smoother.least_rows * record.period_s
         short = RecordRemark(
             "coverage",
             "blocks",

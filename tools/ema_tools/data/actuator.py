@@ -21,7 +21,7 @@ from tomlkit.exceptions import TOMLKitError
 
 from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import read_text, write_text
+from ema_tools.base.files import one_line, read_text, readable, write_text
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions
 
 ABOUT = ("name", "notes", "source")
@@ -98,7 +98,7 @@ def parsed(row: Row, value: object, where: str = "") -> float:
         number = float(value)
     except OverflowError:
         raise InputError(f"{name}: a number of more digits than any value has: give one in {_range(row)}") from None
-    if isinstance(row, Parameter) and row.is_option and number != math.floor(number):
+    if isinstance(row, Parameter) and row.is_option and not number.is_integer():
         raise InputError(f"{name} = {value}: not a whole number: give one in {_range(row)}")
     if not (row.lower <= number <= row.upper):
         raise InputError(f"{name} = {value}: outside {_range(row)}: give a value inside")
@@ -132,8 +132,8 @@ class Actuator:
 
     @property
     def name(self) -> str:
-        """The actuator's own name, else its file's."""
-        return self.about.get("name") or Path(self.file).stem or "reference actuator"
+        """The actuator's own name in one line, else its file's."""
+        return one_line(self.about.get("name", "")) or one_line(Path(self.file).stem) or "reference actuator"
 
     @property
     def record_period_s(self) -> float:
@@ -282,7 +282,7 @@ def reference_actuator() -> Actuator:
 
 def read_actuator(path: str | Path) -> Actuator:
     """Read an actuator. Raises InputError in one line that names file, section.field, range and the nearest known name."""
-    file = Path(path).name
+    file = readable(Path(path).name)
     text = read_text(path)
     try:
         document = tomlkit.parse(text)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
+from ema_tools.base.files import readable
 from ema_tools.data.actuator import Actuator, nearest
 from ema_tools.data.records import read_record, start_of
 from ema_tools.plant.native import COMMAND_KINDS, COMMAND_NUMBERS, library
@@ -63,9 +64,10 @@ def make_command(text: str, actuator: Actuator) -> SampledCommand:
     period_s = actuator.record_period_s
     if kind in COMMAND_KINDS:
         numbers = parsed_numbers(kind, numbers_text)
-        rows = round(numbers["duration_s"] / period_s)
-        if not 1 <= rows <= _ROWS_MAX:
-            raise InputError(f"command {kind}: duration_s={numbers['duration_s']:g}: {rows} rows: ask for 1 to {_ROWS_MAX}")
+        asked = numbers["duration_s"] / period_s
+        if not 0.5 < asked < _ROWS_MAX + 0.5:
+            raise InputError(f"command {kind}: duration_s={numbers['duration_s']:g}: {asked:.0f} rows: ask for 1 to {_ROWS_MAX}")
+        rows = round(asked)
         given = {name: numbers[name] for name in COMMAND_NUMBERS if name in numbers}
         samples = library().command(kind, given, period_s, rows)
         return SampledCommand(samples, 0.0, f"{kind}:{','.join(f'{name}={value:g}' for name, value in numbers.items())}")
@@ -74,4 +76,4 @@ def make_command(text: str, actuator: Actuator) -> SampledCommand:
             f"command {text}: neither a file nor a command{nearest(kind, DEFAULTS)}: use a recording or one of {', '.join(DEFAULTS)}"
         )
     record = read_record(text, actuator)
-    return SampledCommand(record.command_mm, start_of(actuator, record), Path(text).name)
+    return SampledCommand(record.command_mm, start_of(actuator, record), readable(Path(text).name))

@@ -14,7 +14,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import may_write, reason
+from ema_tools.base.files import may_write, readable, reason
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.linear_axis import ForceModel, to_values
 from ema_tools.data.records import Record, write_record
@@ -39,7 +39,7 @@ def read_emps(path: str | Path) -> tuple[dict[str, Reals], dict[str, float]]:
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
-    file = Path(path).name
+    file = readable(Path(path).name)
     try:
         content = loadmat(path)
     except FileNotFoundError as error:
@@ -132,7 +132,7 @@ def targets(folder: str | Path) -> tuple[Path, Path]:
 def import_emps(path: str | Path, folder: str | Path, force: bool = False) -> Imported:
     """Write `folder`/actuator.toml and `folder`/record.csv. Raises InputError as `read_emps`, and when a file exists and `force` is not set."""
     signals, gains = read_emps(path)
-    file = Path(path).name
+    file = readable(Path(path).name)
     record = emps_record(signals, file)
     actuator = emps_actuator(gains, record.period_s, file)
     actuator_path, record_path = targets(folder)

@@ -6,7 +6,12 @@ A recording has one row per sample at a constant rate. `time_s`, `command_mm` an
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +20,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import reason, write_text
+from ema_tools.base.files import one_line, readable, reason, write_text
 from ema_tools.data.actuator import Actuator
 from ema_tools.plant.native import CHANNELS, RECORD_COLUMNS, Simulation, library
 
@@ -121,7 +126,7 @@ def write_record(path: str | Path, record: Record, comments: tuple[str, ...] = (
     names = record.present
     shape = f"%.{digits}g"
     numbers = np.column_stack([record.recorded(name) for name in names])
-    lines = [f"# {line}" for line in comments]
+    lines = [f"# {one_line(line)}" for line in comments]
     lines.append(",".join(("time_s", *names)))
     row = "%.12g," + ",".join([shape] * len(names))
     lines.extend(row % (time, *values) for time, values in zip(record.time_s.tolist(), numbers.tolist(), strict=True))
@@ -133,17 +138,41 @@ def read_record(path: str | Path, actuator: Actuator | None = None) -> Record:
 
     Raises InputError in one line that names file, row and field.
     """
-    ending = Path(path).suffix.lower()
-    if ending in (".mat", ".parquet", ".pq"):
-        columns = _mat_columns(Path(path)) if ending == ".mat" else _parquet_columns(Path(path))
-        table, mask = _table(columns, str(path))
-        period_s = library().check_table(str(path), table, mask)
-    else:
-        table, mask, period_s = library().read_csv(path)
+    with _to_be_read_twice(Path(path)) as place:
+        ending = place.suffix.lower()
+        if ending in (".mat", ".parquet", ".pq"):
+            columns = _mat_columns(place) if ending == ".mat" else _parquet_columns(place)
+            table, mask = _table(columns, str(path))
+            period_s = library().check_table(str(path), table, mask)
+        else:
+            table, mask, period_s = library().read_csv(place)
     if actuator is not None:
         library().check_fit(str(path), table, actuator["screw.travel_mm"], actuator.record_period_s)
     arrays = {name: np.ascontiguousarray(table[:, place]) for place, name in enumerate(COLUMNS) if mask >> place & 1 and name != "time_s"}
-    return Record(period_s=period_s, first_time_s=float(table[0, 0]), file=Path(path).name, **arrays)
+    return Record(period_s=period_s, first_time_s=float(table[0, 0]), file=readable(Path(path).name), **arrays)
+
+
+@contextlib.contextmanager
+def _to_be_read_twice(path: Path) -> Iterator[Path]:
+    """`path`, or a file with what comes out of it when it is a pipe: that gives its bytes once. What is said of that file is said of `path`."""
+    try:
+        once = stat.S_ISFIFO(path.stat().st_mode)
+    except OSError:
+        once = False  # the reader says why
+    if not once:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        try:
+            with path.open("rb") as source, copy.open("wb") as kept:
+                shutil.copyfileobj(source, kept)
+        except OSError as error:
+            raise InputError(f"{path}: {reason(error)}: write the recording to a file first") from None
+        try:
+            yield copy
+        except InputError as error:
+            raise InputError(str(error).replace(str(copy), os.fspath(path))) from None
 
 
 def _table(columns: Mapping[str, object], file: str) -> tuple[Reals, int]:
@@ -193,8 +222,10 @@ def _parquet_columns(path: Path) -> dict[str, object]:
 
     _exists(path)
     try:
-        names = pyarrow.parquet.read_schema(path).names
-        table = pyarrow.parquet.read_table(path, columns=[name for name in COLUMNS if name in names])
+        # Arrow takes no name that is not UTF-8, but any file that is open.
+        with path.open("rb") as stream:
+            names = pyarrow.parquet.read_schema(stream).names
+            table = pyarrow.parquet.read_table(stream, columns=[name for name in COLUMNS if name in names])
     except (pyarrow.ArrowException, OSError):
         raise InputError(f"{path.name}: not a readable Parquet file: write it again") from None
     return {name: table.column(name).to_numpy() for name in table.column_names}

@@ -105,6 +105,7 @@ class _Result(ctypes.Structure):
         ("adequate", c_int32),
         ("reasons", c_int32),
         ("random_state", c_uint64),
+        ("bias", c_double * IDENTIFIED_MAX),
     ]
 
 
@@ -150,13 +151,17 @@ class SearchSettings:
 
 @dataclass(frozen=True)
 class IdentifiedValue:
-    """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value."""
+    """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value.
+
+    `bias`: how far it may be off besides, in its own unit, for what lasts in the residual; NaN as the standard error.
+    """
 
     name: str
     estimate: float
     std: float
     shift_percent: float
     at_bound: bool
+    bias: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -441,6 +446,7 @@ class Library:
                 _std(result.std[place], result.reasons),
                 result.shift_percent[place],
                 bool(result.at_bound[place]),
+                math.nan if math.isnan(_std(result.std[place], result.reasons)) else result.bias[place],
             )
             for place in range(raw.identified_count)
         )
@@ -477,7 +483,7 @@ class Library:
                 name, _doubles(table), rows.value, ctypes.byref(rows), ctypes.byref(mask), ctypes.byref(period_s), message, _MESSAGE_BYTES
             )
         if status != 0:
-            raise InputError(message.value.decode(errors="replace"))
+            raise InputError(message.value.decode(errors="backslashreplace"))
         return table, mask.value, period_s.value
 
     def check_table(self, name: str, table: Reals, mask: int) -> float:
@@ -485,20 +491,20 @@ class Library:
         message = ctypes.create_string_buffer(_MESSAGE_BYTES)
         period_s = c_double(0.0)
         status = self._lib.ema_csv_table_check(
-            name.encode(), _doubles(table), len(table), mask, ctypes.byref(period_s), message, _MESSAGE_BYTES
+            os.fsencode(name), _doubles(table), len(table), mask, ctypes.byref(period_s), message, _MESSAGE_BYTES
         )
         if status != 0:
-            raise InputError(message.value.decode(errors="replace"))
+            raise InputError(message.value.decode(errors="backslashreplace"))
         return period_s.value
 
     def check_fit(self, name: str, table: Reals, travel_mm: float, record_period_s: float) -> None:
         """Raises InputError when a recording cannot be of an actuator with this travel and record period: wrong unit, wrong rate."""
         message = ctypes.create_string_buffer(_MESSAGE_BYTES)
         if (
-            self._lib.ema_csv_table_fit(name.encode(), _doubles(table), len(table), travel_mm, record_period_s, message, _MESSAGE_BYTES)
+            self._lib.ema_csv_table_fit(os.fsencode(name), _doubles(table), len(table), travel_mm, record_period_s, message, _MESSAGE_BYTES)
             != 0
         ):
-            raise InputError(message.value.decode(errors="replace"))
+            raise InputError(message.value.decode(errors="backslashreplace"))
 
     def random_bits(self, seed: int, stream: int, count: int) -> NDArray[np.uint32]:
         """The first `count` numbers of the module's generator, [count]."""

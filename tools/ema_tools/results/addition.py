@@ -28,6 +28,7 @@ class Addition:
     sentence: str = ""
     error: Errors | WeightedErrors  # the latter where it was fitted
     parameters: dict[str, FittedValue]  # by full name
+    replaced: dict[str, float] | None = None  # what the effect was in the actuator as given; None where it was absent
     correlations: tuple[Correlation, ...] | None = field(default=None, metadata=SPARE)
     steps: tuple[Step, ...] | None = field(default=None, metadata=SPARE)
     recommended: bool | None = field(default=None, metadata=SPARE)

@@ -36,6 +36,8 @@ class SignatureTable:
     effects: tuple[str, ...]
     limit: float  # units of cost that an effect must take off
     energy: float  # of the healthy repeats, units of cost
+    misfit: dict[str, float]  # of the healthy machine and its model, times the noise of a bin, rms, by signal
+    warning: str | None  # what speaks against the table
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,9 @@ class Estimate:
     shift_percent: float  # of the healthy value
     healthy: float | None = field(default=None, metadata=SPARE)
     at_bound: bool = False  # of the search
+    bias: float | None = field(
+        default=None, metadata=SPARE
+    )  # how far it may be off besides, for what lasts in the residual; None as the standard error
 
 
 @dataclass(frozen=True)

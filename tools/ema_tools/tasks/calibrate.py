@@ -27,7 +27,7 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.linear_axis import VALUES, ForceModel, at_rod, lead_m_per_rad
 from ema_tools.data.records import Record, simulated
-from ema_tools.plant.native import CHANNELS
+from ema_tools.plant.native import CHANNELS, Simulation
 from ema_tools.tasks.identify import BOUNDS
 
 PLAY = "screw.blk_mm"
@@ -37,6 +37,8 @@ _WEIGHING_ROUNDS = 3
 _STEP = 1e-3  # of a parameter, for a central difference; the model is not smooth in the small
 _SHRINK = 1e-9
 _AT_BOUND_MM = 1e-6  # the search for the play comes this near to a bound, and not onto it
+# What makes the time constants: a fit that the records do not hold drives them to where the model cannot be stepped.
+_TIME_CONSTANTS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", *ELECTRICAL_PARAMETERS)
 # No channel is trusted to a smaller share of its size than this: the model's own arithmetic and steps are not better.
 _TRUST = 1e-4
 
@@ -103,6 +105,21 @@ def range_of(actuator: Actuator, name: str) -> tuple[float, float]:
     if not lower < upper:
         raise InputError(f"{actuator.file}: {low} = {actuator[low]:g}: not below {high} = {actuator[high]:g}: correct the bounds")
     return lower, upper
+
+
+def _simulated(fitted: Actuator, given: Actuator, record: Record) -> Simulation:
+    """A run of what a fit came to. Raises InputError that names the value which the record does not determine: that of a time constant which went furthest from what was `given`."""
+    try:
+        return simulated(fitted, record)
+    except InputError:
+
+        def went(name: str) -> float:
+            before, after = max(abs(given[name]), 1e-300), max(abs(fitted[name]), 1e-300)
+            return abs(float(np.log(after / before)))
+
+        raise InputError(
+            f"calibrate: {max(_TIME_CONSTANTS, key=went)}: the records do not determine it: leave it out of --fit or record another command"
+        ) from None
 
 
 def check_followed(actuator: Actuator, records: Sequence[Record]) -> None:
@@ -238,8 +255,9 @@ def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str,
 class _Loop:
     """The closed loop as a function of the free parameters, in units of their own size."""
 
-    def __init__(self, actuator: Actuator, records: Sequence[Record], names: Sequence[str]) -> None:
+    def __init__(self, actuator: Actuator, records: Sequence[Record], names: Sequence[str], given: Actuator) -> None:
         self.actuator = actuator
+        self.given = given
         self.records = records
         self.names = tuple(names)
         ranges = np.array([range_of(actuator, name) for name in names])
@@ -257,7 +275,7 @@ class _Loop:
 
     def errors(self, point: Reals, record: Record) -> Reals:
         """Measured minus simulated, [rows, channels]."""
-        simulation = simulated(self.at(point), record)
+        simulation = _simulated(self.at(point), self.given, record)
         return np.column_stack([record.recorded(name) - getattr(simulation, name) for name in CHANNELS if name in record.present])
 
     def trust(self, record: Record) -> Reals:
@@ -289,15 +307,15 @@ class _Loop:
 
 
 def in_the_loop(
-    actuator: Actuator, records: Sequence[Record], names: Sequence[str], report: Report | None = None
+    actuator: Actuator, records: Sequence[Record], names: Sequence[str], given: Actuator, report: Report | None = None
 ) -> tuple[Actuator, list[Parameter]]:
-    """Fit `names` so that the simulated loop follows every recorded channel, each weighted by its own rms error.
+    """Fit `names` so that the simulated loop follows every recorded channel, each weighted by its own rms error; `given`: the actuator before any fit.
 
     Raises InputError when the records do not determine a parameter.
     """
     from scipy.optimize import least_squares
 
-    loop = _Loop(actuator, records, names)
+    loop = _Loop(actuator, records, names, given)
     point = loop.start()
     runs = 0
 
@@ -375,8 +393,10 @@ def calibrate(
             left_out[", ".join(group)] = str(missing)
         else:
             found |= {parameter.name: parameter for parameter in parameters}
+    for record in records:
+        _simulated(fitted, actuator, record)
     if loop is not False:
-        closer, parameters = in_the_loop(fitted, records, free, report)
+        closer, parameters = in_the_loop(fitted, records, free, actuator, report)
         if loop or len(found) < len(free) or _gain(channel_errors(fitted, records), channel_errors(closer, records)) > _LOOP_GAIN:
             fitted = closer
             found |= {parameter.name: parameter for parameter in parameters}

@@ -24,6 +24,8 @@ _SIGNATURES_NAME = "EMA_SIGNATURES"
 _SIGNATURES_VERSION = 1
 _FULL = 32767
 _LINE = 24
+# Characters of an actuator's name in a comment.
+_TITLE = 200
 
 
 def check_for_firmware(actuator: Actuator) -> None:
@@ -58,10 +60,15 @@ def _lines(actuator: Actuator, rows: Iterable[Row], indent: str) -> list[str]:
     return lines
 
 
+def _title(actuator: Actuator) -> str:
+    """The actuator's name as a part of a comment, in C and for the host program, which takes no line of more than 1023 bytes."""
+    return actuator.name.replace("*/", "* /").replace("/*", "/ *")[:_TITLE]
+
+
 def header_text(actuator: Actuator) -> str:
     """A C header with `static const ema_actuator_t EMA_ACTUATOR`."""
     known = load_definitions()
-    title = actuator.name.replace("*/", "* /")
+    title = _title(actuator)
     lines = [
         f"/* {title}: written by ema export. To change it, change the actuator's TOML file and export again. */",
         f"#ifndef {_GUARD}",
@@ -87,7 +94,7 @@ def header_text(actuator: Actuator) -> str:
 def flat_text(actuator: Actuator) -> str:
     """`section.field = value` lines, as the host program reads them."""
     known = load_definitions()
-    lines = [f"# {actuator.name}: written by ema export"]
+    lines = [f"# {_title(actuator)}: written by ema export"]
     for row in known.rows:
         value = actuator[row.name]
         if isinstance(row, EffectParameter) or not row.is_option:
@@ -143,7 +150,7 @@ def signatures_text(table: Signatures) -> str:
         f"        {{{known.ids[one.name]}, {one.row}, {literal(one.healthy)}, {literal(one.turn)}, {literal(one.length)}}}, /* {one.name} */"
         for one in table.faults
     ]
-    title = table.actuator.name.replace("*/", "* /")
+    title = _title(table.actuator)
     lines = [
         f"/* {title}: signatures of {len({one.effect for one in table.patterns})} effects in {', '.join(table.signals)} under the ground test, {2 * table.numbers} bytes.",
         " * Written by ema export: it belongs to the actuator exported with it and to that one command. */",

@@ -40,6 +40,8 @@ TRUST = 0.02
 LEFT_SHARE = 0.5
 # No signal is trusted beyond this part of what the desk trusts it to: a bin's mean is less noisy than its rows.
 _LEAST_NOISE_PART = 0.3
+# The mean of the healthy runs is off a calibrated model by 2 to 8 times the noise of a bin, off a data sheet by 17 to 58: the story's unit and four machines of the trials.
+_CALIBRATED = 12.0
 # A command that differs by more than this part of its reach is another one.
 _COMMAND_APART = 0.005
 # A signature is taken at the size at which it stands so many standard deviations out of the noise, or at this share of its range; one that turns with its size at more.
@@ -112,11 +114,39 @@ class Signatures:
         """Numbers of 16 bits in the table."""
         return self.bins * (1 + len(self.signals) * (1 + len(self.rows)))
 
+    @property
+    def misfit(self) -> dict[str, float]:
+        """By how many times the noise of a bin the healthy machine differs from its model, rms, by signal."""
+        rms = np.sqrt(np.mean(self.reference**2, axis=1)) * self.weight
+        return dict(zip(self.signals, rms.tolist(), strict=True))
+
+    @property
+    def warning(self) -> str | None:
+        """What speaks against the table: that its actuator is not the machine of the healthy runs."""
+        worst = max(self.misfit, key=self.misfit.__getitem__)
+        if self.misfit[worst] <= _CALIBRATED:
+            return None
+        return (
+            f"--signatures: {worst}: {self.actuator.file or self.actuator.name} misses the healthy records by {self.misfit[worst]:.3g} times their noise:"
+            " calibrate it on them (ema calibrate) and export that, or what the table names may be wrong"
+        )
+
     def summary(self) -> SignatureTable:
         """What the table is made of."""
         rate_hz = 1.0 / (self.bin_rows * self.actuator.record_period_s)
         effects = tuple(sorted({one.effect for one in self.patterns}))
-        return SignatureTable(2 * self.numbers, tuple(self.signals), len(self.rows), self.bins, rate_hz, effects, self.limit, self.energy)
+        return SignatureTable(
+            2 * self.numbers,
+            tuple(self.signals),
+            len(self.rows),
+            self.bins,
+            rate_hz,
+            effects,
+            self.limit,
+            self.energy,
+            self.misfit,
+            self.warning,
+        )
 
 
 @dataclass(frozen=True)

@@ -32,14 +32,17 @@ def addition(found: Added, record: str, actuator: str, provenance: Provenance, c
     )
 
 
-def setting(made: Actuator, effect: str, actuator: str, provenance: Provenance) -> result.Addition:
-    """An effect whose values were given and not fitted."""
-    names = [value.name for value in load_definitions().effect(effect).parameters]
+def setting(made: Actuator, effect: str, before: Actuator, actuator: str, provenance: Provenance) -> result.Addition:
+    """An effect whose values were given and not fitted; `before`: the actuator as given, `actuator`: the file that was written."""
+    row = load_definitions().effect(effect)
+    names = [value.name for value in row.parameters]
+    there = effect in before.active_effects
     return result.Addition(
         actuator=actuator,
         effect=effect,
-        sentence=set_sentence(effect),
+        sentence=set_sentence(effect, before[row.size.name] if there else None),
         error=Errors(None, None),
         parameters={f"effects.{name}": FittedValue(made[name], None, row_of(f"effects.{name}").unit) for name in names},
+        replaced={f"effects.{name}": before[name] for name in names} if there else None,
         provenance=provenance,
     )

@@ -59,7 +59,7 @@ def _values(found: Identified) -> Mapping[str, Any]:
         key: result.NotIdentified(None, None, None, 0.0, _ZERO) for name, key in KEYS.items() if name not in identified_of(found.healthy)
     }
     return absent | {
-        KEYS[one.name]: result.Estimate(one.estimate, one.std, one.shift_percent, found.healthy[one.name], one.at_bound)
+        KEYS[one.name]: result.Estimate(one.estimate, one.std, one.shift_percent, found.healthy[one.name], one.at_bound, one.bias)
         for one in found.answer.identified
     }
 

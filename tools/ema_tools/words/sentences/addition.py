@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ema_tools.data.actuator import row_of
+from ema_tools.library.definitions import load_definitions
 from ema_tools.tasks.add import Added, Why
 from ema_tools.words.sentences.sizes import size_text
 
@@ -35,6 +36,8 @@ def sentence(found: Added) -> str:
     return f"{text}. {'Recommended' if found.recommended else 'Not recommended'}: {reason(found)}."
 
 
-def set_sentence(effect: str) -> str:
+def set_sentence(effect: str, was: float | None) -> str:
     """Of values that were given."""
-    return f"{effect} set to given values; nothing was fitted."
+    size = load_definitions().effect(effect).size.field
+    there = f" was there with {size} = {was:g}; it is now" if was is not None else ""
+    return f"{effect}{there} set to given values; nothing was fitted."

@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 from rich.table import Table
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.files import readable
 
 _SHOW_AFTER_S = 0.5
 
@@ -79,7 +80,7 @@ def progress(title: str, total: float) -> Iterator[Bar]:
 
 def complain(message: str) -> None:
     """One line on standard error."""
-    sys.stderr.write(f"ema: {' '.join(message.split())}\n")
+    sys.stderr.write(f"ema: {' '.join(readable(message).split())}\n")
 
 
 def run_command(command: click.Command) -> None:
