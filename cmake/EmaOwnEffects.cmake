@@ -17,14 +17,14 @@ if(EMA_OWN_FOLDER AND EMA_TESTS)
 endif()
 
 set(EMA_OWN_SOURCES "")
-# The tools read the list of the very build whose libraries they load.
+# Their equations in Python lie beside the libraries that hold them.
 set(ema_own_copy "${CMAKE_BINARY_DIR}/lib/own_effects")
 if(PROJECT_IS_TOP_LEVEL)
     file(REMOVE_RECURSE "${ema_own_copy}")
 endif()
 if(EMA_OWN_FOLDER)
     file(GLOB EMA_OWN_SOURCES CONFIGURE_DEPENDS "${EMA_OWN_FOLDER}/*.c")
-    file(GLOB ema_own_files CONFIGURE_DEPENDS "${EMA_OWN_FOLDER}/own_effects.def" "${EMA_OWN_FOLDER}/*.py")
+    file(GLOB ema_own_files CONFIGURE_DEPENDS "${EMA_OWN_FOLDER}/*.py")
     message(STATUS "Own effects: ${EMA_OWN_FOLDER}")
     if(PROJECT_IS_TOP_LEVEL)
         foreach(file IN LISTS ema_own_files)

@@ -20,19 +20,13 @@ extern "C" {
 /* Real parameters, in the order of the list. */
 typedef struct {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) ema_real field;
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 } ema_params_t;
 
 /* Choices and whole numbers, in the order of the list. */
 typedef struct {
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) int32_t field;
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 } ema_options_t;
 
 /* One structure per effect, ema_effect_<name>_t, and all of them side by side. */
@@ -43,15 +37,19 @@ typedef struct {
         parameters                                                                                                     \
     } ema_effect_##name##_t;
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
 
 typedef struct {
 /* EMA-D1 */
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name;
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 } ema_effects_t;
+
+/* Place of each effect in the list. */
+typedef enum {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_EFFECT_ID_##name,
+#include "ema/ema_effects.def"
+    EMA_EFFECT_COUNT /* also: no effect */
+} ema_effect_id_t;
 
 typedef struct {
     ema_params_t params;

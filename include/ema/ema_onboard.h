@@ -31,14 +31,6 @@ extern "C" {
 /* CSJ and BLK. */
 #define EMA_SIGNATURE_FAULTS_MAX 2U
 
-/* Place of each effect in the list. */
-typedef enum {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_EFFECT_ID_##name,
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
-    EMA_EFFECT_COUNT /* also: no effect */
-} ema_effect_id_t;
-
 /* One effect in one shape: one row of the table, or two for an effect of unknown phase. Patterns of one effect follow
  * each other. */
 typedef struct {

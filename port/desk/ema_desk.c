@@ -4,51 +4,51 @@
 
 #include "ema/ema_session.h"
 
-#define EMA_TEXT(x) #x
-
-static const ema_desk_row_t ema_value_rows[] = {
-#define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, text, "", nominal, lower, upper},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
+static const ema_desk_row_t ema_parameter_rows[] = {
+#define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, text, "", nominal, lower, upper, 0},
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    {#section, #field, text, choices, nominal, lower, upper, 1},
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
-#define EMA_P(field, nominal, lower, upper, text) {NULL, #field, text, "", nominal, lower, upper},
+};
+
+static const ema_desk_row_t ema_effect_value_rows[] = {
+#define EMA_P(field, nominal, lower, upper, text) {"", #field, text, "", nominal, lower, upper, 0},
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
 };
 
-static const ema_desk_row_t ema_option_rows[] = {
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
-    {#section, #field, text, choices, nominal, lower, upper},
-#include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
-};
-
-/* The section of an effect's values is told by the effect itself: a row of the list cannot name its own effect. */
-static const char* const ema_effect_sections[] = {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) "effects." #name,
-#include "ema/ema_effects.def"
+/* The user's own are the last of the list. */
+enum {
+    EMA_OWN_EFFECT_COUNT = 0
+#ifdef EMA_OWN_EFFECTS
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) +1
+#include EMA_OWN_EFFECTS
 #undef EMA_EFFECT
+#endif
 };
 
 static const ema_desk_effect_t ema_effect_rows[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {#name,                                                                                                            \
-     EMA_TEXT(site),                                                                                                   \
+     #site,                                                                                                            \
      equation,                                                                                                         \
      source,                                                                                                           \
      look_alikes,                                                                                                      \
-     (int32_t)(EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))),                                  \
+     (memory),                                                                                                         \
+     (substeps),                                                                                                       \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     (int32_t)(offsetof(ema_effects_t, name) / sizeof(ema_real)),                                                      \
      (int32_t)(sizeof(ema_effect_##name##_t) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 #define EMA_COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
+
+_Static_assert((sizeof(ema_parameter_rows) / sizeof(ema_parameter_rows[0])) == (EMA_PARAM_COUNT + EMA_OPTION_COUNT),
+               "a row per parameter and option");
+_Static_assert((sizeof(ema_effect_value_rows) / sizeof(ema_effect_value_rows[0])) == EMA_EFFECT_VALUE_COUNT,
+               "a row per value of an effect");
 
 int32_t ema_desk_real_bits(void)
 {
@@ -57,17 +57,34 @@ int32_t ema_desk_real_bits(void)
 
 int32_t ema_desk_value_count(void)
 {
-    return EMA_COUNT(ema_value_rows);
+    return (int32_t)EMA_VALUE_COUNT;
 }
 
 int32_t ema_desk_option_count(void)
 {
-    return EMA_COUNT(ema_option_rows);
+    return (int32_t)EMA_OPTION_COUNT;
 }
 
-int32_t ema_desk_effect_count(void)
+static int32_t ema_row_of(const ema_desk_row_t* rows, int32_t count, int32_t index, ema_desk_row_t* row)
 {
-    return EMA_COUNT(ema_effect_rows);
+    if (row == NULL) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    if ((index < 0) || (index >= count)) {
+        return (int32_t)EMA_ERR_RANGE;
+    }
+    *row = rows[index];
+    return (int32_t)EMA_OK;
+}
+
+int32_t ema_desk_parameter_row(int32_t index, ema_desk_row_t* row)
+{
+    return ema_row_of(ema_parameter_rows, EMA_COUNT(ema_parameter_rows), index, row);
+}
+
+int32_t ema_desk_effect_value_row(int32_t index, ema_desk_row_t* row)
+{
+    return ema_row_of(ema_effect_value_rows, EMA_COUNT(ema_effect_value_rows), index, row);
 }
 
 int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row)
@@ -75,40 +92,12 @@ int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row)
     if (row == NULL) {
         return (int32_t)EMA_ERR_NULL;
     }
-    if ((index < 0) || (index >= EMA_COUNT(ema_effect_rows))) {
+    if ((index < 0) || (index >= (int32_t)EMA_EFFECT_COUNT)) {
         return (int32_t)EMA_ERR_RANGE;
     }
     *row = ema_effect_rows[index];
-    return (int32_t)EMA_OK;
-}
-
-int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row)
-{
-    if (row == NULL) {
-        return (int32_t)EMA_ERR_NULL;
-    }
-    if ((index < 0) || (index >= EMA_COUNT(ema_value_rows))) {
-        return (int32_t)EMA_ERR_RANGE;
-    }
-    *row = ema_value_rows[index];
-    for (int32_t k = 0; k < EMA_COUNT(ema_effect_rows); ++k) {
-        const int32_t first = ema_effect_rows[k].first_value;
-        if ((index >= first) && (index < (first + ema_effect_rows[k].value_count))) {
-            row->section = ema_effect_sections[k];
-        }
-    }
-    return (int32_t)EMA_OK;
-}
-
-int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row)
-{
-    if (row == NULL) {
-        return (int32_t)EMA_ERR_NULL;
-    }
-    if ((index < 0) || (index >= EMA_COUNT(ema_option_rows))) {
-        return (int32_t)EMA_ERR_RANGE;
-    }
-    *row = ema_option_rows[index];
+    row->is_learned = ema_actuator_is_learned((ema_value_id_t)(EMA_PARAM_COUNT + (size_t)row->first_value)) ? 1 : 0;
+    row->is_own = (index >= ((int32_t)EMA_EFFECT_COUNT - (int32_t)EMA_OWN_EFFECT_COUNT)) ? 1 : 0;
     return (int32_t)EMA_OK;
 }
 

@@ -1,8 +1,9 @@
 /* The module as flat arrays of double, for tools at a desk: Python reaches it by ctypes, from both precisions alike.
  *
- * An actuator is `values[ema_desk_value_count()]` and `options[ema_desk_option_count()]`, in the order of the rows that
- * ema_desk_value_row and ema_desk_option_row describe. Every function answers an ema_status_t as int, 0 for success,
- * unless it says otherwise. No function keeps state.
+ * An actuator is `values[ema_desk_value_count()]` and `options[ema_desk_option_count()]`: first the real parameters in
+ * the order of ema_params.def, then the values of all effects in the order of ema_effects.def; options in the order of
+ * ema_params.def. Every function answers an ema_status_t as int, 0 for success, unless it says otherwise. No function
+ * keeps state.
  */
 #ifndef EMA_DESK_H
 #define EMA_DESK_H
@@ -10,33 +11,42 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* A row of ema_params.def, or a value of an effect. */
 typedef struct {
-    const char* section; /* TOML table; "effects.<name>" for an effect's value */
+    const char* section; /* TOML table; empty for an effect's value */
     const char* field;
     const char* text;
-    const char* choices; /* options: "a|b" or empty */
+    const char* choices; /* options: "a|b", or empty for a whole number */
     double nominal;
     double lower;
     double upper;
+    int32_t is_option;
 } ema_desk_row_t;
 
+/* A row of ema_effects.def, or of the user's own list behind it. */
 typedef struct {
     const char* name;
-    const char* site;
+    const char* site; /* as the list writes it: a learned table's ends in _TABLE */
     const char* equation;
     const char* source;
     const char* look_alikes;
-    int32_t first_value; /* index of its first value among all values */
+    int32_t memory;
+    int32_t substeps;
+    int32_t is_learned; /* a table that holds what was learned from records */
+    int32_t is_own;
+    int32_t first_value; /* index of its first value among those of all effects */
     int32_t value_count;
 } ema_desk_effect_t;
 
 int32_t ema_desk_real_bits(void); /* 32 or 64 */
 int32_t ema_desk_value_count(void);
 int32_t ema_desk_option_count(void);
-int32_t ema_desk_effect_count(void);
-int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row);
-int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row);
+
+/* The two lists in their own order: real parameters and options as they stand among each other, effects, and the values
+ * of all effects one after the other. EMA_ERR_NULL; EMA_ERR_RANGE behind the last row. */
+int32_t ema_desk_parameter_row(int32_t index, ema_desk_row_t* row);
 int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row);
+int32_t ema_desk_effect_value_row(int32_t index, ema_desk_row_t* row);
 const char* ema_desk_status_text(int32_t status);
 
 /* Checks an actuator; on EMA_ERR_RANGE or EMA_ERR_NOT_FINITE `offender` is the value's index, or value count + option

@@ -34,7 +34,6 @@ static const row_t rows[] = {
     {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)),                                      \
      sizeof(ema_effect_##name##_t) / sizeof(ema_real)},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 #define ROW_COUNT (sizeof(rows) / sizeof(rows[0]))

@@ -21,8 +21,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from ema_tools import __version__
 from ema_tools.console import complain, output, progress
-from ema_tools.definitions import DefinitionError
-from ema_tools.errors import InputError, MissingSignal
+from ema_tools.errors import InputError, LibraryError, MissingSignal
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -705,12 +704,10 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
 
 def main() -> None:
     """Entry point: runs the command line and ends the process with its exit code."""
-    from ema_tools.native import LibraryError
-
     try:
         cli(prog_name="ema", standalone_mode=False)
         sys.stdout.flush()
-    except (InputError, MissingSignal, LibraryError, DefinitionError) as error:
+    except (InputError, MissingSignal, LibraryError) as error:
         complain(str(error))
         sys.exit(1)
     except click.exceptions.Abort:

@@ -1,7 +1,7 @@
 """The onboard C module behind typed arrays: the shared libraries `ema_desk32` and `ema_desk64` of `port/desk`, through ctypes.
 
 A call releases the interpreter, so threads run simulations on all cores. Values and options stand in the order of the two lists of
-`ema_tools.definitions`; loading checks that the library was built from the same lists.
+`ema_tools.definitions`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import ctypes
 import functools
 import math
 import os
-import sys
 from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
@@ -20,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ema_tools.definitions import library_folder, load_definitions
-from ema_tools.errors import InputError
+from ema_tools.definitions import library_path, load_definitions, open_library, read_definitions
+from ema_tools.errors import InputError, LibraryError
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int32]
@@ -46,22 +45,6 @@ REASONS = {
     64: "a parameter fell by more than its threshold, which wear does not do",
     128: "a learned table was used outside the range it was seen in",
 }
-
-
-class LibraryError(RuntimeError):
-    """The shared library is absent or was built from other lists; the message says what to do."""
-
-
-class _Row(ctypes.Structure):
-    _fields_ = [
-        ("section", c_char_p),
-        ("field", c_char_p),
-        ("text", c_char_p),
-        ("choices", c_char_p),
-        ("nominal", c_double),
-        ("lower", c_double),
-        ("upper", c_double),
-    ]
 
 
 class _Search(ctypes.Structure):
@@ -179,17 +162,6 @@ class Identification:
     random_state: int
 
 
-def _library_path(bits: int) -> Path:
-    name = f"ema_desk{bits}"
-    file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
-    path = library_folder() / file
-    if not path.is_file():
-        raise LibraryError(
-            f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
-        )
-    return path
-
-
 def _doubles(array: Reals) -> Any:
     return array.ctypes.data_as(POINTER(c_double))
 
@@ -211,19 +183,12 @@ class Library:
     """One precision of the module. Safe to use from several threads: no call keeps state."""
 
     def __init__(self, path: Path, bits: int) -> None:
-        """Load `path`. Raises LibraryError when it cannot be loaded or was built from other lists."""
-        try:
-            self._lib = ctypes.CDLL(str(path))
-        except OSError as error:
-            raise LibraryError(f"{path.name}: cannot be loaded ({error}): build the project again") from None
+        """Load `path`. Raises LibraryError when it cannot be loaded or the precisions were built from different lists."""
+        self._lib = open_library(path)
         self.path = path
         self.bits = bits
         real, whole = POINTER(c_double), POINTER(c_int32)
         self._declare("ema_desk_real_bits", [])
-        self._declare("ema_desk_value_count", [])
-        self._declare("ema_desk_option_count", [])
-        self._declare("ema_desk_value_row", [c_int32, POINTER(_Row)])
-        self._declare("ema_desk_option_row", [c_int32, POINTER(_Row)])
         self._declare("ema_desk_check", [real, whole, whole])
         self._declare("ema_desk_simulate", [real, whole, real, c_int32, c_double, real, whole])
         self._declare("ema_desk_command", [c_int32, real, c_double, c_int32, real])
@@ -250,25 +215,12 @@ class Library:
         function.restype = result
 
     def _check_lists(self) -> None:
-        known = load_definitions()
         if self._lib.ema_desk_real_bits() != self.bits:
             raise LibraryError(
                 f"{self.path.name}: calculates with {self._lib.ema_desk_real_bits()} bits, {self.bits} expected: build the project again"
             )
-        values = [*(row.name for row in known.reals), *("effects." + row.name for row in known.effect_values)]
-        options = [row.name for row in known.options]
-        for count, read, names in (
-            (self._lib.ema_desk_value_count(), self._lib.ema_desk_value_row, values),
-            (self._lib.ema_desk_option_count(), self._lib.ema_desk_option_row, options),
-        ):
-            found = []
-            for index in range(count):
-                row = _Row()
-                read(index, ctypes.byref(row))
-                found.append(f"{row.section.decode()}.{row.field.decode()}")
-            if found != names:
-                odd = sorted(set(found) ^ set(names)) or ["the order of the rows"]
-                raise LibraryError(f"{self.path.name}: built from other lists (differs in {odd[0]}): build the project again")
+        if read_definitions(self.path) != load_definitions():
+            raise LibraryError(f"{self.path.name}: built from other lists than {library_path(64).name}: build the project again")
 
     def status_text(self, status: int) -> str:
         """The text of a status of the C module."""
@@ -506,6 +458,6 @@ class Library:
 def library(bits: int = 64) -> Library:
     """The library of one precision, 32 as onboard or 64 for analysis; loaded once.
 
-    Raises LibraryError when it is absent or was built from other lists.
+    Raises LibraryError when it is absent or the precisions were built from different lists.
     """
-    return Library(_library_path(bits), bits)
+    return Library(library_path(bits), bits)

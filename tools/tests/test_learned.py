@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ema_tools.actuator import Actuator, read_actuator, reference_actuator
-from ema_tools.definitions import DefinitionError, load_definitions, read_definitions
+from ema_tools.definitions import load_definitions
 from ema_tools.errors import InputError
 from ema_tools.export import flat_text, header_text
 from ema_tools.native import library
@@ -38,23 +38,6 @@ def test_tables_are_told_apart_from_physical_effects() -> None:
         assert [row.field for row in effect.nodes] == [f"node_{k:02d}" for k in range(16)]
     assert known.effect("spring_load").nodes == ()
     assert not known.effect("spring_load").is_learned
-
-
-def test_macros_of_the_list_are_expanded_and_broken_ones_named(tmp_path: Path) -> None:
-    (tmp_path / "ema_params.def").write_text('EMA_PARAM(motor, resistance_ohm, 0.99, 1.0e-4, 1000.0, "winding")\n')
-    macro = '#define EMA_PAIR(lower, text) \\\n    EMA_P(a_Nm, 0.0, lower, 1.0, text) \\\n    EMA_P(b_Nm, 0.0, lower, 2.0, "own")\n'
-    row = 'EMA_EFFECT(pair, LOAD_TABLE, 0, 1, "eq", "src", "", EMA_PAIR(-3.0, "given"))\n#undef EMA_PAIR\n'
-    (tmp_path / "ema_effects.def").write_text(macro + row)
-    effect = read_definitions(tmp_path).effects[0]
-    assert (effect.site, effect.is_learned) == ("LOAD", True)
-    assert [(value.field, value.lower, value.upper, value.text) for value in effect.parameters] == [
-        ("a_Nm", -3.0, 1.0, "given"),
-        ("b_Nm", -3.0, 2.0, "own"),
-    ]
-    read_definitions.cache_clear()
-    (tmp_path / "ema_effects.def").write_text(macro + row.replace(', "given"', ""))
-    with pytest.raises(DefinitionError, match="row 4: EMA_PAIR needs 2 arguments"):
-        read_definitions(tmp_path)
 
 
 @pytest.mark.parametrize("name", LEARNED)
