@@ -57,6 +57,15 @@ typedef struct {
     ema_effects_t effects;
 } ema_actuator_t;
 
+/* The axes of learned tables, as the value `axis` of a table counts them. */
+typedef enum {
+    EMA_AXIS_SPEED = 0,    /* of the motor shaft, rad/s */
+    EMA_AXIS_POSITION = 1, /* motor position expressed at the rod, or the rod's where its sensor is meant, mm */
+    EMA_AXIS_LEAD = 2,     /* the same within one lead of the screw, mm: periodic */
+    EMA_AXIS_TURN = 3,     /* motor angle within one turn, rad: periodic */
+    EMA_AXIS_CURRENT = 4   /* of the motor, A */
+} ema_axis_t;
+
 /* Number of real parameters, of options, of effects, and of reals in all effects together. */
 #define EMA_PARAM_COUNT (sizeof(ema_params_t) / sizeof(ema_real))
 #define EMA_OPTION_COUNT (sizeof(ema_options_t) / sizeof(int32_t))

@@ -54,22 +54,28 @@ typedef enum {
 
 typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDECIDED = 2 } ema_verdict_t;
 
-/* Why a verdict is undecided; a set of bits. */
+/* Why a verdict is undecided; a set of bits. A shift is near its threshold when they are closer than standard errors at
+ * the stated confidence and bias together; a record does not determine the parameters when there is too much doubt
+ * about one, or the rod was never pushed both ways. The last two are those of ema_guarded.h. */
+/* EMA-D1 */
+#define EMA_REASON_LIST(X)                                                                                             \
+    X(EMA_REASON_NOT_FINISHED, 1, "the search has not ended")                                                          \
+    X(EMA_REASON_INADEQUATE, 2,                                                                                        \
+      "the residual is larger than the sensor noise explains: an effect is missing from the model")                    \
+    X(EMA_REASON_AT_BOUND, 4, "an estimate lies on a bound of its search")                                             \
+    X(EMA_REASON_NOT_CONVERGED, 8, "the evaluations were used up while the cost still fell")                           \
+    X(EMA_REASON_NEAR_THRESHOLD, 16, "a shift cannot be told from its threshold with the stated confidence")           \
+    X(EMA_REASON_NOT_SENSITIVE, 32, "the record does not determine the parameters")                                    \
+    X(EMA_REASON_BELOW_HEALTHY, 64, "a parameter fell by more than its threshold, which wear does not do")             \
+    X(EMA_REASON_LEARNED_RANGE, 128, "a learned table was used outside the range it was seen in")                      \
+    X(EMA_REASON_EFFECT, 256, "the table of signatures shows an effect that is missing from the model")                \
+    X(EMA_REASON_OTHER_COMMAND, 512,                                                                                   \
+      "the table of signatures says nothing: the record runs another command than the table's")
+
 enum {
-    EMA_REASON_NOT_FINISHED = 1, /* the session has not ended */
-    EMA_REASON_INADEQUATE =
-        2, /* the residual is larger than the sensor noise explains: an effect is missing from the model */
-    EMA_REASON_AT_BOUND = 4,        /* an estimate lies on a bound of its search */
-    EMA_REASON_NOT_CONVERGED = 8,   /* the evaluations were used up while the cost still fell */
-    EMA_REASON_NEAR_THRESHOLD = 16, /* the shift cannot be told from its threshold: they are closer than standard errors
-                                       at the stated confidence and bias together */
-    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters: too much doubt about one, or the rod
-                                      was never pushed both ways */
-    EMA_REASON_BELOW_HEALTHY = 64, /* a parameter fell by more than its threshold, which wear does not do */
-    EMA_REASON_LEARNED_RANGE = 128, /* a learned table was used outside the range it was seen in */
-    EMA_REASON_EFFECT = 256, /* ema_guarded.h: the table of signatures says that an effect is missing from the model */
-    EMA_REASON_OTHER_COMMAND =
-        512 /* ema_guarded.h: the table could say nothing, because the record runs another command than it */
+#define EMA_REASON_ENUM(name, bit, text) name = (bit), /* EMA-D1 */
+    EMA_REASON_LIST(EMA_REASON_ENUM)
+#undef EMA_REASON_ENUM
 };
 
 typedef struct {
@@ -147,6 +153,10 @@ ema_phase_t ema_session_phase(const ema_session_t* session);
 /* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL;
  * EMA_ERR_ORDER before the first run. */
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
+
+/* The text of one reason, a constant string; "unknown reason" for anything but one bit of the list. Cost: a handful of
+ * comparisons. */
+const char* ema_reason_text(uint32_t reason);
 
 #ifdef __cplusplus
 }

@@ -49,6 +49,9 @@ int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row);
 int32_t ema_desk_effect_value_row(int32_t index, ema_desk_row_t* row);
 const char* ema_desk_status_text(int32_t status);
 
+/* Text and EMA_REASON_ bit of the index-th reason why a verdict is undecided; NULL behind the last. */
+const char* ema_desk_reason_text(int32_t index, int32_t* bit);
+
 /* Checks an actuator; on EMA_ERR_RANGE or EMA_ERR_NOT_FINITE `offender` is the value's index, or value count + option
  * index. */
 int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* offender);
@@ -110,6 +113,47 @@ typedef struct {
     uint64_t random_state;
 } ema_desk_result_t;
 
+/* A table of signatures as ema_signatures_t has it. Each row of `pattern` is effect, first, rows, one_sided, turn[3],
+ * penalty; each of `fault` value index, row, healthy, turn, length. */
+typedef struct {
+    int32_t version;
+    uint32_t fingerprint;
+    int32_t record_rows;
+    int32_t bin_rows;
+    int32_t bins;
+    int32_t channels;
+    int32_t channel[4];
+    int32_t patterns;
+    int32_t faults;
+    int32_t nuisances;
+    int32_t rows;
+    int32_t values; /* numbers in `value` */
+    double command_unit_mm;
+    double command_apart_mm;
+    double reference[4];
+    double weight[4];
+    double limit;
+    double energy;
+    const double* pattern; /* patterns x 8 */
+    const double* fault;   /* faults x 5 */
+    const double* unit;    /* rows */
+    const int16_t* value;
+} ema_desk_table_t;
+
+/* ema_finding_t. Effects are rows of the list, EMA_EFFECT_COUNT for none. */
+typedef struct {
+    int32_t kind; /* ema_finding_kind_t */
+    int32_t effect;
+    int32_t runner_up;
+    uint64_t alike;
+    double score;
+    double runner_up_score;
+    double limit;
+    double size;
+    double energy;
+    double moved[2];
+} ema_desk_finding_t;
+
 /* Called after each model run of the search with the run's number, the cost found and the best so far; may be NULL. A
  * return other than 0 stops the search. */
 typedef int32_t (*ema_desk_progress_t)(int32_t evaluation, double cost, double best, void* context);
@@ -122,6 +166,13 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
 int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm,
                           const double* channels, int32_t rows, const ema_desk_search_t* search,
                           ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row);
+
+/* The same behind a table, as ema_guarded.h does it: float32 and a record of reals that hold what the firmware's record
+ * holds give the firmware's bits. EMA_ERR_TABLE for a table whose numbers do not fit each other. */
+int32_t ema_desk_identify_guarded(const double* values, const int32_t* options, const double* command_mm,
+                                  const double* channels, int32_t rows, const ema_desk_search_t* search,
+                                  const ema_desk_table_t* table, ema_desk_progress_t progress, void* context,
+                                  ema_desk_result_t* result, ema_desk_finding_t* finding, int32_t* bad_row);
 
 /* The first `count` numbers of the module's generator, for its reference vectors. */
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits);

@@ -137,8 +137,9 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
 /* Periods of the axes position in the lead and angle in the turn; zero for the others. */
 static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)
 {
-    const ema_real period_of_turn = (axis == EMA_R(3.0)) ? EMA_TURN_RAD : EMA_R(0.0);
-    return (axis == EMA_R(2.0)) ? params->lead_mm : period_of_turn;
+    const ema_axis_t kind = (ema_axis_t)(int32_t)axis;
+    const ema_real period_of_turn = (kind == EMA_AXIS_TURN) ? EMA_TURN_RAD : EMA_R(0.0);
+    return (kind == EMA_AXIS_LEAD) ? params->lead_mm : period_of_turn;
 }
 
 /* What ranges alone do not tell of a table that acts; `offender` is the place of the bad value in it. */
@@ -147,7 +148,7 @@ static ema_status_t ema_table_check(const ema_real* table, const ema_params_t* p
     const ema_real axis = table[1];
     const ema_real first = table[2];
     const ema_real last = table[3];
-    const ema_real period = ema_axis_period(params, axis);
+    const ema_real period = ema_axis_period(params, axis); /* of no matter where the axis is none */
     ema_status_t status = EMA_OK;
     /* a range so short that its inverse overflows is none */
     if (!(first < last) || !ema_is_finite(EMA_TABLE_SPANS / (last - first))) {

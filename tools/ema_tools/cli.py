@@ -217,6 +217,11 @@ def calibrate(
 )
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
 @click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
+@click.option(
+    "--table",
+    metavar="FILE.h",
+    help="Guard the answer by this table alone, as firmware does with it: written by `ema export --signatures`.",
+)
 @precision_option("32")
 @json_option
 def identify(
@@ -228,6 +233,7 @@ def identify(
     weights: str | None,
     fitted: str | None,
     no_guard: bool,
+    table: str | None,
     precision: str,
     json_path: str | None,
     force: bool,
@@ -243,12 +249,14 @@ def identify(
     from ema_tools.native import Search
     from ema_tools.records import read_record, simulated
     from ema_tools.results import curves, provenance
+    from ema_tools.signatures_header import read_signatures
 
-    writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy))
+    writable(fitted, json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
     weight = weight_of(weights)
+    signatures = read_signatures(table) if table else None
     with progress("identifying", model["search.evaluation_budget"]) as bar:
         found = work(
             model,
@@ -259,6 +267,7 @@ def identify(
             int(precision),
             lambda run, _, best: bar.update(run, f"best {best:.3g}"),
             not no_guard,
+            signatures,
         )
     if fitted:
         found.actuator.write(fitted, force)
@@ -274,6 +283,8 @@ def identify(
         }
         save(json_path, result, force)
     show.identification(output(), found)
+    if found.answer.finding is not None:
+        output().print(found.table_sentence(), highlight=False)
 
 
 @cli.command()

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Iterator
 from ctypes import POINTER, byref, c_char_p, c_double, c_int32
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -44,6 +45,16 @@ _UNITS = (
     ("H", "H"),
     ("s", "s"),
 )
+
+
+class TableAxis(IntEnum):
+    """`ema_axis_t`: what a learned table is read along, as its value `axis` counts them."""
+
+    SPEED = 0
+    POSITION = 1
+    LEAD = 2
+    TURN = 3
+    CURRENT = 4
 
 
 def unit_of(field: str) -> str:

@@ -13,7 +13,7 @@ from ema_tools.actuator import Actuator, nearest, row_of, shown
 from ema_tools.diagnosis.answer import check_apart
 from ema_tools.diagnosis.guard import Guarded, guard
 from ema_tools.errors import InputError
-from ema_tools.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, library
+from ema_tools.native import CHANNELS, NOT_DETERMINED, REASONS, Estimate, Identification, Progress, Search, Table, library
 from ema_tools.parallel import each
 from ema_tools.records import Record
 
@@ -131,6 +131,7 @@ class Identified:
             "guard": None
             if self.guarded is None
             else {"verdict": self.guarded.verdict, "skipped": self.guarded.skipped or None, "wall_s": self.guarded.wall_s},
+            "table": None if answer.finding is None else vars(answer.finding),
             "sentence": self.sentence(),
             "residual_rms_mm": answer.residual_rms_mm,
             "residual_correlation": answer.residual_correlation,
@@ -154,6 +155,20 @@ class Identified:
                 for other in self.seeds
             ],
         }
+
+    def table_sentence(self) -> str:
+        """What the table of signatures says, in one sentence; empty without one."""
+        finding = self.answer.finding
+        if finding is None:
+            return ""
+        said = {
+            "adequate": "nothing is missing",
+            "missing": f"missing is {finding.effect}, size {finding.size:.3g}",
+            "unknown": "something is missing that no effect of the table explains",
+            "none": "the record runs another command, so nothing can be said",
+        }[finding.kind]
+        others = ", ".join(name for name in finding.alike if name != finding.effect) if finding.kind == "missing" else ""
+        return f"Table of signatures: {said}{f' (looks like {others})' if others else ''}."
 
     def _cost(self, value: float) -> str:
         return f"{value:.3g}{'' if self.weighted else ' mm2 s'}"
@@ -233,8 +248,19 @@ def check_record(actuator: Actuator, record: Record, search: Search) -> None:
     check_bounds(actuator)
 
 
-def run(actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None) -> Identification:
-    """One search on one record. Raises InputError."""
+def check_table(table: Table, record: Record) -> None:
+    """Raises InputError when the record lacks a signal that the table of signatures compares."""
+    for place in table.channels:
+        if record.channel(CHANNELS[place]) is None:
+            raise InputError(
+                f"{record.file}: {CHANNELS[place]}: the table compares it, but it is not recorded: record it, or leave --table out"
+            )
+
+
+def run(
+    actuator: Actuator, record: Record, search: Search, bits: int, progress: Progress | None = None, table: Table | None = None
+) -> Identification:
+    """One search on one record, behind a `table` of signatures where one is given. Raises InputError."""
     names = identified_of(actuator)
     if search.identified is None and len(names) < len(KEYS):
         lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
@@ -242,7 +268,7 @@ def run(actuator: Actuator, record: Record, search: Search, bits: int, progress:
             search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names)
         )
     values, options = actuator.arrays()
-    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
+    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress, table)
 
 
 def baseline_of(actuator: Actuator, records: Sequence[Record], search: Search, bits: int) -> Baseline:
@@ -282,15 +308,19 @@ def identify(
     bits: int = 32,
     progress: Progress | None = None,
     guarding: bool = True,
+    table: Table | None = None,
 ) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
     Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches
-    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
+    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. With a `table` of signatures the answer is the one that firmware gives
+    with it, guarded by the table alone. Raises InputError.
     """
     settings = search or Search()
     check_record(actuator, record, settings)
     check_apart(record, healthy)
+    if table is not None:
+        check_table(table, record)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
     settings = replace(settings, seed=seed)
     baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None
@@ -304,9 +334,11 @@ def identify(
             progress(evaluation, cost, best)
 
     begun = time.perf_counter()
-    answer = run(known, record, settings, bits, seen)
+    answer = run(known, record, settings, bits, seen, table)
     wall_s = time.perf_counter() - begun
-    others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
+    others = each(
+        lambda other: run(known, record, replace(settings, seed=other), bits, None, table), [seed + place for place in range(1, seeds)]
+    )
     found = known.changed(
         {
             estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper)
@@ -314,7 +346,7 @@ def identify(
         }
     )
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
-    wanted = guarding and bool(estimates) and needs_guard(answer)
+    wanted = guarding and table is None and bool(estimates) and needs_guard(answer)
     guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None
     return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None, guarded)
 

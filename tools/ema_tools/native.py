@@ -11,7 +11,7 @@ import functools
 import math
 import os
 from collections.abc import Callable
-from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_int16, c_int32, c_int64, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,16 +35,26 @@ COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", 
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
 VERDICTS = {0: "healthy", 1: "fault", 2: "undecided"}
 NOT_DETERMINED = 32
-REASONS = {
-    1: "the search has not ended",
-    2: "the residual is larger than the sensor noise explains: an effect is missing from the model",
-    4: "an estimate lies on a bound of its search",
-    8: "the evaluations were used up while the cost still fell",
-    16: "a shift cannot be told from its threshold with the stated confidence",
-    NOT_DETERMINED: "the record does not determine the parameters",
-    64: "a parameter fell by more than its threshold, which wear does not do",
-    128: "a learned table was used outside the range it was seen in",
-}
+FINDINGS = ("adequate", "missing", "unknown", "none")
+_TABLE_NUMBERS = 8
+_FAULT_NUMBERS = 5
+
+
+def _reasons() -> dict[int, str]:
+    """Bit to text, as the library has them."""
+    opened = open_library(library_path(64))
+    read: Any = getattr(opened, "ema_desk_reason_text", None)
+    if read is None:
+        raise LibraryError(f"{library_path(64).name}: has no ema_desk_reason_text: build the project again")
+    read.argtypes, read.restype = [c_int32, POINTER(c_int32)], c_char_p
+    found: dict[int, str] = {}
+    bit = c_int32()
+    while text := read(len(found), ctypes.byref(bit)):
+        found[bit.value] = text.decode()
+    return found
+
+
+REASONS = _reasons()
 
 
 class _Search(ctypes.Structure):
@@ -91,6 +101,48 @@ class _Result(ctypes.Structure):
     ]
 
 
+class _Table(ctypes.Structure):
+    _fields_ = [
+        ("version", c_int32),
+        ("fingerprint", c_uint32),
+        ("record_rows", c_int32),
+        ("bin_rows", c_int32),
+        ("bins", c_int32),
+        ("channels", c_int32),
+        ("channel", c_int32 * len(CHANNELS)),
+        ("patterns", c_int32),
+        ("faults", c_int32),
+        ("nuisances", c_int32),
+        ("rows", c_int32),
+        ("values", c_int32),
+        ("command_unit_mm", c_double),
+        ("command_apart_mm", c_double),
+        ("reference", c_double * len(CHANNELS)),
+        ("weight", c_double * len(CHANNELS)),
+        ("limit", c_double),
+        ("energy", c_double),
+        ("pattern", POINTER(c_double)),
+        ("fault", POINTER(c_double)),
+        ("unit", POINTER(c_double)),
+        ("value", POINTER(c_int16)),
+    ]
+
+
+class _Finding(ctypes.Structure):
+    _fields_ = [
+        ("kind", c_int32),
+        ("effect", c_int32),
+        ("runner_up", c_int32),
+        ("alike", c_uint64),
+        ("score", c_double),
+        ("runner_up_score", c_double),
+        ("limit", c_double),
+        ("size", c_double),
+        ("energy", c_double),
+        ("moved", c_double * 2),
+    ]
+
+
 _PROGRESS = ctypes.CFUNCTYPE(c_int32, c_int32, c_double, c_double, c_void_p)
 Progress = Callable[[int, float, float], None]
 
@@ -132,6 +184,52 @@ class Search:
 
 
 @dataclass(frozen=True)
+class Table:
+    """A table of signatures as the firmware has it: `ema_signatures_t`, channels by their place in CHANNELS.
+
+    `patterns` [k, 8]: effect, first, rows, one_sided, turn[3], penalty; `faults` [k, 5]: id, row, healthy, turn, length; `unit` [rows];
+    `value` [bins * (1 + channels * (1 + rows))].
+    """
+
+    version: int
+    fingerprint: int
+    record_rows: int
+    bin_rows: int
+    bins: int
+    channels: tuple[int, ...]
+    nuisances: int
+    command_unit_mm: float
+    command_apart_mm: float
+    reference: tuple[float, ...]
+    weight: tuple[float, ...]
+    limit: float
+    energy: float
+    patterns: Reals
+    faults: Reals
+    unit: Reals
+    value: NDArray[np.int16]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the table says of the record at the best point: one of FINDINGS, effects by name (None for none), scores in variances of the noise.
+
+    `alike`: effects that cannot be told from the best, itself among them; `moved`: changes of the table's CSJ and BLK that the residual still asks for.
+    """
+
+    kind: str
+    effect: str | None
+    runner_up: str | None
+    alike: tuple[str, ...]
+    score: float
+    runner_up_score: float
+    limit: float
+    size: float
+    energy: float
+    moved: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Estimate:
     """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value."""
 
@@ -160,6 +258,7 @@ class Identification:
     adequate: bool
     reasons: tuple[str, ...]
     random_state: int
+    finding: Finding | None = None  # with a table of signatures alone
 
 
 def _doubles(array: Reals) -> Any:
@@ -172,6 +271,59 @@ def _flat(array: object, shape: tuple[int, ...], name: str) -> Reals:
     if numbers.shape != shape:
         raise ValueError(f"{name}: shape {numbers.shape} where {shape} is needed: give one number per row")
     return numbers
+
+
+def _raw_table(table: Table) -> tuple[_Table, tuple[object, ...]]:
+    """The structure of the library, and the arrays that must live as long as it."""
+    patterns = _flat(table.patterns, (len(table.patterns), _TABLE_NUMBERS), "patterns")
+    faults = _flat(table.faults, (len(table.faults), _FAULT_NUMBERS), "faults")
+    unit = _flat(table.unit, (len(table.unit),), "unit")
+    value = np.ascontiguousarray(table.value, dtype=np.int16)
+    raw = _Table(
+        version=table.version,
+        fingerprint=table.fingerprint,
+        record_rows=table.record_rows,
+        bin_rows=table.bin_rows,
+        bins=table.bins,
+        channels=len(table.channels),
+        patterns=len(patterns),
+        faults=len(faults),
+        nuisances=table.nuisances,
+        rows=len(unit),
+        values=value.size,
+        command_unit_mm=table.command_unit_mm,
+        command_apart_mm=table.command_apart_mm,
+        limit=table.limit,
+        energy=table.energy,
+        pattern=_doubles(patterns),
+        fault=_doubles(faults),
+        unit=_doubles(unit),
+        value=value.ctypes.data_as(POINTER(c_int16)),
+    )
+    for name, numbers in (("channel", table.channels), ("reference", table.reference), ("weight", table.weight)):
+        for place, number in enumerate(numbers):
+            getattr(raw, name)[place] = number
+    return raw, (patterns, faults, unit, value)
+
+
+def _finding(raw: _Finding) -> Finding:
+    names = [effect.name for effect in load_definitions().effects]
+
+    def name(place: int) -> str | None:
+        return names[place] if place < len(names) else None
+
+    return Finding(
+        kind=FINDINGS[raw.kind],
+        effect=name(raw.effect),
+        runner_up=name(raw.runner_up),
+        alike=tuple(one for place, one in enumerate(names) if raw.alike >> place & 1),
+        score=raw.score,
+        runner_up_score=raw.runner_up_score,
+        limit=raw.limit,
+        size=raw.size,
+        energy=raw.energy,
+        moved=(raw.moved[0], raw.moved[1]),
+    )
 
 
 def _std(std: float, reasons: int) -> float:
@@ -198,6 +350,13 @@ class Library:
             "ema_desk_identify",
             [real, whole, real, real, c_int32, POINTER(_Search), _PROGRESS, c_void_p, POINTER(_Result), whole],
         )
+        self._declare(
+            "ema_desk_identify_guarded",
+            [
+                real, whole, real, real, c_int32, POINTER(_Search), POINTER(_Table), _PROGRESS, c_void_p, POINTER(_Result),
+                POINTER(_Finding), whole,
+            ],
+        )  # fmt: skip
         text = [c_char_p, c_int32]
         self._declare("ema_csv_count", [c_char_p, POINTER(c_int64), *text])
         self._declare("ema_csv_load", [c_char_p, real, c_int64, POINTER(c_int64), whole, real, *text])
@@ -341,8 +500,11 @@ class Library:
         channels: Reals,
         search: Search | None = None,
         progress: Progress | None = None,
+        table: Table | None = None,
     ) -> Identification:
         """Run the onboard session on a record: `command_mm` [rows], `channels` [rows, 4] (CHANNELS, NaN where not recorded).
+
+        With a `table` it is guarded as in firmware; float32 and what the firmware's record holds give the firmware's bits.
 
         `progress` is called after each model run with its number, its cost and the best cost so far; what it raises ends the search
         and is raised here. Raises InputError when the session refuses actuator or record.
@@ -362,20 +524,17 @@ class Library:
                     return 1
             return 0
 
-        result = _Result()
-        bad_row = c_int32(-1)
-        status = self._lib.ema_desk_identify(
-            _doubles(values),
-            options.ctypes.data_as(POINTER(c_int32)),
-            _doubles(command),
-            _doubles(measured),
-            command.size,
-            ctypes.byref(raw),
-            _PROGRESS(called) if progress is not None else _PROGRESS(),
-            None,
-            ctypes.byref(result),
-            ctypes.byref(bad_row),
-        )
+        result, found, bad_row = _Result(), _Finding(), c_int32(-1)
+        given = (_doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(command), _doubles(measured), command.size)
+        callback = _PROGRESS(called) if progress is not None else _PROGRESS()
+        into, row = ctypes.byref(result), ctypes.byref(bad_row)
+        if table is None:
+            status = self._lib.ema_desk_identify(*given, ctypes.byref(raw), callback, None, into, row)
+        else:
+            behind, _kept = _raw_table(table)
+            status = self._lib.ema_desk_identify_guarded(
+                *given, ctypes.byref(raw), ctypes.byref(behind), callback, None, into, ctypes.byref(found), row
+            )
         if raised:
             raise raised[0]
         if status != 0 and bad_row.value >= 0:
@@ -406,6 +565,7 @@ class Library:
             adequate=bool(result.adequate),
             reasons=tuple(text for bit, text in REASONS.items() if result.reasons & bit),
             random_state=result.random_state,
+            finding=None if table is None else _finding(found),
         )
 
     def read_csv(self, path: str | Path) -> tuple[Reals, int, float]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ema_tools.actuator import Actuator, read_actuator, reference_actuator
-from ema_tools.definitions import load_definitions
+from ema_tools.definitions import TableAxis, load_definitions
 from ema_tools.errors import InputError
 from ema_tools.export import flat_text, header_text
 from ema_tools.native import library
@@ -17,7 +17,7 @@ from ema_tools.reference import table
 from ema_tools.reference.actuator import build
 from ema_tools.reference.effects import example_of
 from ema_tools.reference.point import Data, Point
-from support import chirp_record, run_ema
+from support import ROOT, chirp_record, run_ema
 
 LEARNED = tuple(effect.name for effect in load_definitions().effects if effect.is_learned)
 
@@ -38,6 +38,13 @@ def test_tables_are_told_apart_from_physical_effects() -> None:
         assert [row.field for row in effect.nodes] == [f"node_{k:02d}" for k in range(16)]
     assert known.effect("spring_load").nodes == ()
     assert not known.effect("spring_load").is_learned
+
+
+def test_axes_are_those_of_the_module() -> None:
+    found = re.findall(r"EMA_AXIS_(\w+) = (\d)", (ROOT / "include" / "ema" / "ema_actuator.h").read_text())
+    assert [(axis.name, str(axis.value)) for axis in TableAxis] == found
+    row = load_definitions().find("learned_torque.axis")
+    assert (row.lower, row.upper) == (min(TableAxis), max(TableAxis))
 
 
 @pytest.mark.parametrize("name", LEARNED)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ema_tools.actuator import Actuator
 from ema_tools.balances import Smoother
 from ema_tools.compare import since_reversal_s
+from ema_tools.definitions import TableAxis
 from ema_tools.native import Reals
 from ema_tools.records import Record
 
@@ -76,16 +77,16 @@ class Motion:
         """Every axis that the record has; with `rod` the position is the rod's, else the motor's expressed at the rod."""
         position = self.position_mm if rod else self.motor_mm
         found = [
-            Axis("speed", "rad/s", self.speed_rad_s, kind=0),
-            Axis("position", "mm", position, kind=1),
-            Axis("place in the lead", "mm", np.mod(position, self.lead_mm), self.lead_mm, kind=2),
-            Axis("motor angle", "rad", np.mod(self.angle_rad, 2.0 * math.pi), 2.0 * math.pi, kind=3),
+            Axis("speed", "rad/s", self.speed_rad_s, kind=TableAxis.SPEED),
+            Axis("position", "mm", position, kind=TableAxis.POSITION),
+            Axis("place in the lead", "mm", np.mod(position, self.lead_mm), self.lead_mm, kind=TableAxis.LEAD),
+            Axis("motor angle", "rad", np.mod(self.angle_rad, 2.0 * math.pi), 2.0 * math.pi, kind=TableAxis.TURN),
             Axis("acceleration", "rad/s2", self.acceleration_rad_s2),
             Axis("time since reversal", "s", self.since_reversal_s),
             Axis("time", "s", self.time_s),
         ]
         if self.current_A is not None:
-            found.insert(4, Axis("current", "A", self.current_A, kind=4))
+            found.insert(4, Axis("current", "A", self.current_A, kind=TableAxis.CURRENT))
         return tuple(found)
 
     @property

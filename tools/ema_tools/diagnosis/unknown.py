@@ -15,6 +15,7 @@ import numpy as np
 
 from ema_tools.actuator import Actuator
 from ema_tools.balances import Balance, all_balances
+from ema_tools.definitions import TableAxis
 from ema_tools.diagnosis.axes import Axis, Halves, Motion, explained, hats, motion_of
 from ema_tools.diagnosis.where import Reference, Where, binned, coarse, short
 from ema_tools.native import Reals
@@ -31,7 +32,7 @@ _RICHER = 0.05
 _CHANCE_MARGIN = 1.5
 # Along these axes an unknown may be finer than the table: jam spots, teeth, slots.
 _FINE_NODES = 64
-_FINE_KINDS = (1, 2, 3)
+_FINE_KINDS = (TableAxis.POSITION, TableAxis.LEAD, TableAxis.TURN)
 # With fewer moving samples all are taken.
 _SEEN_MIN = 4 * NODES
 # A smooth table: second differences of neighbours cost this much beside the data.
@@ -45,10 +46,10 @@ KINDS: Mapping[str, tuple[str, float, str]] = {
 }
 # Axes of which each learned effect can be a function, by their number.
 MEANINGFUL: Mapping[str, frozenset[int]] = {
-    "learned_torque": frozenset({0, 1, 2, 3, 4}),
-    "learned_friction": frozenset({0, 1, 2, 3, 4}),
-    "learned_voltage": frozenset({0, 1, 2, 3, 4}),
-    "learned_reading": frozenset({0, 1, 2, 3}),
+    "learned_torque": frozenset(TableAxis),
+    "learned_friction": frozenset(TableAxis),
+    "learned_voltage": frozenset(TableAxis),
+    "learned_reading": frozenset(TableAxis) - {TableAxis.CURRENT},
 }
 _WORDS = {
     "speed": "with speed",
