@@ -37,7 +37,7 @@ typedef struct {
     int32_t motion;    /* an ema_motion_t */
     int32_t play_side; /* -1 or 1 in contact, 0 inside the play */
     uint32_t step;
-    uint32_t crowded_steps; /* steps with more events than are located; the last of them stopped the shaft */
+    uint32_t unlocated_event_steps; /* steps with more events than are located; the last of them stopped the shaft */
     ema_real current_A;
     ema_real speed_rad_s;    /* at the motor shaft */
     ema_real angle_rad;      /* of the motor */

@@ -48,7 +48,7 @@ typedef struct {
 typedef enum {
     EMA_PHASE_FEEDING = 0,
     EMA_PHASE_SEARCHING = 1,
-    EMA_PHASE_WEIGHING = 2, /* standard errors and adequacy at the best point */
+    EMA_PHASE_ASSESSING = 2, /* standard errors and adequacy at the best point */
     EMA_PHASE_DONE = 3
 } ema_phase_t;
 
@@ -109,7 +109,7 @@ typedef struct {
     ema_phase_t phase;
     bool starts_healthy; /* the search starts at the healthy values */
     bool healthy_done;   /* the cost at the healthy values is known */
-    bool weighed;        /* the estimate could be weighed */
+    bool assessed;       /* models beside the estimate could be made */
     const ema_session_config_t* config;
     uint32_t evaluations;
     uint64_t model_steps;
@@ -117,12 +117,12 @@ typedef struct {
     ema_real healthy_cost;
     ema_record_t record;
     ema_annealer_t annealer;
-    ema_actuator_t actuator;        /* with the identified values where the present run has them */
-    union {                         /* one after the other */
-        ema_objective_t run;        /* the model run of the search */
-        ema_sensitivity_t weighing; /* the model runs at the end */
+    ema_actuator_t actuator;           /* with the identified values where the present run has them */
+    union {                            /* one after the other */
+        ema_objective_t run;           /* the model run of the search */
+        ema_sensitivity_t sensitivity; /* the model runs at the end */
         ema_onboard_t
-            scoring; /* beside a table of signatures, before the search and after the weighing: ema_guarded.h */
+            scoring; /* beside a table of signatures, before the search and after the assessment: ema_guarded.h */
     };
 } ema_session_t;
 

@@ -147,7 +147,7 @@ int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* of
 }
 
 int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
-                          double start_mm, double* out, int32_t* crowded)
+                          double start_mm, double* out, int32_t* unlocated_event_steps)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)) {
         return (int32_t)EMA_ERR_NULL;
@@ -172,8 +172,8 @@ int32_t ema_desk_simulate(const double* values, const int32_t* options, const do
             }
         }
     }
-    if ((status == EMA_OK) && (crowded != NULL)) {
-        *crowded = (int32_t)model.state.crowded_steps;
+    if ((status == EMA_OK) && (unlocated_event_steps != NULL)) {
+        *unlocated_event_steps = (int32_t)model.state.unlocated_event_steps;
     }
     return (int32_t)status;
 }

@@ -57,10 +57,10 @@ const char* ema_desk_reason_text(int32_t index, int32_t* bit);
 int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* offender);
 
 /* Simulates `rows` recorded rows with the command of each row held over its model steps. `out` is five arrays of
- * `rows`, one after the other: rod position mm, motor position mm, current A, voltage V, rod speed mm/s. `crowded` (may
- * be NULL) counts steps with more events than are located. */
+ * `rows`, one after the other: rod position mm, motor position mm, current A, voltage V, rod speed mm/s.
+ * `unlocated_event_steps` (may be NULL) counts steps with more events than are located. */
 int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
-                          double start_mm, double* out, int32_t* crowded);
+                          double start_mm, double* out, int32_t* unlocated_event_steps);
 
 /* Samples a command at `rows` steps of `step_s`: kind as ema_command_kind_t; numbers = amplitude_mm, start_hz, end_hz,
  * duration_s, share, count, time_s. */

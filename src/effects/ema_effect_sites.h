@@ -6,24 +6,7 @@
 
 #include "ema/ema_work.h"
 #include "ema_effect_rows.h"
-
-/* What an effect may look at, all at the same instant. */
-typedef struct {
-    const ema_plant_t* plant;
-    ema_real speed_rad_s; /* motor shaft */
-    ema_real angle_rad;
-    ema_real position_mm; /* motor position expressed at the rod */
-    ema_real current_A;
-    ema_real voltage_V; /* applied by the drive */
-} ema_site_t;
-
-/* One integration step of what lies behind the play. */
-typedef struct {
-    ema_real play_start_mm; /* output of the play at the start and at the end of the step */
-    ema_real play_end_mm;
-    ema_real step_s;
-    ema_real lead_mm_per_rad;
-} ema_transmission_t;
+#include "ema_site.h"
 
 /* The function that an effect's file supplies, by site. */
 #define EMA_EFFECT_AT_PARAMETER(name)                                                                                  \

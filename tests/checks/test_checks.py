@@ -89,6 +89,14 @@ class Layers(Tree):
         self.write("src/effects/ema_friction.c", '#include "ema/ema_all.h"\n')
         self.assertIn("level effects sees ema_model.h of level plant", self.problem())
 
+    def test_circle(self) -> None:
+        """Two files of one level that include each other's headers, one of them by way of a third."""
+        self.write("src/blocks/ema_gear.h", '#include "ema_wheel.h"\n')
+        self.write("src/blocks/ema_wheel.h", "")
+        self.write("src/blocks/ema_wheel.c", '#include "ema_wheel.h"\n#include "ema_tooth.h"\n')
+        self.write("src/blocks/ema_tooth.h", '#include "ema_gear.h"\n')
+        self.assertIn("ema_gear -> ema_wheel -> ema_tooth -> ema_gear: a circle", self.problem())
+
     def test_search_knows_no_actuator(self) -> None:
         """Search depends on base alone."""
         self.write("src/search/ema_anneal.c", '#include "ema_motor.h"\n')

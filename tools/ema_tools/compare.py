@@ -129,7 +129,7 @@ class Comparison:
                 for place in self.where
             ],
             "sentence": self.sentence,
-            "crowded_steps": self.simulation.crowded_steps,
+            "unlocated_event_steps": self.simulation.unlocated_event_steps,
         }
 
 

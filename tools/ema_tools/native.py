@@ -149,7 +149,7 @@ Progress = Callable[[int, float, float], None]
 
 @dataclass(frozen=True)
 class Simulation:
-    """What a simulated run shows, arrays of shape [rows] in the units of the names; `crowded_steps` counts model steps with more
+    """What a simulated run shows, arrays of shape [rows] in the units of the names; `unlocated_event_steps` counts model steps with more
     events than the model locates (0 in ordinary runs)."""
 
     position_mm: Reals
@@ -157,7 +157,7 @@ class Simulation:
     current_A: Reals
     voltage_V: Reals
     speed_mm_s: Reals
-    crowded_steps: int
+    unlocated_event_steps: int
 
 
 @dataclass(frozen=True)
@@ -407,7 +407,7 @@ class Library:
         """
         command = np.ascontiguousarray(command_mm, dtype=np.float64)
         out = np.empty((len(OUTPUTS), command.size))
-        crowded = c_int32(0)
+        unlocated_event_steps = c_int32(0)
         status = self._lib.ema_desk_simulate(
             _doubles(values),
             options.ctypes.data_as(POINTER(c_int32)),
@@ -415,10 +415,10 @@ class Library:
             command.size,
             float(start_mm),
             _doubles(out),
-            ctypes.byref(crowded),
+            ctypes.byref(unlocated_event_steps),
         )
         self._raise_on(status, "simulate", values, options)
-        return Simulation(out[0], out[1], out[2], out[3], out[4], crowded.value)
+        return Simulation(out[0], out[1], out[2], out[3], out[4], unlocated_event_steps.value)
 
     def command(self, kind: str, numbers: dict[str, float], step_s: float, rows: int) -> Reals:
         """Samples [rows] of the command `kind` (of COMMAND_KINDS) at multiples of `step_s`; `numbers` by COMMAND_NUMBERS.
