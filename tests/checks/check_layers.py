@@ -123,7 +123,11 @@ def circles(root: Path, direct: dict[Path, list[Path]]) -> list[str]:
                     return found
         return ()
 
-    found = {frozenset(ring): ring for name in sorted(below) if (ring := way(name, name, ()))}
+    found: dict[frozenset[str], tuple[str, ...]] = {}
+    for name in sorted(below):
+        ring = way(name, name, ())
+        if ring:
+            found.setdefault(frozenset(ring), ring)
     return [f"{' -> '.join(ring)}: a circle: move what both need into a header of its own" for ring in found.values()]
 
 
