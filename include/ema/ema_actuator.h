@@ -20,19 +20,13 @@ extern "C" {
 /* Real parameters, in the order of the list. */
 typedef struct {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) ema_real field;
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 } ema_params_t;
 
 /* Choices and whole numbers, in the order of the list. */
 typedef struct {
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) int32_t field;
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 } ema_options_t;
 
 /* One structure per effect, ema_effect_<name>_t, and all of them side by side. */
@@ -43,21 +37,34 @@ typedef struct {
         parameters                                                                                                     \
     } ema_effect_##name##_t;
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
 
 typedef struct {
 /* EMA-D1 */
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_effect_##name##_t name;
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 } ema_effects_t;
+
+/* Place of each effect in the list. */
+typedef enum {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_EFFECT_ID_##name,
+#include "ema/ema_effects.def"
+    EMA_EFFECT_COUNT /* also: no effect */
+} ema_effect_id_t;
 
 typedef struct {
     ema_params_t params;
     ema_options_t options;
     ema_effects_t effects;
 } ema_actuator_t;
+
+/* The axes of learned tables, as the value `axis` of a table counts them. */
+typedef enum {
+    EMA_AXIS_SPEED = 0,    /* of the motor shaft, rad/s */
+    EMA_AXIS_POSITION = 1, /* motor position expressed at the rod, or the rod's where its sensor is meant, mm */
+    EMA_AXIS_LEAD = 2,     /* the same within one lead of the screw, mm: periodic */
+    EMA_AXIS_TURN = 3,     /* motor angle within one turn, rad: periodic */
+    EMA_AXIS_CURRENT = 4   /* of the motor, A */
+} ema_axis_t;
 
 /* Number of real parameters, of options, of effects, and of reals in all effects together. */
 #define EMA_PARAM_COUNT (sizeof(ema_params_t) / sizeof(ema_real))

@@ -116,6 +116,12 @@ typedef struct {
  * range (NaN included). Cost: constant. */
 ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_config_t* config);
 
+/* Moves the start of a search that has been told no cost yet, and gives it another temperature than the
+ * configuration's: for whoever learns of them after ema_annealer_init. Errors, nothing changed: EMA_ERR_NULL;
+ * EMA_ERR_ORDER once a cost was told; EMA_ERR_RANGE for a coordinate outside [0, 1] or a temperature that is negative,
+ * not finite or above what the configuration may have. Cost: constant. */
+ema_status_t ema_annealer_restart(ema_annealer_t* annealer, const ema_real* start, ema_real temperature);
+
 /* The point to evaluate, `dimension` numbers in [0, 1]. */
 const ema_real* ema_annealer_candidate(const ema_annealer_t* annealer);
 

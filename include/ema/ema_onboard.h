@@ -31,14 +31,6 @@ extern "C" {
 /* CSJ and BLK. */
 #define EMA_SIGNATURE_FAULTS_MAX 2U
 
-/* Place of each effect in the list. */
-typedef enum {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_EFFECT_ID_##name,
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
-    EMA_EFFECT_COUNT /* also: no effect */
-} ema_effect_id_t;
-
 /* One effect in one shape: one row of the table, or two for an effect of unknown phase. Patterns of one effect follow
  * each other. */
 typedef struct {
@@ -63,7 +55,7 @@ typedef struct {
  * residual of each channel, then each row's channels. */
 typedef struct {
     uint32_t version;
-    uint32_t print; /* ema_onboard_print of the actuator */
+    uint32_t fingerprint; /* ema_onboard_fingerprint of the actuator */
     uint32_t record_rows;
     uint32_t bin_rows; /* rows of the record whose mean is taken */
     uint32_t bins;
@@ -134,7 +126,7 @@ typedef struct {
 } ema_onboard_t;
 
 /* Checksum of an actuator's numbers in float32, CSJ and BLK left out. Cost: four multiplications per value. */
-uint32_t ema_onboard_print(const ema_actuator_t* actuator);
+uint32_t ema_onboard_fingerprint(const ema_actuator_t* actuator);
 
 /* Whether the table serves this actuator and record. Errors: EMA_ERR_NULL; EMA_ERR_TABLE for another version or
  * actuator, or one that is not as ema export writes it; EMA_ERR_RANGE for a channel that the record does not keep.

@@ -21,7 +21,6 @@ enum {
     EMA_EFFECT_MEMORY_COUNT = 0
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) +(memory)
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 typedef enum {
@@ -38,7 +37,7 @@ typedef struct {
     int32_t motion;    /* an ema_motion_t */
     int32_t play_side; /* -1 or 1 in contact, 0 inside the play */
     uint32_t step;
-    uint32_t crowded_steps; /* steps with more events than are located; the last of them stopped the shaft */
+    uint32_t unlocated_event_steps; /* steps with more events than are located; the last of them stopped the shaft */
     ema_real current_A;
     ema_real speed_rad_s;    /* at the motor shaft */
     ema_real angle_rad;      /* of the motor */
@@ -203,36 +202,16 @@ typedef struct {
  * stay where they lie. */
 typedef struct {
 #define EMA_HELD_MEMBER(name) ema_effect_##name##_t name; /* EMA-D1 */
-#define EMA_HELD_PARAMETER(name)
-#define EMA_HELD_FRICTION(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_TORQUE(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_LOAD(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_VOLTAGE(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_MOTOR(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_PRESLIDING(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_TRANSMISSION(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_READING(name) EMA_HELD_MEMBER(name)
-#define EMA_HELD_FRICTION_TABLE(name)
-#define EMA_HELD_TORQUE_TABLE(name)
-#define EMA_HELD_VOLTAGE_TABLE(name)
-#define EMA_HELD_READING_TABLE(name)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_HELD_##site(name)
+#define EMA_EFFECT_AT_FRICTION(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_TORQUE(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_LOAD(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_MOTOR(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_PRESLIDING(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_TRANSMISSION(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_READING(name) EMA_HELD_MEMBER(name)
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 #undef EMA_HELD_MEMBER
-#undef EMA_HELD_PARAMETER
-#undef EMA_HELD_FRICTION
-#undef EMA_HELD_TORQUE
-#undef EMA_HELD_LOAD
-#undef EMA_HELD_VOLTAGE
-#undef EMA_HELD_MOTOR
-#undef EMA_HELD_PRESLIDING
-#undef EMA_HELD_TRANSMISSION
-#undef EMA_HELD_READING
-#undef EMA_HELD_FRICTION_TABLE
-#undef EMA_HELD_TORQUE_TABLE
-#undef EMA_HELD_VOLTAGE_TABLE
-#undef EMA_HELD_READING_TABLE
 } ema_held_effects_t;
 
 typedef struct {

@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-/* Parameters that are weighed at once: sets the memory. */
+/* Parameters whose sensitivities are taken at once: sets the memory. */
 #define EMA_IDENTIFIED_MAX 4U
 
 typedef struct {

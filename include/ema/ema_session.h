@@ -48,28 +48,34 @@ typedef struct {
 typedef enum {
     EMA_PHASE_FEEDING = 0,
     EMA_PHASE_SEARCHING = 1,
-    EMA_PHASE_WEIGHING = 2, /* standard errors and adequacy at the best point */
+    EMA_PHASE_ASSESSING = 2, /* standard errors and adequacy at the best point */
     EMA_PHASE_DONE = 3
 } ema_phase_t;
 
 typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDECIDED = 2 } ema_verdict_t;
 
-/* Why a verdict is undecided; a set of bits. */
+/* Why a verdict is undecided; a set of bits. A shift is near its threshold when they are closer than standard errors at
+ * the stated confidence and bias together; a record does not determine the parameters when there is too much doubt
+ * about one, or the rod was never pushed both ways. The last two are those of ema_guarded.h. */
+/* EMA-D1 */
+#define EMA_REASON_LIST(X)                                                                                             \
+    X(EMA_REASON_NOT_FINISHED, 1, "the search has not ended")                                                          \
+    X(EMA_REASON_INADEQUATE, 2,                                                                                        \
+      "the residual is larger than the sensor noise explains: an effect is missing from the model")                    \
+    X(EMA_REASON_AT_BOUND, 4, "an estimate lies on a bound of its search")                                             \
+    X(EMA_REASON_NOT_CONVERGED, 8, "the evaluations were used up while the cost still fell")                           \
+    X(EMA_REASON_NEAR_THRESHOLD, 16, "a shift cannot be told from its threshold with the stated confidence")           \
+    X(EMA_REASON_NOT_SENSITIVE, 32, "the record does not determine the parameters")                                    \
+    X(EMA_REASON_BELOW_HEALTHY, 64, "a parameter fell by more than its threshold, which wear does not do")             \
+    X(EMA_REASON_LEARNED_RANGE, 128, "a learned table was used outside the range it was seen in")                      \
+    X(EMA_REASON_EFFECT, 256, "the table of signatures shows an effect that is missing from the model")                \
+    X(EMA_REASON_OTHER_COMMAND, 512,                                                                                   \
+      "the table of signatures says nothing: the record runs another command than the table's")
+
 enum {
-    EMA_REASON_NOT_FINISHED = 1, /* the session has not ended */
-    EMA_REASON_INADEQUATE =
-        2, /* the residual is larger than the sensor noise explains: an effect is missing from the model */
-    EMA_REASON_AT_BOUND = 4,        /* an estimate lies on a bound of its search */
-    EMA_REASON_NOT_CONVERGED = 8,   /* the evaluations were used up while the cost still fell */
-    EMA_REASON_NEAR_THRESHOLD = 16, /* the shift cannot be told from its threshold: they are closer than standard errors
-                                       at the stated confidence and bias together */
-    EMA_REASON_NOT_SENSITIVE = 32, /* the record does not determine the parameters: too much doubt about one, or the rod
-                                      was never pushed both ways */
-    EMA_REASON_BELOW_HEALTHY = 64, /* a parameter fell by more than its threshold, which wear does not do */
-    EMA_REASON_LEARNED_RANGE = 128, /* a learned table was used outside the range it was seen in */
-    EMA_REASON_EFFECT = 256, /* ema_guarded.h: the table of signatures says that an effect is missing from the model */
-    EMA_REASON_OTHER_COMMAND =
-        512 /* ema_guarded.h: the table could say nothing, because the record runs another command than it */
+#define EMA_REASON_ENUM(name, bit, text) name = (bit), /* EMA-D1 */
+    EMA_REASON_LIST(EMA_REASON_ENUM)
+#undef EMA_REASON_ENUM
 };
 
 typedef struct {
@@ -103,7 +109,7 @@ typedef struct {
     ema_phase_t phase;
     bool starts_healthy; /* the search starts at the healthy values */
     bool healthy_done;   /* the cost at the healthy values is known */
-    bool weighed;        /* the estimate could be weighed */
+    bool assessed;       /* models beside the estimate could be made */
     const ema_session_config_t* config;
     uint32_t evaluations;
     uint64_t model_steps;
@@ -111,12 +117,12 @@ typedef struct {
     ema_real healthy_cost;
     ema_record_t record;
     ema_annealer_t annealer;
-    ema_actuator_t actuator;        /* with the identified values where the present run has them */
-    union {                         /* one after the other */
-        ema_objective_t run;        /* the model run of the search */
-        ema_sensitivity_t weighing; /* the model runs at the end */
+    ema_actuator_t actuator;           /* with the identified values where the present run has them */
+    union {                            /* one after the other */
+        ema_objective_t run;           /* the model run of the search */
+        ema_sensitivity_t sensitivity; /* the model runs at the end */
         ema_onboard_t
-            scoring; /* beside a table of signatures, before the search and after the weighing: ema_guarded.h */
+            scoring; /* beside a table of signatures, before the search and after the assessment: ema_guarded.h */
     };
 } ema_session_t;
 
@@ -147,6 +153,10 @@ ema_phase_t ema_session_phase(const ema_session_t* session);
 /* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL;
  * EMA_ERR_ORDER before the first run. */
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
+
+/* The text of one reason, a constant string; "unknown reason" for anything but one bit of the list. Cost: a handful of
+ * comparisons. */
+const char* ema_reason_text(uint32_t reason);
 
 #ifdef __cplusplus
 }

@@ -2,54 +2,54 @@
 
 #include <stdlib.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema_guarded.h"
 #include "ema_desk_actuator.h"
 
-#define EMA_TEXT(x) #x
-
-static const ema_desk_row_t ema_value_rows[] = {
-#define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, text, "", nominal, lower, upper},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
+static const ema_desk_row_t ema_parameter_rows[] = {
+#define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, text, "", nominal, lower, upper, 0},
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    {#section, #field, text, choices, nominal, lower, upper, 1},
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
-#define EMA_P(field, nominal, lower, upper, text) {NULL, #field, text, "", nominal, lower, upper},
+};
+
+static const ema_desk_row_t ema_effect_value_rows[] = {
+#define EMA_P(field, nominal, lower, upper, text) {"", #field, text, "", nominal, lower, upper, 0},
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
 };
 
-static const ema_desk_row_t ema_option_rows[] = {
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
-    {#section, #field, text, choices, nominal, lower, upper},
-#include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
-};
-
-/* The section of an effect's values is told by the effect itself: a row of the list cannot name its own effect. */
-static const char* const ema_effect_sections[] = {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) "effects." #name,
-#include "ema/ema_effects.def"
+/* The user's own are the last of the list. */
+enum {
+    EMA_OWN_EFFECT_COUNT = 0
+#ifdef EMA_OWN_EFFECTS
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) +1
+#include EMA_OWN_EFFECTS
 #undef EMA_EFFECT
+#endif
 };
 
 static const ema_desk_effect_t ema_effect_rows[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {#name,                                                                                                            \
-     EMA_TEXT(site),                                                                                                   \
+     #site,                                                                                                            \
      equation,                                                                                                         \
      source,                                                                                                           \
      look_alikes,                                                                                                      \
-     (int32_t)(EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))),                                  \
+     (memory),                                                                                                         \
+     (substeps),                                                                                                       \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     (int32_t)(offsetof(ema_effects_t, name) / sizeof(ema_real)),                                                      \
      (int32_t)(sizeof(ema_effect_##name##_t) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 #define EMA_COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
+
+_Static_assert((sizeof(ema_parameter_rows) / sizeof(ema_parameter_rows[0])) == (EMA_PARAM_COUNT + EMA_OPTION_COUNT),
+               "a row per parameter and option");
+_Static_assert((sizeof(ema_effect_value_rows) / sizeof(ema_effect_value_rows[0])) == EMA_EFFECT_VALUE_COUNT,
+               "a row per value of an effect");
 
 int32_t ema_desk_real_bits(void)
 {
@@ -58,17 +58,34 @@ int32_t ema_desk_real_bits(void)
 
 int32_t ema_desk_value_count(void)
 {
-    return EMA_COUNT(ema_value_rows);
+    return (int32_t)EMA_VALUE_COUNT;
 }
 
 int32_t ema_desk_option_count(void)
 {
-    return EMA_COUNT(ema_option_rows);
+    return (int32_t)EMA_OPTION_COUNT;
 }
 
-int32_t ema_desk_effect_count(void)
+static int32_t ema_row_of(const ema_desk_row_t* rows, int32_t count, int32_t index, ema_desk_row_t* row)
 {
-    return EMA_COUNT(ema_effect_rows);
+    if (row == NULL) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    if ((index < 0) || (index >= count)) {
+        return (int32_t)EMA_ERR_RANGE;
+    }
+    *row = rows[index];
+    return (int32_t)EMA_OK;
+}
+
+int32_t ema_desk_parameter_row(int32_t index, ema_desk_row_t* row)
+{
+    return ema_row_of(ema_parameter_rows, EMA_COUNT(ema_parameter_rows), index, row);
+}
+
+int32_t ema_desk_effect_value_row(int32_t index, ema_desk_row_t* row)
+{
+    return ema_row_of(ema_effect_value_rows, EMA_COUNT(ema_effect_value_rows), index, row);
 }
 
 int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row)
@@ -76,46 +93,32 @@ int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row)
     if (row == NULL) {
         return (int32_t)EMA_ERR_NULL;
     }
-    if ((index < 0) || (index >= EMA_COUNT(ema_effect_rows))) {
+    if ((index < 0) || (index >= (int32_t)EMA_EFFECT_COUNT)) {
         return (int32_t)EMA_ERR_RANGE;
     }
     *row = ema_effect_rows[index];
-    return (int32_t)EMA_OK;
-}
-
-int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row)
-{
-    if (row == NULL) {
-        return (int32_t)EMA_ERR_NULL;
-    }
-    if ((index < 0) || (index >= EMA_COUNT(ema_value_rows))) {
-        return (int32_t)EMA_ERR_RANGE;
-    }
-    *row = ema_value_rows[index];
-    for (int32_t k = 0; k < EMA_COUNT(ema_effect_rows); ++k) {
-        const int32_t first = ema_effect_rows[k].first_value;
-        if ((index >= first) && (index < (first + ema_effect_rows[k].value_count))) {
-            row->section = ema_effect_sections[k];
-        }
-    }
-    return (int32_t)EMA_OK;
-}
-
-int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row)
-{
-    if (row == NULL) {
-        return (int32_t)EMA_ERR_NULL;
-    }
-    if ((index < 0) || (index >= EMA_COUNT(ema_option_rows))) {
-        return (int32_t)EMA_ERR_RANGE;
-    }
-    *row = ema_option_rows[index];
+    row->is_learned = ema_actuator_is_learned((ema_value_id_t)(EMA_PARAM_COUNT + (size_t)row->first_value)) ? 1 : 0;
+    row->is_own = (index >= ((int32_t)EMA_EFFECT_COUNT - (int32_t)EMA_OWN_EFFECT_COUNT)) ? 1 : 0;
     return (int32_t)EMA_OK;
 }
 
 const char* ema_desk_status_text(int32_t status)
 {
     return ema_status_text((ema_status_t)status);
+}
+
+const char* ema_desk_reason_text(int32_t index, int32_t* bit)
+{
+    static const int32_t bits[] = {
+#define EMA_REASON_BIT(name, value, text) (int32_t)(name),
+        EMA_REASON_LIST(EMA_REASON_BIT)
+#undef EMA_REASON_BIT
+    };
+    if ((bit == NULL) || (index < 0) || (index >= EMA_COUNT(bits))) {
+        return NULL;
+    }
+    *bit = bits[index];
+    return ema_reason_text((uint32_t)bits[index]);
 }
 
 void ema_actuator_from(const double* values, const int32_t* options, ema_actuator_t* actuator)
@@ -145,7 +148,7 @@ int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* of
 }
 
 int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
-                          double start_mm, double* out, int32_t* crowded)
+                          double start_mm, double* out, int32_t* unlocated_event_steps)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)) {
         return (int32_t)EMA_ERR_NULL;
@@ -170,8 +173,8 @@ int32_t ema_desk_simulate(const double* values, const int32_t* options, const do
             }
         }
     }
-    if ((status == EMA_OK) && (crowded != NULL)) {
-        *crowded = (int32_t)model.state.crowded_steps;
+    if ((status == EMA_OK) && (unlocated_event_steps != NULL)) {
+        *unlocated_event_steps = (int32_t)model.state.unlocated_event_steps;
     }
     return (int32_t)status;
 }
@@ -211,16 +214,17 @@ static ema_sample_t ema_sample_from(const double* command_mm, const double* chan
     return sample;
 }
 
-/* A buffer of reals, or of int16 scaled to the largest value of each column. */
+/* A buffer of reals, or of int16 scaled to the largest value of each column, with the channels that have a weight or
+ * are to be kept. */
 static ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm,
-                                           const double* channels, const double* weight, int32_t rows,
+                                           const double* channels, const double* weight, const bool* keep, int32_t rows,
                                            int32_t int16_record)
 {
     const ema_record_config_t fresh = {0};
     *config = fresh;
     size_t stride = 1U;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        config->keep[channel] = (channel == (uint32_t)EMA_CHANNEL_POSITION) || (weight[channel] > 0.0);
+        config->keep[channel] = (channel == (uint32_t)EMA_CHANNEL_POSITION) || (weight[channel] > 0.0) || keep[channel];
         stride += config->keep[channel] ? 1U : 0U;
     }
     config->format = (int16_record != 0) ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
@@ -257,12 +261,13 @@ int32_t ema_desk_objective(const double* values, const int32_t* options, const d
     ema_record_config_t config;
     ema_record_t record;
     ema_objective_t run;
+    const bool none[EMA_CHANNEL_COUNT] = {false};
     ema_real weights[EMA_CHANNEL_COUNT];
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         weights[channel] = (ema_real)weight[channel];
     }
     ema_actuator_from(values, options, &actuator);
-    ema_status_t status = ema_record_config_from(&config, command_mm, channels, weight, rows, 0);
+    ema_status_t status = ema_record_config_from(&config, command_mm, channels, weight, none, rows, 0);
     if (status == EMA_OK) {
         status = ema_record_init(&record, &config);
     }
@@ -379,9 +384,124 @@ static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
     to->random_state = from->random.state;
 }
 
-int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm,
-                          const double* channels, int32_t rows, const ema_desk_search_t* search,
-                          ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row)
+/* Whole numbers of a table that fit their types, and no more of them than the table says. */
+static bool ema_table_fits(const ema_desk_table_t* table)
+{
+    bool fits = (table->pattern != NULL) && (table->fault != NULL) && (table->unit != NULL) && (table->value != NULL)
+                && (table->version >= 0) && (table->record_rows >= 0) && (table->bin_rows >= 0) && (table->bins >= 0)
+                && (table->channels >= 0) && (table->channels <= (int32_t)EMA_CHANNEL_COUNT) && (table->patterns >= 0)
+                && (table->patterns <= (int32_t)EMA_SIGNATURE_ROWS_MAX) && (table->faults >= 0)
+                && (table->faults <= (int32_t)EMA_SIGNATURE_FAULTS_MAX) && (table->nuisances >= 0) && (table->rows >= 0)
+                && (table->rows <= (int32_t)EMA_SIGNATURE_ROWS_MAX);
+    fits = fits && ((int64_t)table->values == ((int64_t)table->bins * (1 + (table->channels * (1 + table->rows)))));
+    for (int32_t k = 0; fits && (k < table->channels); ++k) {
+        fits = (table->channel[k] >= 0) && (table->channel[k] < (int32_t)EMA_CHANNEL_COUNT);
+    }
+    for (int32_t k = 0; fits && (k < (3 * table->patterns)); ++k) {
+        const double number = table->pattern[(8 * (k / 3)) + (k % 3)];
+        fits = (number >= 0.0) && (number <= (double)UINT8_MAX);
+    }
+    for (int32_t k = 0; fits && (k < table->faults); ++k) {
+        const double* const row = &table->fault[5 * k];
+        fits =
+            (row[0] >= 0.0) && (row[0] < (double)EMA_VALUE_COUNT) && (row[1] >= 0.0) && (row[1] <= (double)UINT8_MAX);
+    }
+    return fits;
+}
+
+/* What of a table is made anew in the module's types. */
+typedef struct {
+    ema_signatures_t table;
+    ema_pattern_t pattern[EMA_SIGNATURE_ROWS_MAX];
+    ema_real unit[EMA_SIGNATURE_ROWS_MAX];
+} ema_desk_signatures_t;
+
+static void ema_signatures_from(const ema_desk_table_t* from, ema_desk_signatures_t* to)
+{
+    const ema_desk_signatures_t fresh = {0};
+    *to = fresh;
+    ema_signatures_t* const table = &to->table;
+    table->version = (uint32_t)from->version;
+    table->fingerprint = from->fingerprint;
+    table->record_rows = (uint32_t)from->record_rows;
+    table->bin_rows = (uint32_t)from->bin_rows;
+    table->bins = (uint32_t)from->bins;
+    table->channels = (uint32_t)from->channels;
+    table->patterns = (uint32_t)from->patterns;
+    table->faults = (uint32_t)from->faults;
+    table->nuisances = (uint32_t)from->nuisances;
+    table->rows = (uint32_t)from->rows;
+    table->command_unit_mm = (ema_real)from->command_unit_mm;
+    table->command_apart_mm = (ema_real)from->command_apart_mm;
+    table->limit = (ema_real)from->limit;
+    table->energy = (ema_real)from->energy;
+    for (uint32_t k = 0; k < table->channels; ++k) {
+        table->channel[k] = (uint8_t)from->channel[k];
+        table->reference[k] = (ema_real)from->reference[k];
+        table->weight[k] = (ema_real)from->weight[k];
+    }
+    for (uint32_t k = 0; k < table->patterns; ++k) {
+        const double* const row = &from->pattern[8U * k];
+        const ema_pattern_t pattern = {(uint8_t)row[0],
+                                       (uint8_t)row[1],
+                                       (uint8_t)row[2],
+                                       row[3] != 0.0,
+                                       {(ema_real)row[4], (ema_real)row[5], (ema_real)row[6]},
+                                       (ema_real)row[7]};
+        to->pattern[k] = pattern;
+    }
+    for (uint32_t k = 0; k < table->faults; ++k) {
+        const double* const row = &from->fault[5U * k];
+        const ema_signature_fault_t fault = {(ema_value_id_t)row[0], (uint8_t)row[1], (ema_real)row[2],
+                                             (ema_real)row[3], (ema_real)row[4]};
+        table->fault[k] = fault;
+    }
+    for (uint32_t k = 0; k < table->rows; ++k) {
+        to->unit[k] = (ema_real)from->unit[k];
+    }
+    table->pattern = to->pattern;
+    table->unit = to->unit;
+    table->value = from->value;
+}
+
+static void ema_finding_to(const ema_finding_t* from, ema_desk_finding_t* to)
+{
+    const ema_desk_finding_t found = {.kind = (int32_t)from->kind,
+                                      .effect = (int32_t)from->effect,
+                                      .runner_up = (int32_t)from->runner_up,
+                                      .alike = (uint64_t)from->alike,
+                                      .score = (double)from->score,
+                                      .runner_up_score = (double)from->runner_up_score,
+                                      .limit = (double)from->limit,
+                                      .size = (double)from->size,
+                                      .energy = (double)from->energy,
+                                      .moved = {(double)from->moved[0], (double)from->moved[1]}};
+    *to = found;
+}
+
+/* Runs a fed session to its end, unless the progress stops it. */
+static ema_status_t ema_guarded_to_end(ema_guarded_t* guarded, int32_t slice_steps, ema_desk_progress_t progress,
+                                       void* context)
+{
+    const ema_annealer_t* const annealer = &guarded->session.annealer;
+    ema_status_t status = EMA_OK;
+    uint32_t told = 0U;
+    bool stopped = false;
+    while ((status == EMA_OK) && !stopped && (ema_guarded_phase(guarded) != EMA_GUARDED_DONE)) {
+        status = ema_guarded_run(guarded, (uint32_t)slice_steps);
+        if ((status == EMA_OK) && (progress != NULL) && (annealer->info.evaluations > told)) {
+            told = annealer->info.evaluations;
+            stopped = progress((int32_t)told, (double)annealer->last_cost, (double)annealer->best.cost, context) != 0;
+        }
+    }
+    return status;
+}
+
+/* With a table, or without where `signatures` is NULL. */
+static int32_t ema_identify(const double* values, const int32_t* options, const double* command_mm,
+                            const double* channels, int32_t rows, const ema_desk_search_t* search,
+                            const ema_signatures_t* signatures, ema_desk_progress_t progress, void* context,
+                            ema_desk_result_t* result, ema_desk_finding_t* finding, int32_t* bad_row)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (channels == NULL) || (search == NULL)
         || (result == NULL)) {
@@ -393,43 +513,68 @@ int32_t ema_desk_identify(const double* values, const int32_t* options, const do
     ema_actuator_t actuator;
     ema_record_config_t record;
     ema_session_config_t config;
-    ema_session_t session;
+    ema_guarded_t guarded;
     ema_actuator_from(values, options, &actuator);
+    bool keep[EMA_CHANNEL_COUNT] = {false};
+    for (uint32_t k = 0; (signatures != NULL) && (k < signatures->channels); ++k) {
+        keep[signatures->channel[k]] = true;
+    }
     ema_status_t status =
-        ema_record_config_from(&record, command_mm, channels, search->weight, rows, search->int16_record);
+        ema_record_config_from(&record, command_mm, channels, search->weight, keep, rows, search->int16_record);
     if (status == EMA_OK) {
         status = ema_session_config_from(&config, &actuator, &record, search);
     }
     if (status == EMA_OK) {
-        status = ema_session_init(&session, &config);
+        status = ema_guarded_init(&guarded, &config, signatures);
     }
     for (int32_t row = 0; (status == EMA_OK) && (row < rows); ++row) {
         const ema_sample_t sample = ema_sample_from(command_mm, channels, row);
-        status = ema_session_feed(&session, &sample);
+        status = ema_guarded_feed(&guarded, &sample);
         if ((status != EMA_OK) && (bad_row != NULL)) {
             *bad_row = row;
         }
     }
-    uint32_t told = 0U;
-    bool stopped = false;
-    while ((status == EMA_OK) && !stopped && (ema_session_phase(&session) != EMA_PHASE_DONE)) {
-        status = ema_session_run(&session, (uint32_t)search->slice_steps);
-        if ((status == EMA_OK) && (progress != NULL) && (session.annealer.info.evaluations > told)) {
-            told = session.annealer.info.evaluations;
-            stopped =
-                progress((int32_t)told, (double)session.annealer.last_cost, (double)session.annealer.best.cost, context)
-                != 0;
-        }
+    if (status == EMA_OK) {
+        status = ema_guarded_to_end(&guarded, search->slice_steps, progress, context);
     }
     if (status == EMA_OK) {
         ema_result_t onboard;
-        status = ema_session_result(&session, &onboard);
+        ema_finding_t found;
+        status = ema_guarded_result(&guarded, &onboard, &found);
         if (status == EMA_OK) {
             ema_result_to(&onboard, result);
+            if (finding != NULL) {
+                ema_finding_to(&found, finding);
+            }
         }
     }
     free(record.buffer);
     return (int32_t)status;
+}
+
+int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm,
+                          const double* channels, int32_t rows, const ema_desk_search_t* search,
+                          ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row)
+{
+    return ema_identify(values, options, command_mm, channels, rows, search, NULL, progress, context, result, NULL,
+                        bad_row);
+}
+
+int32_t ema_desk_identify_guarded(const double* values, const int32_t* options, const double* command_mm,
+                                  const double* channels, int32_t rows, const ema_desk_search_t* search,
+                                  const ema_desk_table_t* table, ema_desk_progress_t progress, void* context,
+                                  ema_desk_result_t* result, ema_desk_finding_t* finding, int32_t* bad_row)
+{
+    if ((table == NULL) || (finding == NULL)) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    if (!ema_table_fits(table)) {
+        return (int32_t)EMA_ERR_TABLE;
+    }
+    ema_desk_signatures_t signatures;
+    ema_signatures_from(table, &signatures);
+    return ema_identify(values, options, command_mm, channels, rows, search, &signatures.table, progress, context,
+                        result, finding, bad_row);
 }
 
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits)

@@ -1,8 +1,9 @@
 /* The module as flat arrays of double, for tools at a desk: Python reaches it by ctypes, from both precisions alike.
  *
- * An actuator is `values[ema_desk_value_count()]` and `options[ema_desk_option_count()]`, in the order of the rows that
- * ema_desk_value_row and ema_desk_option_row describe. Every function answers an ema_status_t as int, 0 for success,
- * unless it says otherwise. No function keeps state.
+ * An actuator is `values[ema_desk_value_count()]` and `options[ema_desk_option_count()]`: first the real parameters in
+ * the order of ema_params.def, then the values of all effects in the order of ema_effects.def; options in the order of
+ * ema_params.def. Every function answers an ema_status_t as int, 0 for success, unless it says otherwise. No function
+ * keeps state.
  */
 #ifndef EMA_DESK_H
 #define EMA_DESK_H
@@ -10,44 +11,56 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* A row of ema_params.def, or a value of an effect. */
 typedef struct {
-    const char* section; /* TOML table; "effects.<name>" for an effect's value */
+    const char* section; /* TOML table; empty for an effect's value */
     const char* field;
     const char* text;
-    const char* choices; /* options: "a|b" or empty */
+    const char* choices; /* options: "a|b", or empty for a whole number */
     double nominal;
     double lower;
     double upper;
+    int32_t is_option;
 } ema_desk_row_t;
 
+/* A row of ema_effects.def, or of the user's own list behind it. */
 typedef struct {
     const char* name;
-    const char* site;
+    const char* site; /* as the list writes it: a learned table's ends in _TABLE */
     const char* equation;
     const char* source;
     const char* look_alikes;
-    int32_t first_value; /* index of its first value among all values */
+    int32_t memory;
+    int32_t substeps;
+    int32_t is_learned; /* a table that holds what was learned from records */
+    int32_t is_own;
+    int32_t first_value; /* index of its first value among those of all effects */
     int32_t value_count;
 } ema_desk_effect_t;
 
 int32_t ema_desk_real_bits(void); /* 32 or 64 */
 int32_t ema_desk_value_count(void);
 int32_t ema_desk_option_count(void);
-int32_t ema_desk_effect_count(void);
-int32_t ema_desk_value_row(int32_t index, ema_desk_row_t* row);
-int32_t ema_desk_option_row(int32_t index, ema_desk_row_t* row);
+
+/* The two lists in their own order: real parameters and options as they stand among each other, effects, and the values
+ * of all effects one after the other. EMA_ERR_NULL; EMA_ERR_RANGE behind the last row. */
+int32_t ema_desk_parameter_row(int32_t index, ema_desk_row_t* row);
 int32_t ema_desk_effect_row(int32_t index, ema_desk_effect_t* row);
+int32_t ema_desk_effect_value_row(int32_t index, ema_desk_row_t* row);
 const char* ema_desk_status_text(int32_t status);
+
+/* Text and EMA_REASON_ bit of the index-th reason why a verdict is undecided; NULL behind the last. */
+const char* ema_desk_reason_text(int32_t index, int32_t* bit);
 
 /* Checks an actuator; on EMA_ERR_RANGE or EMA_ERR_NOT_FINITE `offender` is the value's index, or value count + option
  * index. */
 int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* offender);
 
 /* Simulates `rows` recorded rows with the command of each row held over its model steps. `out` is five arrays of
- * `rows`, one after the other: rod position mm, motor position mm, current A, voltage V, rod speed mm/s. `crowded` (may
- * be NULL) counts steps with more events than are located. */
+ * `rows`, one after the other: rod position mm, motor position mm, current A, voltage V, rod speed mm/s.
+ * `unlocated_event_steps` (may be NULL) counts steps with more events than are located. */
 int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
-                          double start_mm, double* out, int32_t* crowded);
+                          double start_mm, double* out, int32_t* unlocated_event_steps);
 
 /* Samples a command at `rows` steps of `step_s`: kind as ema_command_kind_t; numbers = amplitude_mm, start_hz, end_hz,
  * duration_s, share, count, time_s. */
@@ -101,6 +114,47 @@ typedef struct {
     double bias[4]; /* of the estimates, as in ema_estimate_t */
 } ema_desk_result_t;
 
+/* A table of signatures as ema_signatures_t has it. Each row of `pattern` is effect, first, rows, one_sided, turn[3],
+ * penalty; each of `fault` value index, row, healthy, turn, length. */
+typedef struct {
+    int32_t version;
+    uint32_t fingerprint;
+    int32_t record_rows;
+    int32_t bin_rows;
+    int32_t bins;
+    int32_t channels;
+    int32_t channel[4];
+    int32_t patterns;
+    int32_t faults;
+    int32_t nuisances;
+    int32_t rows;
+    int32_t values; /* numbers in `value` */
+    double command_unit_mm;
+    double command_apart_mm;
+    double reference[4];
+    double weight[4];
+    double limit;
+    double energy;
+    const double* pattern; /* patterns x 8 */
+    const double* fault;   /* faults x 5 */
+    const double* unit;    /* rows */
+    const int16_t* value;
+} ema_desk_table_t;
+
+/* ema_finding_t. Effects are rows of the list, EMA_EFFECT_COUNT for none. */
+typedef struct {
+    int32_t kind; /* ema_finding_kind_t */
+    int32_t effect;
+    int32_t runner_up;
+    uint64_t alike;
+    double score;
+    double runner_up_score;
+    double limit;
+    double size;
+    double energy;
+    double moved[2];
+} ema_desk_finding_t;
+
 /* Called after each model run of the search with the run's number, the cost found and the best so far; may be NULL. A
  * return other than 0 stops the search. */
 typedef int32_t (*ema_desk_progress_t)(int32_t evaluation, double cost, double best, void* context);
@@ -113,6 +167,13 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
 int32_t ema_desk_identify(const double* values, const int32_t* options, const double* command_mm,
                           const double* channels, int32_t rows, const ema_desk_search_t* search,
                           ema_desk_progress_t progress, void* context, ema_desk_result_t* result, int32_t* bad_row);
+
+/* The same behind a table, as ema_guarded.h does it: float32 and a record of reals that hold what the firmware's record
+ * holds give the firmware's bits. EMA_ERR_TABLE for a table whose numbers do not fit each other. */
+int32_t ema_desk_identify_guarded(const double* values, const int32_t* options, const double* command_mm,
+                                  const double* channels, int32_t rows, const ema_desk_search_t* search,
+                                  const ema_desk_table_t* table, ema_desk_progress_t progress, void* context,
+                                  ema_desk_result_t* result, ema_desk_finding_t* finding, int32_t* bad_row);
 
 /* The first `count` numbers of the module's generator, for its reference vectors. */
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits);

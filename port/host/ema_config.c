@@ -21,20 +21,12 @@ typedef struct {
 
 static const ema_config_row_t ema_rows[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, ""},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 #define EMA_P(field, nominal, lower, upper, text) {NULL, #field, ""},
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {#section, #field, choices},
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 };
 
 _Static_assert((sizeof ema_rows / sizeof ema_rows[0]) == ROW_COUNT, "one name per value and option");
@@ -48,7 +40,6 @@ static const ema_config_effect_t ema_effect_ends[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {#name, EMA_PARAM_COUNT + ((offsetof(ema_effects_t, name) + sizeof(ema_effect_##name##_t)) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 /* Where a message points. */

@@ -13,25 +13,6 @@ static const char* const ema_fault_name[FAULTS] = {"CSJ", "BLK"};
 static const char* const ema_fault_unit[FAULTS] = {"Nm", "mm"};
 static const char* const ema_fault_key[FAULTS] = {"csj_Nm", "blk_mm"};
 
-typedef struct {
-    uint32_t bit;
-    const char* text;
-} ema_reason_t;
-
-static const ema_reason_t ema_reasons[] = {
-    {EMA_REASON_NOT_FINISHED, "the search has not ended"},
-    {EMA_REASON_INADEQUATE,
-     "the residual is larger than the sensor noise explains: an effect is missing from the model"},
-    {EMA_REASON_AT_BOUND, "an estimate lies on a bound of its search"},
-    {EMA_REASON_NOT_CONVERGED, "the evaluations were used up while the cost still fell"},
-    {EMA_REASON_NEAR_THRESHOLD, "a shift cannot be told from its threshold with the stated confidence"},
-    {EMA_REASON_NOT_SENSITIVE, "the record does not determine the parameters"},
-    {EMA_REASON_BELOW_HEALTHY, "a parameter fell by more than its threshold, which wear does not do"},
-    {EMA_REASON_LEARNED_RANGE, "a learned table was used outside the range it was seen in"},
-};
-
-#define REASON_COUNT (sizeof ema_reasons / sizeof ema_reasons[0])
-
 static const char* ema_verdict_name(ema_verdict_t verdict)
 {
     const char* name = "undecided";
@@ -155,9 +136,9 @@ void ema_report_text(const ema_report_t* report, FILE* out)
                   report->period_s, report->int16 ? "16-bit integers" : "32-bit reals");
     (void)fprintf(out, "verdict     %s; the model %s\n", ema_verdict_name(result->verdict),
                   result->adequate ? "explains the recording" : "does not explain the recording");
-    for (size_t i = 0; i < REASON_COUNT; ++i) {
-        if ((result->reasons & ema_reasons[i].bit) != 0U) {
-            (void)fprintf(out, "  because   %s\n", ema_reasons[i].text);
+    for (uint32_t bit = 1U; bit != 0U; bit <<= 1U) {
+        if ((result->reasons & bit) != 0U) {
+            (void)fprintf(out, "  because   %s\n", ema_reason_text(bit));
         }
     }
 }
@@ -232,10 +213,10 @@ void ema_report_json(const ema_report_t* report, FILE* out)
     (void)fprintf(out, ",\n  \"verdict\": \"%s\",\n  \"adequate\": %s,\n  \"reasons\": [",
                   ema_verdict_name(result->verdict), result->adequate ? "true" : "false");
     const char* joint = "";
-    for (size_t i = 0; i < REASON_COUNT; ++i) {
-        if ((result->reasons & ema_reasons[i].bit) != 0U) {
+    for (uint32_t bit = 1U; bit != 0U; bit <<= 1U) {
+        if ((result->reasons & bit) != 0U) {
             (void)fputs(joint, out);
-            ema_json_text(out, ema_reasons[i].text);
+            ema_json_text(out, ema_reason_text(bit));
             joint = ", ";
         }
     }

@@ -16,10 +16,7 @@
 /* Bounds of the parameters, of the effects that this build holds, and of the options. */
 static const ema_bounds_t ema_bounds[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) {EMA_R(lower), EMA_R(upper)},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 #define EMA_TABLE_NODES(lower, upper, text) EMA_P(nodes, 0.0, lower, upper, text)
 #define EMA_P(field, nominal, lower, upper, text) {EMA_R(lower), EMA_R(upper)},
 #define EMA_BOUNDS_1(...) __VA_ARGS__
@@ -29,13 +26,8 @@ static const ema_bounds_t ema_bounds[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     EMA_BOUNDS_OF(EMA_HELD(name))(parameters)
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {(ema_real)(lower), (ema_real)(upper)},
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 };
 
 /* How many of them an effect has. */
@@ -49,7 +41,6 @@ _Static_assert((sizeof(ema_bounds) / sizeof(ema_bounds[0]))
 #include "ema/ema_effects.def"
                        ),
                "the nodes of a table share one row of bounds");
-#undef EMA_EFFECT
 
 static bool ema_row_is_table(const ema_effect_row_t* row)
 {
@@ -122,7 +113,7 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
     *id = ema_values_within(value, EMA_PARAM_COUNT, bounds, EMA_PARAM_COUNT, &status);
     bounds = &bounds[EMA_PARAM_COUNT];
     value = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
-    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_INDEX_COUNT); ++k) {
+    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_EFFECT_COUNT); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];
         const uint32_t count = ema_row_bounds(row);
         if (count > 0U) {
@@ -146,8 +137,9 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
 /* Periods of the axes position in the lead and angle in the turn; zero for the others. */
 static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)
 {
-    const ema_real period_of_turn = (axis == EMA_R(3.0)) ? EMA_TURN_RAD : EMA_R(0.0);
-    return (axis == EMA_R(2.0)) ? params->lead_mm : period_of_turn;
+    const ema_axis_t kind = (ema_axis_t)(int32_t)axis;
+    const ema_real period_of_turn = (kind == EMA_AXIS_TURN) ? EMA_TURN_RAD : EMA_R(0.0);
+    return (kind == EMA_AXIS_LEAD) ? params->lead_mm : period_of_turn;
 }
 
 /* What ranges alone do not tell of a table that acts; `offender` is the place of the bad value in it. */
@@ -156,7 +148,7 @@ static ema_status_t ema_table_check(const ema_real* table, const ema_params_t* p
     const ema_real axis = table[1];
     const ema_real first = table[2];
     const ema_real last = table[3];
-    const ema_real period = ema_axis_period(params, axis);
+    const ema_real period = ema_axis_period(params, axis); /* of no matter where the axis is none */
     ema_status_t status = EMA_OK;
     /* a range so short that its inverse overflows is none */
     if (!(first < last) || !ema_is_finite(EMA_TABLE_SPANS / (last - first))) {

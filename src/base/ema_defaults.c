@@ -3,21 +3,13 @@
 
 static const ema_range_t ema_ranges[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 #define EMA_P(field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
     {(ema_real)(nominal), (ema_real)(lower), (ema_real)(upper)},
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 };
 
 #define EMA_RANGE_COUNT (sizeof(ema_ranges) / sizeof(ema_ranges[0]))

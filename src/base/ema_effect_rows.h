@@ -37,20 +37,11 @@ enum {
     EMA_SITE_READING_TABLE = 24
 };
 
-/* Place of each effect in the list, and how many there are. */
-enum {
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_INDEX_##name,
-#include "ema/ema_effects.def"
-#undef EMA_EFFECT
-    EMA_INDEX_COUNT
-};
-
 /* Which of them this build holds. */
 enum {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     EMA_HAS_##name = EMA_HELD(name),
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
     EMA_HAS_NONE = 0
 };
 
@@ -60,18 +51,16 @@ enum {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     | ((uint32_t)EMA_HAS_##name << ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_MASK))
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
     ,
     EMA_TABLES_HELD = 0U
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     | ((uint32_t)EMA_HAS_##name * ((uint32_t)EMA_SITE_##site & (uint32_t)EMA_SITE_IS_TABLE))
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 /* Whether row `k` is still one to look at: none is when the build holds no effect, or no table. */
-#define EMA_ROW_HELD(k) ((EMA_SITES_HELD != 0) && ((k) < (uint32_t)EMA_INDEX_COUNT))
-#define EMA_ROW_TABLE(k) ((EMA_TABLES_HELD != 0) && ((k) < (uint32_t)EMA_INDEX_COUNT))
+#define EMA_ROW_HELD(k) ((EMA_SITES_HELD != 0) && ((k) < (uint32_t)EMA_EFFECT_COUNT))
+#define EMA_ROW_TABLE(k) ((EMA_TABLES_HELD != 0) && ((k) < (uint32_t)EMA_EFFECT_COUNT))
 
 typedef struct {
     uint8_t values;   /* how many numbers it has; the first is its size */
@@ -80,6 +69,6 @@ typedef struct {
     bool held;        /* by this build */
 } ema_effect_row_t;
 
-extern const ema_effect_row_t ema_effect_rows[EMA_INDEX_COUNT];
+extern const ema_effect_row_t ema_effect_rows[EMA_EFFECT_COUNT];
 
 #endif

@@ -25,6 +25,15 @@ static inline const ema_circuit_t* ema_circuit_of(const ema_plant_t* plant, cons
 ema_real ema_circuit_follow(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state,
                             ema_real input);
 
+/* Current of a circuit without a time constant, from the instant on at which the drive applies its input. */
+static inline void ema_drive_current(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
+{
+    const ema_circuit_t* const circuit = ema_circuit_of(plant, applied);
+    if (circuit->algebraic) {
+        state->current_A = ema_circuit_follow(plant, circuit, state, applied->input);
+    }
+}
+
 static inline void ema_drive_step(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output,
                                   ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied)
 {

@@ -5,9 +5,9 @@
 #include "ema_math.h"
 #include "ema_table.h"
 
-_Static_assert(EMA_INDEX_COUNT <= 8 * (int)sizeof(ema_effect_set_t), "a set of effects has a bit for each");
+_Static_assert((size_t)EMA_EFFECT_COUNT <= (8U * sizeof(ema_effect_set_t)), "a set of effects has a bit for each");
 
-#define EMA_BIT(name) ((ema_effect_set_t)1 << (uint32_t)EMA_INDEX_##name)
+#define EMA_BIT(name) ((ema_effect_set_t)1 << (uint32_t)EMA_EFFECT_ID_##name)
 
 /* Whether an effect acts in this run; known beforehand of one that this build leaves out, so that nothing of it is
  * compiled. */
@@ -18,12 +18,11 @@ typedef struct {
 /* EMA-D1 */
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1];
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 } ema_memory_shape_t;
 
 /* EMA-D2 */
 #define EMA_MEMORY_PLACE(name)                                                                                         \
-    (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_INDEX_##name)
+    (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_EFFECT_ID_##name)
 
 /* The first value of an effect is its size; the list's nominal for it is zero. */
 #define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name) /* EMA-D4 */
@@ -67,150 +66,74 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
     if ((EMA_HAS_##name != 0) && (EMA_SIZE(effects, name) != EMA_R(0.0))) {                                            \
         ema_effect_##name##_adjust(&effects->name, params);                                                            \
     }
-#define EMA_ADJUST_PARAMETER(name) EMA_ADJUST(name)
-#define EMA_ADJUST_TRANSMISSION(name)
-#define EMA_ADJUST_FRICTION(name)
-#define EMA_ADJUST_TORQUE(name)
-#define EMA_ADJUST_LOAD(name)
-#define EMA_ADJUST_VOLTAGE(name)
-#define EMA_ADJUST_MOTOR(name)
-#define EMA_ADJUST_PRESLIDING(name)
-#define EMA_ADJUST_READING(name)
-#define EMA_ADJUST_FRICTION_TABLE(name)
-#define EMA_ADJUST_TORQUE_TABLE(name)
-#define EMA_ADJUST_VOLTAGE_TABLE(name)
-#define EMA_ADJUST_READING_TABLE(name)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ADJUST_##site(name)
+#define EMA_EFFECT_AT_PARAMETER(name) EMA_ADJUST(name)
 #include "ema/ema_effects.def"
     /* a transmission takes its mass off the total inertia, so that total must be known before */
-#undef EMA_ADJUST_PARAMETER
-#undef EMA_ADJUST_TRANSMISSION
-#define EMA_ADJUST_PARAMETER(name)
-#define EMA_ADJUST_TRANSMISSION(name) EMA_ADJUST(name)
+#define EMA_EFFECT_AT_TRANSMISSION(name) EMA_ADJUST(name)
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 }
 
 ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
 {
     ema_real change_Nm = EMA_R(0.0);
-#define EMA_CALL_FRICTION(name)                                                                                        \
+#define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
     if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) {                                                         \
         change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);                                          \
     }
-#define EMA_CALL_FRICTION_TABLE(name)                                                                                  \
+#define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
     if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) {                                                         \
         change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);                                      \
     }
-#define EMA_CALL_PARAMETER(name)
-#define EMA_CALL_TORQUE(name)
-#define EMA_CALL_LOAD(name)
-#define EMA_CALL_VOLTAGE(name)
-#define EMA_CALL_MOTOR(name)
-#define EMA_CALL_PRESLIDING(name)
-#define EMA_CALL_TRANSMISSION(name)
-#define EMA_CALL_READING(name)
-#define EMA_CALL_TORQUE_TABLE(name)
-#define EMA_CALL_VOLTAGE_TABLE(name)
-#define EMA_CALL_READING_TABLE(name)
-#define EMA_EFFECT(name, site_name, memory, substeps, equation, source, look_alikes, parameters)                       \
-    EMA_CALL_##site_name(name)
 #include "ema/ema_effects.def"
-#undef EMA_CALL_FRICTION
-#undef EMA_CALL_FRICTION_TABLE
-#define EMA_CALL_FRICTION(name)
-#define EMA_CALL_FRICTION_TABLE(name)
     return change_Nm;
 }
+
+/* Adds what an effect at a site makes of its values. */
+#define EMA_ADD(sum, acts_at, name, values)                                                                            \
+    if (EMA_RUNS(plant->active.at[acts_at], name)) {                                                                   \
+        (sum) += ema_effect_##name(values, site);                                                                      \
+    }
 
 ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real torque_Nm = EMA_R(0.0);
-#undef EMA_CALL_TORQUE
-#undef EMA_CALL_TORQUE_TABLE
-#define EMA_CALL_TORQUE(name)                                                                                          \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) {                                                           \
-        torque_Nm += ema_effect_##name(&plant->effects.name, site);                                                    \
-    }
-#define EMA_CALL_TORQUE_TABLE(name)                                                                                    \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_TORQUE], name)) {                                                           \
-        torque_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site);                                                \
-    }
+#define EMA_EFFECT_AT_TORQUE(name) EMA_ADD(torque_Nm, EMA_SITE_TORQUE, name, &plant->effects.name)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ADD(torque_Nm, EMA_SITE_TORQUE, name, EMA_LEARNED(plant, name))
 #include "ema/ema_effects.def"
-#undef EMA_CALL_TORQUE
-#undef EMA_CALL_TORQUE_TABLE
-#define EMA_CALL_TORQUE(name)
-#define EMA_CALL_TORQUE_TABLE(name)
     return torque_Nm;
 }
 
 ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real load_Nm = EMA_R(0.0);
-#undef EMA_CALL_LOAD
-#define EMA_CALL_LOAD(name)                                                                                            \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_LOAD], name)) {                                                             \
-        load_Nm += ema_effect_##name(&plant->effects.name, site);                                                      \
-    }
+#define EMA_EFFECT_AT_LOAD(name) EMA_ADD(load_Nm, EMA_SITE_LOAD, name, &plant->effects.name)
 #include "ema/ema_effects.def"
-#undef EMA_CALL_LOAD
-#define EMA_CALL_LOAD(name)
     return load_Nm;
 }
 
 ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real voltage_V = EMA_R(0.0);
-#undef EMA_CALL_VOLTAGE
-#undef EMA_CALL_VOLTAGE_TABLE
-#define EMA_CALL_VOLTAGE(name)                                                                                         \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) {                                                          \
-        voltage_V += ema_effect_##name(&plant->effects.name, site);                                                    \
-    }
-#define EMA_CALL_VOLTAGE_TABLE(name)                                                                                   \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_VOLTAGE], name)) {                                                          \
-        voltage_V += ema_effect_##name(EMA_LEARNED(plant, name), site);                                                \
-    }
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_ADD(voltage_V, EMA_SITE_VOLTAGE, name, &plant->effects.name)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ADD(voltage_V, EMA_SITE_VOLTAGE, name, EMA_LEARNED(plant, name))
 #include "ema/ema_effects.def"
-#undef EMA_CALL_VOLTAGE
-#undef EMA_CALL_VOLTAGE_TABLE
-#define EMA_CALL_VOLTAGE(name)
-#define EMA_CALL_VOLTAGE_TABLE(name)
     return voltage_V;
 }
 
 ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real change = EMA_R(0.0);
-#undef EMA_CALL_MOTOR
-#define EMA_CALL_MOTOR(name)                                                                                           \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_MOTOR], name)) {                                                            \
-        change += ema_effect_##name(&plant->effects.name, site);                                                       \
-    }
+#define EMA_EFFECT_AT_MOTOR(name) EMA_ADD(change, EMA_SITE_MOTOR, name, &plant->effects.name)
 #include "ema/ema_effects.def"
-#undef EMA_CALL_MOTOR
-#define EMA_CALL_MOTOR(name)
     return change;
 }
 
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real reading_mm = EMA_R(0.0);
-#undef EMA_CALL_READING
-#undef EMA_CALL_READING_TABLE
-#define EMA_CALL_READING(name)                                                                                         \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) {                                                          \
-        reading_mm += ema_effect_##name(&plant->effects.name, site);                                                   \
-    }
-#define EMA_CALL_READING_TABLE(name)                                                                                   \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_READING], name)) {                                                          \
-        reading_mm += ema_effect_##name(EMA_LEARNED(plant, name), site);                                               \
-    }
+#define EMA_EFFECT_AT_READING(name) EMA_ADD(reading_mm, EMA_SITE_READING, name, &plant->effects.name)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_ADD(reading_mm, EMA_SITE_READING, name, EMA_LEARNED(plant, name))
 #include "ema/ema_effects.def"
-#undef EMA_CALL_READING
-#undef EMA_CALL_READING_TABLE
-#define EMA_CALL_READING(name)
-#define EMA_CALL_READING_TABLE(name)
     return reading_mm;
 }
 
@@ -219,28 +142,16 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* state, ema_site_t* site)
 {
     ema_real outside_ratio = EMA_R(0.0);
-#undef EMA_CALL_FRICTION_TABLE
-#undef EMA_CALL_TORQUE_TABLE
-#undef EMA_CALL_VOLTAGE_TABLE
-#undef EMA_CALL_READING_TABLE
 #define EMA_OUTSIDE(name, seen_mm)                                                                                     \
     if (EMA_RUNS(plant->active.tables, name)) {                                                                        \
         site->position_mm = (seen_mm);                                                                                 \
         outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site), outside_ratio);       \
     }
-#define EMA_CALL_FRICTION_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
-#define EMA_CALL_TORQUE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
-#define EMA_CALL_VOLTAGE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
-#define EMA_CALL_READING_TABLE(name) EMA_OUTSIDE(name, state->rod_mm)
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_OUTSIDE(name, state->rod_mm)
 #include "ema/ema_effects.def"
-#undef EMA_CALL_FRICTION_TABLE
-#undef EMA_CALL_TORQUE_TABLE
-#undef EMA_CALL_VOLTAGE_TABLE
-#undef EMA_CALL_READING_TABLE
-#define EMA_CALL_FRICTION_TABLE(name)
-#define EMA_CALL_TORQUE_TABLE(name)
-#define EMA_CALL_VOLTAGE_TABLE(name)
-#define EMA_CALL_READING_TABLE(name)
     return outside_ratio;
 }
 
@@ -255,8 +166,7 @@ ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state)
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad)
 {
     ema_real share = EMA_R(0.0);
-#undef EMA_CALL_PRESLIDING
-#define EMA_CALL_PRESLIDING(name)                                                                                      \
+#define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
     if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) {                                                       \
         share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);                     \
     }
@@ -266,27 +176,22 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share)
 {
-#undef EMA_CALL_PRESLIDING
-#define EMA_CALL_PRESLIDING(name)                                                                                      \
+#define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
     if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) {                                                       \
         memory[EMA_MEMORY_PLACE(name)] = share;                                                                        \
     }
 #include "ema/ema_effects.def"
-#undef EMA_CALL_PRESLIDING
-#define EMA_CALL_PRESLIDING(name)
 }
 
 void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod)
 {
     const ema_rod_t rigid = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     *rod = rigid;
-#undef EMA_CALL_TRANSMISSION
-#define EMA_CALL_TRANSMISSION(name)                                                                                    \
+#define EMA_EFFECT_AT_TRANSMISSION(name)                                                                               \
     if (EMA_RUNS(plant->active.at[EMA_SITE_TRANSMISSION], name)) {                                                     \
         *rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);                         \
     }
 #include "ema/ema_effects.def"
-#undef EMA_CALL_TRANSMISSION
 }
 
 void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,

@@ -6,63 +6,33 @@
 
 #include "ema/ema_work.h"
 #include "ema_effect_rows.h"
-
-/* What an effect may look at, all at the same instant. */
-typedef struct {
-    const ema_plant_t* plant;
-    ema_real speed_rad_s; /* motor shaft */
-    ema_real angle_rad;
-    ema_real position_mm; /* motor position expressed at the rod */
-    ema_real current_A;
-    ema_real voltage_V; /* applied by the drive */
-} ema_site_t;
-
-/* One integration step of what lies behind the play. */
-typedef struct {
-    ema_real play_start_mm; /* output of the play at the start and at the end of the step */
-    ema_real play_end_mm;
-    ema_real step_s;
-    ema_real lead_mm_per_rad;
-} ema_transmission_t;
+#include "ema_site.h"
 
 /* The function that an effect's file supplies, by site. */
-#define EMA_DECLARE_PARAMETER(name)                                                                                    \
+#define EMA_EFFECT_AT_PARAMETER(name)                                                                                  \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
-#define EMA_DECLARE_FRICTION(name)                                                                                     \
+#define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site, ema_real level_Nm);
-#define EMA_DECLARE_TORQUE(name)                                                                                       \
+#define EMA_EFFECT_AT_TORQUE(name)                                                                                     \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_LOAD(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_VOLTAGE(name)                                                                                      \
+#define EMA_EFFECT_AT_LOAD(name)                                                                                       \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_MOTOR(name) ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_PRESLIDING(name)                                                                                   \
+#define EMA_EFFECT_AT_VOLTAGE(name)                                                                                    \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_EFFECT_AT_MOTOR(name)                                                                                      \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
+#define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad);
-#define EMA_DECLARE_TRANSMISSION(name)                                                                                 \
+#define EMA_EFFECT_AT_TRANSMISSION(name)                                                                               \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);                        \
     ema_rod_t ema_effect_##name(const ema_effect_##name##_t* effect, const ema_transmission_t* step, ema_real* memory);
-#define EMA_DECLARE_FRICTION_TABLE(name) EMA_DECLARE_FRICTION(name)
-#define EMA_DECLARE_TORQUE_TABLE(name) EMA_DECLARE_TORQUE(name)
-#define EMA_DECLARE_VOLTAGE_TABLE(name) EMA_DECLARE_VOLTAGE(name)
-#define EMA_DECLARE_READING(name)                                                                                      \
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_EFFECT_AT_FRICTION(name)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_EFFECT_AT_TORQUE(name)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_EFFECT_AT_VOLTAGE(name)
+#define EMA_EFFECT_AT_READING(name)                                                                                    \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
-#define EMA_DECLARE_READING_TABLE(name) EMA_DECLARE_READING(name)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_DECLARE_##site(name)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_EFFECT_AT_READING(name)
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_DECLARE_PARAMETER
-#undef EMA_DECLARE_FRICTION
-#undef EMA_DECLARE_TORQUE
-#undef EMA_DECLARE_LOAD
-#undef EMA_DECLARE_VOLTAGE
-#undef EMA_DECLARE_MOTOR
-#undef EMA_DECLARE_PRESLIDING
-#undef EMA_DECLARE_TRANSMISSION
-#undef EMA_DECLARE_READING
-#undef EMA_DECLARE_FRICTION_TABLE
-#undef EMA_DECLARE_TORQUE_TABLE
-#undef EMA_DECLARE_VOLTAGE_TABLE
-#undef EMA_DECLARE_READING_TABLE
 
 /* Before the run: what those at site PARAMETER make of the parameters. */
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);

@@ -17,22 +17,11 @@ enum {
 #define EMA_ASSERT_TABLE(name)                                                                                         \
     _Static_assert(sizeof(ema_effect_##name##_t) == ((size_t)EMA_TABLE_VALUES * sizeof(ema_real)),                     \
                    "a table as EMA_TABLE makes it");
-#define EMA_ASSERT_PARAMETER(name)
-#define EMA_ASSERT_FRICTION(name)
-#define EMA_ASSERT_TORQUE(name)
-#define EMA_ASSERT_LOAD(name)
-#define EMA_ASSERT_VOLTAGE(name)
-#define EMA_ASSERT_MOTOR(name)
-#define EMA_ASSERT_PRESLIDING(name)
-#define EMA_ASSERT_TRANSMISSION(name)
-#define EMA_ASSERT_READING(name)
-#define EMA_ASSERT_FRICTION_TABLE(name) EMA_ASSERT_TABLE(name)
-#define EMA_ASSERT_TORQUE_TABLE(name) EMA_ASSERT_TABLE(name)
-#define EMA_ASSERT_VOLTAGE_TABLE(name) EMA_ASSERT_TABLE(name)
-#define EMA_ASSERT_READING_TABLE(name) EMA_ASSERT_TABLE(name)
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) EMA_ASSERT_##site(name)
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ASSERT_TABLE(name)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_ASSERT_TABLE(name)
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 
 /* Where the site is on the axis, counted from the first node; on a periodic axis within one period, else the period is
  * zero. */

@@ -3,16 +3,7 @@
 #ifndef EMA_TABLE_H
 #define EMA_TABLE_H
 
-#include "ema_effect_sites.h"
-
-/* The axes, as the value `axis` of a table counts them. */
-typedef enum {
-    EMA_AXIS_SPEED = 0,    /* of the motor shaft, rad/s */
-    EMA_AXIS_POSITION = 1, /* motor position expressed at the rod, or the rod's where its sensor is meant, mm */
-    EMA_AXIS_LEAD = 2,     /* the same within one lead of the screw, mm: periodic */
-    EMA_AXIS_TURN = 3,     /* motor angle within one turn, rad: periodic */
-    EMA_AXIS_CURRENT = 4   /* of the motor, A */
-} ema_axis_t;
+#include "ema_site.h"
 
 /* All tables have the same values in the same places, which the list EMA_TABLE gives them: gain, axis, first, last,
  * nodes. */

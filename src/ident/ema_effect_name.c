@@ -3,7 +3,6 @@
 static const char* const ema_effect_names[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) #name,
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 const char* ema_effect_name(ema_effect_id_t effect)

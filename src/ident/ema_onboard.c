@@ -7,8 +7,8 @@
 #include "ema_tick.h"
 
 /* Start and factor of the checksum by Fowler, Noll and Vo, over words. */
-#define EMA_PRINT_START 2166136261U
-#define EMA_PRINT_FACTOR 16777619U
+#define EMA_FINGERPRINT_START 2166136261U
+#define EMA_FINGERPRINT_FACTOR 16777619U
 
 /* So much of what CSJ and BLK have moved in the signals may look like something else: standing errors of a machine grow
  * with its friction. */
@@ -21,14 +21,14 @@
 /* An effect that leaves more than this share of the excess is not what is missing. */
 #define EMA_LEFT_SHARE EMA_R(0.5)
 
-static uint32_t ema_print_add(uint32_t print, uint32_t word)
+static uint32_t ema_fingerprint_add(uint32_t fingerprint, uint32_t word)
 {
-    return (print ^ word) * EMA_PRINT_FACTOR;
+    return (fingerprint ^ word) * EMA_FINGERPRINT_FACTOR;
 }
 
-uint32_t ema_onboard_print(const ema_actuator_t* actuator)
+uint32_t ema_onboard_fingerprint(const ema_actuator_t* actuator)
 {
-    uint32_t print = EMA_PRINT_START;
+    uint32_t fingerprint = EMA_FINGERPRINT_START;
     for (uint32_t id = 0; id < (uint32_t)EMA_VALUE_COUNT; ++id) {
         ema_real value = EMA_R(0.0);
         (void)ema_actuator_get(actuator, (ema_value_id_t)id, &value);
@@ -36,13 +36,13 @@ uint32_t ema_onboard_print(const ema_actuator_t* actuator)
         const float single = fault ? 0.0f : (float)value;
         uint32_t word = 0U;
         (void)memcpy(&word, &single, sizeof word); /* EMA-D3 */
-        print = ema_print_add(print, word);
+        fingerprint = ema_fingerprint_add(fingerprint, word);
     }
     const int32_t* const option = (const int32_t*)(const void*)&actuator->options; /* EMA-D4 */
     for (uint32_t k = 0; k < (uint32_t)EMA_OPTION_COUNT; ++k) {
-        print = ema_print_add(print, (uint32_t)option[k]);
+        fingerprint = ema_fingerprint_add(fingerprint, (uint32_t)option[k]);
     }
-    return print;
+    return fingerprint;
 }
 
 /* Numbers of a table with which the loops below stay inside its arrays. */
@@ -76,7 +76,7 @@ ema_status_t ema_onboard_check(const ema_signatures_t* table, const ema_actuator
     if ((table == NULL) || (actuator == NULL) || (record == NULL)) {
         return EMA_ERR_NULL;
     }
-    if (!ema_table_sound(table) || (table->print != ema_onboard_print(actuator))) {
+    if (!ema_table_sound(table) || (table->fingerprint != ema_onboard_fingerprint(actuator))) {
         return EMA_ERR_TABLE;
     }
     for (uint32_t k = 0; k < table->channels; ++k) {

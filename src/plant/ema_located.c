@@ -102,6 +102,6 @@ void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t*
     if (!done) {
         state->speed_rad_s = EMA_R(0.0);
         state->motion = ema_motion_left(plant, EMA_MOTION_STUCK);
-        ++state->crowded_steps;
+        ++state->unlocated_event_steps;
     }
 }

@@ -1,9 +1,9 @@
 #include "ema_tick.h"
 
+#include "ema_delayed.h"
 #include "ema_drive.h"
 #include "ema_effect_sites.h"
 #include "ema_encoder.h"
-#include "ema_late.h"
 #include "ema_motion.h"
 #include "ema_pid.h"
 
@@ -19,12 +19,12 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, em
     ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
     row->voltage_V = work->applied.voltage_V;
     if (plant->drive.delayed) {
-        ema_late_output(plant, state, work, output);
+        ema_delayed_output(plant, state, work, output);
     }
     ema_drive_current(plant, state, &work->applied);
     row->current_A = state->current_A;
     if (plant->drive.delayed) {
-        ema_late_step(plant, state, work);
+        ema_delayed_step(plant, state, work);
     } else {
         ema_motion_step(plant, state, work);
     }

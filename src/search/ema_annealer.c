@@ -20,6 +20,8 @@
  */
 #define EMA_SCOUTS_PER_DIMENSION 4U
 
+#define EMA_TEMPERATURE_MAX EMA_R(1.0e30)
+
 /* Larger than any cost: no limit yet. */
 #define EMA_NO_COST EMA_R(3.0e38)
 
@@ -28,18 +30,23 @@ static bool ema_inside(ema_real value, ema_real lower, ema_real upper)
     return (value >= lower) && (value <= upper);
 }
 
-static bool ema_config_valid(const ema_annealer_config_t* config)
+static bool ema_start_valid(const ema_real* start, uint32_t dimension)
 {
-    bool valid = (config->dimension >= 1U) && (config->dimension <= EMA_ANNEALER_DIMENSION_MAX)
-                 && ema_inside(config->first_step, EMA_STEP_MIN, EMA_R(1.0))
-                 && ema_inside(config->initial_temperature, EMA_R(1.0e-30), EMA_R(1.0e30))
-                 && (config->cooling > EMA_R(0.0)) && (config->cooling < EMA_R(1.0))
-                 && ema_inside(config->function_tolerance, EMA_R(0.0), EMA_R(1.0e30))
-                 && (config->stall_evaluations >= 1U) && (config->evaluation_budget >= 1U);
-    for (uint32_t i = 0; valid && (i < config->dimension); ++i) {
-        valid = ema_inside(config->start[i], EMA_R(0.0), EMA_R(1.0));
+    bool valid = true;
+    for (uint32_t i = 0; valid && (i < dimension); ++i) {
+        valid = ema_inside(start[i], EMA_R(0.0), EMA_R(1.0));
     }
     return valid;
+}
+
+static bool ema_config_valid(const ema_annealer_config_t* config)
+{
+    return (config->dimension >= 1U) && (config->dimension <= EMA_ANNEALER_DIMENSION_MAX)
+           && ema_inside(config->first_step, EMA_STEP_MIN, EMA_R(1.0))
+           && ema_inside(config->initial_temperature, EMA_R(1.0e-30), EMA_TEMPERATURE_MAX)
+           && (config->cooling > EMA_R(0.0)) && (config->cooling < EMA_R(1.0))
+           && ema_inside(config->function_tolerance, EMA_R(0.0), EMA_R(1.0e30)) && (config->stall_evaluations >= 1U)
+           && (config->evaluation_budget >= 1U) && ema_start_valid(config->start, config->dimension);
 }
 
 /* Points kept: enough to average over, few enough to stay near the best. */
@@ -176,6 +183,17 @@ static ema_outcome_t ema_annealer_judge(ema_annealer_t* annealer)
     return outcome;
 }
 
+/* The first candidate is the configuration's start, and nothing is known of it. */
+static void ema_annealer_place(ema_annealer_t* annealer)
+{
+    for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
+        annealer->candidate.x[i] = annealer->config.start[i];
+    }
+    annealer->current = annealer->candidate;
+    annealer->current.cost = EMA_NO_COST;
+    annealer->best = annealer->current;
+}
+
 ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_config_t* config)
 {
     if ((annealer == NULL) || (config == NULL)) {
@@ -189,17 +207,34 @@ ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_conf
     annealer->config = *config;
     ema_random_init(&annealer->random, config->seed, UINT64_C(54));
     for (uint32_t i = 0; i < config->dimension; ++i) {
-        annealer->candidate.x[i] = config->start[i];
         annealer->step[i] = config->first_step;
     }
-    annealer->current = annealer->candidate;
-    annealer->current.cost = EMA_NO_COST;
-    annealer->best = annealer->current;
+    ema_annealer_place(annealer);
     annealer->stall_cost = EMA_NO_COST;
     annealer->temperature = config->initial_temperature;
     annealer->limit = EMA_NO_COST;
     annealer->accept_limit = EMA_NO_COST;
     annealer->outcome = EMA_OUTCOME_ACTIVE;
+    return EMA_OK;
+}
+
+ema_status_t ema_annealer_restart(ema_annealer_t* annealer, const ema_real* start, ema_real temperature)
+{
+    if ((annealer == NULL) || (start == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (annealer->info.evaluations > 0U) {
+        return EMA_ERR_ORDER;
+    }
+    if (!ema_start_valid(start, annealer->config.dimension)
+        || !ema_inside(temperature, EMA_R(0.0), EMA_TEMPERATURE_MAX)) {
+        return EMA_ERR_RANGE;
+    }
+    for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
+        annealer->config.start[i] = start[i];
+    }
+    annealer->temperature = temperature;
+    ema_annealer_place(annealer);
     return EMA_OK;
 }
 

@@ -1,13 +1,13 @@
-#include "ema_guarded_place.h"
+#include "ema/ema_guarded.h"
 
 #include <stddef.h>
 
 #include "ema_math.h"
-#include "ema_runs.h"
+#include "ema_scoring.h"
 
-/* Temperature at a start that the table gave, over the objective at the healthy values: from there the search still
- * leaves a start that is wrong. */
-#define EMA_START_WARMTH EMA_R(0.001)
+/* The table is linear in CSJ and BLK: farther than to half or twice the healthy value its shifts are not followed. */
+#define EMA_START_LOWER EMA_R(0.5)
+#define EMA_START_UPPER EMA_R(2.0)
 
 static const ema_finding_t ema_no_finding = {
     .kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};
@@ -58,79 +58,34 @@ ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample
     return (guarded->phase == EMA_GUARDED_FEEDING) ? ema_session_feed(&guarded->session, sample) : EMA_ERR_ORDER;
 }
 
-/* Begins the run at the healthy values; without a table the session begins at once. */
-static ema_status_t ema_guarded_begin(ema_guarded_t* guarded)
+/* The shifts that the first run asks for become the start of the search. */
+static void ema_guarded_place(ema_guarded_t* guarded)
 {
-    ema_session_t* const session = &guarded->session;
-    if (session->record.count < EMA_ROWS_MIN) {
-        return EMA_ERR_SHORT;
+    const ema_session_config_t* const config = guarded->session.config;
+    const ema_signatures_t* const table = guarded->signatures;
+    ema_real start[EMA_IDENTIFIED_MAX] = {0};
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        ema_real value = EMA_R(0.0);
+        (void)ema_actuator_get(config->actuator, config->identified[i].id, &value);
+        start[i] = value;
+        for (uint32_t k = 0; k < table->faults; ++k) {
+            if (table->fault[k].id == config->identified[i].id) {
+                start[i] =
+                    ema_clamp(value + guarded->finding.moved[k], EMA_START_LOWER * value, EMA_START_UPPER * value);
+            }
+        }
     }
-    if (guarded->signatures == NULL) {
-        guarded->phase = EMA_GUARDED_SESSION;
-        return EMA_OK;
-    }
-    const ema_status_t status =
-        ema_onboard_start(&session->scoring, guarded->signatures, guarded->session.config->actuator, &session->record,
-                          ema_runs_start_mm(session));
-    if (status == EMA_OK) {
-        ema_model_learned(&session->scoring.model, guarded->session.config->actuator);
-        guarded->phase = EMA_GUARDED_STARTING;
-    }
-    return status;
-}
-
-/* The first run has ended. */
-static void ema_guarded_started(ema_guarded_t* guarded)
-{
-    (void)ema_onboard_result(&guarded->session.scoring, &guarded->finding);
-    if (guarded->finding.kind != EMA_FINDING_NONE) {
-        ema_guarded_place(guarded);
-    }
-    guarded->phase = EMA_GUARDED_SESSION;
-}
-
-/* Steps of a slice that end with the run at the healthy values: what follows it hangs on its cost. */
-static uint32_t ema_guarded_slice(const ema_guarded_t* guarded, uint32_t steps)
-{
-    const ema_session_t* const session = &guarded->session;
-    uint32_t slice = steps;
-    if ((guarded->finding.kind != EMA_FINDING_NONE) && !session->healthy_done) {
-        const uint32_t total = session->record.count * (uint32_t)session->config->actuator->options.record_every_steps;
-        const uint32_t made = (session->phase == EMA_PHASE_FEEDING) ? 0U : session->run.model.state.step;
-        const uint32_t left = (made < total) ? (total - made) : 1U;
-        slice = (steps < left) ? steps : left;
-    }
-    return slice;
-}
-
-/* The search begins as cool as the objective at the healthy values says, before the annealer has been told anything. */
-static void ema_guarded_cool(ema_guarded_t* guarded)
-{
-    ema_annealer_t* const annealer = &guarded->session.annealer;
-    if ((guarded->finding.kind != EMA_FINDING_NONE) && (annealer->info.evaluations == 0U)
-        && guarded->session.healthy_done) {
-        const ema_real warm =
-            ema_max(EMA_START_WARMTH * guarded->session.healthy_cost, annealer->config.function_tolerance);
-        annealer->temperature = ema_min(warm, annealer->config.initial_temperature);
-    }
+    ema_session_place_start(&guarded->session, start);
 }
 
 /* The session has ended: its result is kept, and the run at its estimate takes the place of its runs. */
 static void ema_guarded_ended(ema_guarded_t* guarded)
 {
-    ema_session_t* const session = &guarded->session;
-    (void)ema_session_result(session, &guarded->result);
+    (void)ema_session_result(&guarded->session, &guarded->result);
     guarded->phase = EMA_GUARDED_DONE;
     if ((guarded->signatures != NULL) && (guarded->finding.kind != EMA_FINDING_NONE)) {
-        for (uint32_t i = 0; i < guarded->session.config->identified_count; ++i) {
-            (void)ema_actuator_set(&session->actuator, guarded->session.config->identified[i].id,
-                                   guarded->result.identified[i].estimate);
-        }
         guarded->finding = ema_no_finding;
-        if (ema_onboard_start(&session->scoring, guarded->signatures, &session->actuator, &session->record,
-                              session->start_mm)
-            == EMA_OK) {
-            ema_model_learned(&session->scoring.model, guarded->session.config->actuator);
+        if (ema_scoring_start(&guarded->session, guarded->signatures) == EMA_OK) {
             guarded->phase = EMA_GUARDED_LOOKING;
         }
     }
@@ -139,20 +94,33 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
 /* Makes at most `steps` model steps beside the table. */
 static void ema_guarded_score(ema_guarded_t* guarded, uint32_t steps)
 {
-    ema_onboard_t* const scoring = &guarded->session.scoring;
-    /* a copy reads its own record */
-    scoring->record = &guarded->session.record;
-    const uint32_t made = ema_onboard_run(scoring, steps);
-    guarded->model_steps += made;
-    if (ema_onboard_done(scoring)) {
+    guarded->model_steps += ema_scoring_run(&guarded->session, steps);
+    if (ema_scoring_ended(&guarded->session, &guarded->finding)) {
         ++guarded->evaluations;
-        if (guarded->phase == EMA_GUARDED_STARTING) {
-            ema_guarded_started(guarded);
-        } else {
-            (void)ema_onboard_result(scoring, &guarded->finding);
+        if (guarded->phase == EMA_GUARDED_LOOKING) {
             guarded->phase = EMA_GUARDED_DONE;
+        } else {
+            if (guarded->finding.kind != EMA_FINDING_NONE) {
+                ema_guarded_place(guarded);
+            }
+            guarded->phase = EMA_GUARDED_SESSION;
         }
     }
+}
+
+/* The session's own runs; where the table has said something, it has placed their start. */
+static ema_status_t ema_guarded_search(ema_guarded_t* guarded, uint32_t steps)
+{
+    ema_session_t* const session = &guarded->session;
+    const ema_status_t status = (guarded->finding.kind != EMA_FINDING_NONE) ? ema_session_run_placed(session, steps)
+                                                                            : ema_session_run(session, steps);
+    if (status == EMA_OK) {
+        guarded->phase = EMA_GUARDED_SESSION;
+        if (ema_session_phase(session) == EMA_PHASE_DONE) {
+            ema_guarded_ended(guarded);
+        }
+    }
+    return status;
 }
 
 ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
@@ -160,16 +128,16 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
     if (guarded == NULL) {
         return EMA_ERR_NULL;
     }
-    ema_status_t status = (guarded->phase == EMA_GUARDED_FEEDING) ? ema_guarded_begin(guarded) : EMA_OK;
+    ema_status_t status = EMA_OK;
+    if ((guarded->phase == EMA_GUARDED_FEEDING) && (guarded->signatures != NULL)) {
+        status = ema_scoring_start(&guarded->session, guarded->signatures);
+        guarded->phase = (status == EMA_OK) ? EMA_GUARDED_STARTING : EMA_GUARDED_FEEDING;
+    }
     if (status == EMA_OK) {
         if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_GUARDED_LOOKING)) {
             ema_guarded_score(guarded, steps);
-        } else if (guarded->phase == EMA_GUARDED_SESSION) {
-            status = ema_session_run(&guarded->session, ema_guarded_slice(guarded, steps));
-            ema_guarded_cool(guarded);
-            if ((status == EMA_OK) && (ema_session_phase(&guarded->session) == EMA_PHASE_DONE)) {
-                ema_guarded_ended(guarded);
-            }
+        } else if (guarded->phase != EMA_GUARDED_DONE) {
+            status = ema_guarded_search(guarded, steps);
         } else {
             /* done */
         }

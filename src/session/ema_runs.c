@@ -72,11 +72,6 @@ ema_status_t ema_runs_next(ema_session_t* session)
     ema_status_t status = EMA_OK;
     if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
         status = ema_search_start(session);
-    } else {
-        /* an estimate beside which no model can be made is left unweighed: the result then says that the record does
-         * not determine it */
-        session->weighed = ema_runs_weigh(session) == EMA_OK;
-        session->phase = session->weighed ? EMA_PHASE_WEIGHING : EMA_PHASE_DONE;
     }
     return status;
 }

@@ -1,5 +1,5 @@
-/* The model runs of a session, one after the other: at the healthy values, at the annealer's candidates, and those that
- * weigh the estimate. */
+/* The model runs of a search, one after the other: at the healthy values and at the annealer's candidates. Apart from
+ * ema_session.c so that preparing a run takes no stack from running it. */
 #ifndef EMA_RUNS_H
 #define EMA_RUNS_H
 
@@ -17,10 +17,7 @@ ema_real ema_runs_start_mm(const ema_session_t* session);
 /* Starts the first run. Errors: those of ema_objective_start. */
 ema_status_t ema_runs_begin(ema_session_t* session);
 
-/* Starts the runs that weigh the best point: ema_weigh.c. Errors: those of ema_sensitivity_start. */
-ema_status_t ema_runs_weigh(ema_session_t* session);
-
-/* A model run has ended: its cost goes to the annealer, and the next run, or the weighing, begins. */
+/* A model run has ended: its cost goes to the annealer, and the next run begins unless the search has ended. */
 ema_status_t ema_runs_next(ema_session_t* session);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "ema_assess.h"
 #include "ema_bounds.h"
 #include "ema_math.h"
 #include "ema_runs.h"
@@ -130,8 +131,8 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
     /* a copy of a session reads its own record, not the original's */
     if (session->phase == EMA_PHASE_SEARCHING) {
         session->run.record = &session->record;
-    } else if (session->phase == EMA_PHASE_WEIGHING) {
-        session->weighing.record = &session->record;
+    } else if (session->phase == EMA_PHASE_ASSESSING) {
+        session->sensitivity.record = &session->record;
     } else {
         /* nothing runs */
     }
@@ -153,6 +154,9 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         session->model_steps += made;
         if ((state != EMA_OBJECTIVE_RUNNING) && ((left >= EMA_RUN_STEPS) || (left == steps))) {
             status = ema_runs_next(session);
+            if (ema_annealer_outcome(&session->annealer) != EMA_OUTCOME_ACTIVE) {
+                ema_assess_start(session);
+            }
             left = (left > EMA_RUN_STEPS) ? (left - EMA_RUN_STEPS) : 0U;
         } else if (state != EMA_OBJECTIVE_RUNNING) {
             left = 0U;
@@ -160,11 +164,11 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
             /* the run goes on */
         }
     }
-    while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_WEIGHING)) {
-        const uint32_t made = ema_sensitivity_run(&session->weighing, left);
+    while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_ASSESSING)) {
+        const uint32_t made = ema_sensitivity_run(&session->sensitivity, left);
         left -= made;
         session->model_steps += made;
-        if (ema_sensitivity_done(&session->weighing)) {
+        if (ema_sensitivity_done(&session->sensitivity)) {
             session->evaluations += 1U + session->config->identified_count;
             session->phase = EMA_PHASE_DONE;
         }
@@ -188,9 +192,9 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     const ema_session_config_t* const config = session->config;
     const ema_result_t fresh = {0};
     *result = fresh;
-    ema_sensitivity_result_t weighed = {0};
-    if ((session->phase == EMA_PHASE_DONE) && session->weighed) {
-        ema_sensitivity_result(&session->weighing, &weighed);
+    ema_sensitivity_result_t assessed = {0};
+    if ((session->phase == EMA_PHASE_DONE) && session->assessed) {
+        ema_sensitivity_result(&session->sensitivity, &assessed);
     }
     result->identified_count = config->identified_count;
     for (uint32_t i = 0; i < config->identified_count; ++i) {
@@ -199,23 +203,23 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         ema_real healthy = EMA_R(1.0);
         (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
         estimate->estimate = ema_identified_at(&config->identified[i], x);
-        estimate->std = weighed.std[i];
-        estimate->bias = weighed.bias[i];
+        estimate->std = assessed.std[i];
+        estimate->bias = assessed.bias[i];
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
     }
     result->objective_before = session->healthy_cost;
     result->objective_after = session->annealer.best.cost;
-    result->residual_rms_mm = weighed.residual_rms_mm;
-    result->residual_correlation = weighed.residual_correlation;
-    result->outside_ratio = weighed.outside_ratio;
+    result->residual_rms_mm = assessed.residual_rms_mm;
+    result->residual_correlation = assessed.residual_correlation;
+    result->outside_ratio = assessed.outside_ratio;
     result->evaluations = session->evaluations;
     result->model_steps = session->model_steps;
     result->search = session->annealer.info;
     result->random = session->annealer.random;
     result->outcome = ema_annealer_outcome(&session->annealer);
     if (session->phase == EMA_PHASE_DONE) {
-        ema_verdict_judge(config, weighed.determined && weighed.crossed, result);
+        ema_verdict_judge(config, assessed.determined && assessed.crossed, result);
     } else {
         result->verdict = EMA_VERDICT_UNDECIDED;
         result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;

@@ -128,7 +128,6 @@ int main(int argc, char** argv)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {#name, (ema_value_id_t)(EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)))},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
     };
     for (size_t k = 0; k < (sizeof sizes / sizeof sizes[0]); ++k) {
         ema_actuator_t with = healthy;

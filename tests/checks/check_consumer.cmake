@@ -33,4 +33,11 @@ foreach(flag -ffast-math -Ofast -ffinite-math-only)
         message(FATAL_ERROR "A configuration with ${flag} was not refused: ${message}")
     endif()
 endforeach()
-message(STATUS "consumer: installed and as a folder, float32 and float64; value-changing flags refused")
+execute_process(
+    COMMAND "${CMAKE_COMMAND}" -S "${SOURCE}" -B "${WORK}/unknown" "-DCMAKE_C_COMPILER=${COMPILER}" "-DEMA_EFFECTS=jam_spot;jam_spots"
+            -DEMA_TESTS=OFF -DEMA_HOST=OFF
+    RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE message)
+if(result EQUAL 0 OR NOT message MATCHES "EMA_EFFECTS: jam_spots is no effect.*stribeck_friction")
+    message(FATAL_ERROR "An effect that the list does not have was not refused: ${message}")
+endif()
+message(STATUS "consumer: installed and as a folder, float32 and float64; value-changing flags and unknown effects refused")

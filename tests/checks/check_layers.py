@@ -1,7 +1,8 @@
-"""Holds the dependency rule: a file of src includes only its own level and lower ones, and nothing of port.
+"""Holds the dependency rule: a file of src includes only its own level and lower ones, and nothing of port; inside a level no two include each other.
 
-A public header belongs to the level of the C file with its name; one without a C file passes on what it includes. Ports use public headers; the desk alone shows single blocks to
-the tools.
+A public header belongs to the level of the C file with its name; one without a C file passes on what it includes. A
+header of src and the C file with its name count as one where circles are sought. Ports use public headers; the desk
+alone shows single blocks to the tools.
 """
 
 from __future__ import annotations
@@ -105,7 +106,32 @@ def check(root: Path) -> tuple[list[str], int]:
             problems.append(
                 f"{path.relative_to(root)}: level {level} sees {target.name} of level {other}: move the code up, or what it needs down"
             )
-    return problems, looked_at
+    return problems + circles(root, direct), looked_at
+
+
+def circles(root: Path, direct: dict[Path, list[Path]]) -> list[str]:
+    """Headers and C files of src, taken by their names, that include each other, also by way of others."""
+    private = {path for path in direct if area(root.resolve(), path).startswith("src/")}
+    below: dict[str, set[str]] = {}
+    for path in private:
+        below.setdefault(path.stem, set()).update(target.stem for target in direct[path] if target in private and target.stem != path.stem)
+
+    def way(start: str, end: str, seen: tuple[str, ...]) -> tuple[str, ...]:
+        for name in sorted(below.get(start, ())):
+            if name == end:
+                return (*seen, start, end)
+            if name not in seen and name != start:
+                found = way(name, end, (*seen, start))
+                if found:
+                    return found
+        return ()
+
+    found: dict[frozenset[str], tuple[str, ...]] = {}
+    for name in sorted(below):
+        ring = way(name, name, ())
+        if ring:
+            found.setdefault(frozenset(ring), ring)
+    return [f"{' -> '.join(ring)}: a circle: move what both need into a header of its own" for ring in found.values()]
 
 
 def main() -> int:

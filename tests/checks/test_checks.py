@@ -12,9 +12,11 @@ from pathlib import Path
 
 import check_calls
 import check_compiles
+import check_format
 import check_layers
 import check_misra
 import check_python
+import check_python_layers
 import check_symbols
 import check_tidy
 import check_units
@@ -25,6 +27,7 @@ HERE = Path(__file__).parent
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 NM = shutil.which("nm")
 CPPCHECK = shutil.which("cppcheck")
+FORMATTER = check_format.clang_format()
 PYTHON_TOOLS = not check_python.missing("mypy", "ruff")
 TIDY = next((path for name in check_tidy.TIDIES if (path := shutil.which(name))), None)
 
@@ -88,6 +91,14 @@ class Layers(Tree):
         self.write("include/ema/ema_all.h", '#include "ema/ema_model.h"\n')
         self.write("src/effects/ema_friction.c", '#include "ema/ema_all.h"\n')
         self.assertIn("level effects sees ema_model.h of level plant", self.problem())
+
+    def test_circle(self) -> None:
+        """Two files of one level that include each other's headers, one of them by way of a third."""
+        self.write("src/blocks/ema_gear.h", '#include "ema_wheel.h"\n')
+        self.write("src/blocks/ema_wheel.h", "")
+        self.write("src/blocks/ema_wheel.c", '#include "ema_wheel.h"\n#include "ema_tooth.h"\n')
+        self.write("src/blocks/ema_tooth.h", '#include "ema_gear.h"\n')
+        self.assertIn("ema_gear -> ema_wheel -> ema_tooth -> ema_gear: a circle", self.problem())
 
     def test_search_knows_no_actuator(self) -> None:
         """Search depends on base alone."""
@@ -654,6 +665,107 @@ class Python(Tree):
         (self.root / "tools/ema_tools/__init__.py").unlink()
         self.assertEqual(check_python.check(self.root, self.root / "build/mypy"), ([], 0))
         self.assertEqual(self.exit_code("check_python.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
+
+
+@unittest.skipUnless(FORMATTER and PYTHON_TOOLS, "needs clang-format and ruff in its environment")
+class Format(Tree):
+    """check_format.py"""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write(".clang-format", "BasedOnStyle: LLVM\n")
+        self.write("tools/pyproject.toml", "[tool.ruff]\nline-length = 100\n")
+        self.write("tools/ema_tools/a.py", "a = 1\n")
+        self.write("src/base/ema_a.c", "int ema_a(void);\n")
+        self.write("port/cortex_m/example/ace_signatures.h", "int   as_written ;\n")
+
+    def problems(self) -> list[str]:
+        """Problems of the tree."""
+        return check_format.check(self.root, str(FORMATTER))[0]
+
+    def test_finding(self) -> None:
+        """Files as the formatters leave them, and one of each kind that they would change."""
+        self.assertEqual(check_format.check(self.root, str(FORMATTER)), ([], 2))
+        self.write("src/base/ema_a.c", "int ema_a(void);\nint  ema_b(void);\n")
+        self.write("tools/tests/test_a.py", "a = [1,2]\n")
+        found = self.problems()
+        self.assertEqual([one.split(" ")[0] for one in found], ["src/base/ema_a.c:2:", "tools/tests/test_a.py:"])
+
+    def test_settings_that_see_nothing(self) -> None:
+        """Settings that switch everything off are no clean bill."""
+        self.write(".clang-format", "DisableFormat: true\n")
+        self.write("tools/pyproject.toml", "[tool.ruff]\nline-length = 0\n")
+        found = self.problems()
+        self.assertEqual([one.split(":")[0] for one in found], ["clang-format", "ruff format"])
+        self.assertTrue(all("finds nothing in a file with a known fault" in one for one in found))
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        (self.root / "src/base/ema_a.c").unlink()
+        self.assertEqual(check_format.check(self.root, str(FORMATTER)), ([], 0))
+        self.assertEqual(self.exit_code("check_format.py", "--root", str(self.root)), 1)
+
+
+class PythonLayers(Tree):
+    """check_python_layers.py"""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write("tools/ema_tools/__init__.py", "")
+        self.write("tools/ema_tools/base/__init__.py", "")
+        self.write("tools/ema_tools/base/errors.py", "import math\n")
+        self.write("tools/ema_tools/library/native.py", "from ema_tools.base.errors import wrong\n")
+        self.write("tools/ema_tools/truth/plant.py", "import ema_tools.base.errors\n")
+        self.write("tools/ema_tools/fit/calibrate.py", "from ema_tools.library import native\nfrom ..base import errors\n")
+        self.write("tools/ema_tools/cli.py", "def run():\n    from ema_tools.fit.calibrate import fit\n")
+
+    def problem(self) -> str:
+        """The one problem there is."""
+        problems, _ = check_python_layers.check(self.root)
+        self.assertEqual(len(problems), 1, problems)
+        return problems[0]
+
+    def test_good(self) -> None:
+        """The order as it is meant."""
+        self.assertEqual(check_python_layers.check(self.root), ([], 5))
+        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root)), 0)
+
+    def test_upward(self) -> None:
+        """Upward, beside, inside a function and by a relative import."""
+        for text in (
+            "from ema_tools.fit import calibrate\n",
+            "def a():\n    import ema_tools.fit.calibrate\n",
+            "from ..fit.calibrate import fit\n",
+        ):
+            self.write("tools/ema_tools/base/errors.py", text)
+            problems, _ = check_python_layers.check(self.root)
+            self.assertIn("base imports fit.calibrate, which does not stand below it", problems[0])
+        self.write("tools/ema_tools/base/errors.py", "")
+        self.write("tools/ema_tools/plant/a.py", "import ema_tools.reference.b\n")
+        self.write("tools/ema_tools/reference/b.py", "")
+        self.assertIn("plant imports reference.b, which does not stand below it", self.problem())
+        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root)), 1)
+
+    def test_less_than_the_table_allows(self) -> None:
+        """The truth is independent of what it is held against."""
+        self.write("tools/ema_tools/truth/plant.py", "from ema_tools.library import native\n")
+        self.assertIn("truth imports library.native", self.problem())
+
+    def test_no_place(self) -> None:
+        """A folder that the table does not have."""
+        self.write("tools/ema_tools/odd/a.py", "")
+        self.assertIn("tools/ema_tools/odd/a.py: odd has no place", self.problem())
+
+    def test_circle(self) -> None:
+        """Two files of one folder that import each other by way of a third."""
+        self.write("tools/ema_tools/base/errors.py", "from ema_tools.base import files\n")
+        self.write("tools/ema_tools/base/files.py", "from ema_tools.base import words\n")
+        self.write("tools/ema_tools/base/words.py", "from ema_tools.base.errors import wrong\n")
+        self.assertIn("base.errors -> base.files -> base.words -> base.errors: a circle", self.problem())
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root / "none")), 1)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ typedef struct {
 static const effect_t effects[] = {
 #include "ema/ema_effects.def"
 };
-#undef EMA_EFFECT
 
 #define EFFECTS (sizeof effects / sizeof effects[0])
 

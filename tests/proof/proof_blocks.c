@@ -47,8 +47,6 @@ static void ema_any_values(void)
     params.field = Frama_C_float_interval(lower##f, upper##f);
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) options.field = Frama_C_interval(lower, upper);
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {                                                                                                                  \
         ema_effect_##name##_t* const effect = &effects.name;                                                           \
@@ -56,8 +54,6 @@ static void ema_any_values(void)
     }
 #define EMA_P(field, nominal, lower, upper, text) effect->field = Frama_C_float_interval(lower##f, upper##f);
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
 }
 
 static void ema_any_state(void)

@@ -36,14 +36,11 @@ static void ema_any_actuator(ema_actuator_t* actuator)
     for (uint32_t k = 0; k < EMA_EFFECT_VALUE_COUNT; ++k) {
         //@ assert known_finite: \is_finite(((ema_real*)&actuator->effects)[k]);
     }
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
     if ((actuator->options.field < (lower)) || (actuator->options.field > (upper))) {                                  \
         ema_leave();                                                                                                   \
     }
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 }
 
 #endif

@@ -157,7 +157,7 @@ void ema_signature_rig(ema_signature_rig_t* rig, const ema_actuator_t* actuator)
     rig->pattern[1] = spring;
     ema_signatures_t* const table = &rig->table;
     table->version = EMA_SIGNATURES_VERSION;
-    table->print = ema_onboard_print(actuator);
+    table->fingerprint = ema_onboard_fingerprint(actuator);
     table->record_rows = EMA_TABLE_RECORD_ROWS;
     table->bin_rows = EMA_TABLE_BIN_ROWS;
     table->bins = EMA_TABLE_BINS;

@@ -21,20 +21,12 @@ typedef struct {
 
 static const row_t rows[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) {(nominal), (lower), (upper)},
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 #define EMA_P(field, nominal, lower, upper, text) {(nominal), (lower), (upper)},
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
-#undef EMA_P
-#define EMA_PARAM(section, field, nominal, lower, upper, text)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text) {(nominal), (lower), (upper)},
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
 };
 
 #define ROW_COUNT (sizeof(rows) / sizeof(rows[0]))
@@ -100,8 +92,6 @@ static void test_defaults_are_the_nominal_column(void)
 #define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
     TEST_ASSERT_EQUAL_INT32(nominal, box.value.options.field);
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
     for (size_t id = EMA_PARAM_COUNT; id < EMA_VALUE_COUNT; ++id) {
         TEST_ASSERT_TRUE(ema_rig_value(&box.value, id) == (ema_real)rows[id].nominal);
     }
@@ -113,7 +103,6 @@ static void test_every_effect_is_absent_by_default(void)
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     TEST_ASSERT_TRUE(*(const ema_real*)(const void*)&actuator.effects.name == EMA_R(0.0));
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 }
 
 static void test_defaults_need_an_actuator(void)
@@ -207,10 +196,7 @@ static void test_ids_name_their_fields(void)
     EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&actuator, EMA_VALUE_ID(field), mark));                                 \
     TEST_ASSERT_TRUE(actuator.params.field == mark);                                                                   \
     TEST_ASSERT_TRUE(ema_rig_value(&actuator, EMA_VALUE_ID(field)) == mark);
-#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)
 #include "ema/ema_params.def"
-#undef EMA_PARAM
-#undef EMA_OPTION
     EMA_ASSERT_STATUS(EMA_OK,
                       ema_actuator_set(&actuator, EMA_EFFECT_VALUE_ID(stribeck_friction, speed_rad_s), EMA_R(3.0)));
     TEST_ASSERT_TRUE(actuator.effects.stribeck_friction.speed_rad_s == EMA_R(3.0));

@@ -70,6 +70,52 @@ static void test_first_candidate_is_the_start(void)
     TEST_ASSERT_TRUE(ema_annealer_limit(&annealer) > EMA_R(1.0e38));
 }
 
+/* A search that is restarted before its first cost goes the way of one that began there. */
+static void test_restart_is_another_beginning(void)
+{
+    const ema_real elsewhere[2] = {EMA_R(0.9), EMA_R(0.1)};
+    static ema_annealer_t begun;
+    start();
+    EMA_ASSERT_STATUS(EMA_OK, ema_annealer_restart(&annealer, elsewhere, EMA_R(0.25)));
+    config.start[0] = elsewhere[0];
+    config.start[1] = elsewhere[1];
+    config.initial_temperature = EMA_R(0.25);
+    EMA_ASSERT_STATUS(EMA_OK, ema_annealer_init(&begun, &config));
+    for (uint32_t k = 0; k < 100U; ++k) {
+        EMA_ASSERT_SAME_BITS(ema_annealer_candidate(&begun), ema_annealer_candidate(&annealer), 2U * sizeof(ema_real));
+        TEST_ASSERT_TRUE(ema_annealer_limit(&begun) == ema_annealer_limit(&annealer));
+        const ema_real cost = bumpy(ema_annealer_candidate(&begun), 2U);
+        ema_annealer_tell(&begun, cost);
+        ema_annealer_tell(&annealer, cost);
+    }
+    EMA_ASSERT_SAME_BITS(&begun.random, &annealer.random, sizeof begun.random);
+    /* as cold as can be: no step uphill */
+    start();
+    EMA_ASSERT_STATUS(EMA_OK, ema_annealer_restart(&annealer, annealer.config.start, EMA_R(0.0)));
+    for (uint32_t k = 0; k < 100U; ++k) {
+        ema_annealer_tell(&annealer, bumpy(ema_annealer_candidate(&annealer), 2U));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0U, annealer.info.accepted_uphill);
+}
+
+static void test_restart_refuses_and_changes_nothing(void)
+{
+    const ema_real inside[2] = {EMA_R(0.0), EMA_R(1.0)};
+    const ema_real outside[2] = {EMA_R(0.5), EMA_R(1.1)};
+    static ema_annealer_t before;
+    start();
+    before = annealer;
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_annealer_restart(NULL, inside, EMA_R(1.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_annealer_restart(&annealer, NULL, EMA_R(1.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_annealer_restart(&annealer, outside, EMA_R(1.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_annealer_restart(&annealer, inside, -EMA_R(1.0)));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_annealer_restart(&annealer, inside, EMA_R(2.0e30)));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_annealer_restart(&annealer, inside, (ema_real)NAN));
+    EMA_ASSERT_SAME_BITS(&before, &annealer, sizeof before);
+    ema_annealer_tell(&annealer, EMA_R(1.0));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_annealer_restart(&annealer, inside, EMA_R(1.0)));
+}
+
 static void test_candidates_stay_in_the_box(void)
 {
     for (uint32_t dimension = 1U; dimension <= EMA_ANNEALER_DIMENSION_MAX; ++dimension) {
@@ -698,6 +744,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_first_candidate_is_the_start);
+    RUN_TEST(test_restart_is_another_beginning);
+    RUN_TEST(test_restart_refuses_and_changes_nothing);
     RUN_TEST(test_candidates_stay_in_the_box);
     RUN_TEST(test_uphill_steps_are_accepted_as_boltzmann_says);
     RUN_TEST(test_level_and_downhill_steps_are_always_accepted);

@@ -67,7 +67,7 @@ static ema_actuator_t any_actuator(ema_real share)
         option[k] = (value < EMA_R(2147483520.0)) ? (int32_t)value : INT32_MAX;
     }
     size_t id = EMA_PARAM_COUNT;
-    for (uint32_t k = 0; k < (uint32_t)EMA_INDEX_COUNT; ++k) {
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_COUNT; ++k) {
         const bool acts = chance(EMA_R(0.1));
         const size_t last = id + ema_effect_rows[k].values;
         for (; id < last; ++id) {

@@ -54,7 +54,7 @@ static void test_end_of_travel_holds_until_the_torque_turns_inward(void)
     EMA_ASSERT_CLOSE(0.3 * 24.0 / 0.99, model.state.current_A, 0.0, EMA_CLOSED_FORM);
     (void)ema_rig_hold(&model, EMA_R(-0.3) * EMA_FULL_OUTPUT_MM, 20U);
     TEST_ASSERT_TRUE(model.state.speed_rad_s < EMA_R(-1.0));
-    TEST_ASSERT_EQUAL_UINT32(0U, model.state.crowded_steps);
+    TEST_ASSERT_EQUAL_UINT32(0U, model.state.unlocated_event_steps);
 }
 
 int main(void)

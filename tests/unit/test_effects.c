@@ -34,7 +34,6 @@ static const row_t rows[] = {
     {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real)),                                      \
      sizeof(ema_effect_##name##_t) / sizeof(ema_real)},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 #define ROW_COUNT (sizeof(rows) / sizeof(rows[0]))
@@ -605,7 +604,7 @@ static void test_effects_keep_limits_and_stops(void)
         at_stop += (model.state.angle_rad == model.plant.screw.stop_upper_rad) ? 1U : 0U;
     }
     TEST_ASSERT_TRUE((at_limit > 20U) && (at_stop > 20U));
-    TEST_ASSERT_EQUAL_UINT32(0U, model.state.crowded_steps);
+    TEST_ASSERT_EQUAL_UINT32(0U, model.state.unlocated_event_steps);
 }
 
 int main(void)

@@ -158,7 +158,7 @@ static void a_missing_effect_takes_the_fault_back(void)
     truth.effects.inertia_change.change = -EMA_R(0.05);
     healthy.params.adequacy_ratio = EMA_R(50.0);
     healthy.params.structure_ratio = EMA_R(50.0);
-    rig.table.print = ema_onboard_print(&healthy);
+    rig.table.fingerprint = ema_onboard_fingerprint(&healthy);
     const ema_result_t plain = plain_result(&truth, EMA_R(4.0));
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_FAULT, plain.verdict);
     ema_finding_t finding;
@@ -258,9 +258,9 @@ static void order_and_refusals(void)
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, NULL));
     TEST_ASSERT_EQUAL_HEX32(0U, result.reasons);
 
-    rig.table.print ^= 1U;
+    rig.table.fingerprint ^= 1U;
     EMA_ASSERT_STATUS(EMA_ERR_TABLE, ema_guarded_init(&guarded, &config, &rig.table));
-    rig.table.print ^= 1U;
+    rig.table.fingerprint ^= 1U;
     config.identified[1].id = EMA_VALUE_ID(resistance_ohm);
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));
     config.identified_count = 0U;
@@ -282,9 +282,9 @@ static void refused_calls_lose_nothing(void)
         TEST_ASSERT_EQUAL_UINT32(2U, guarded.session.record.count);
     }
     before = guarded;
-    rig.table.print ^= 1U;
+    rig.table.fingerprint ^= 1U;
     EMA_ASSERT_STATUS(EMA_ERR_TABLE, ema_guarded_init(&guarded, &config, &rig.table));
-    rig.table.print ^= 1U;
+    rig.table.fingerprint ^= 1U;
     const ema_session_config_t sound = config;
     config.record.buffer_bytes = 0U;
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));

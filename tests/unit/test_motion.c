@@ -196,7 +196,7 @@ static void test_current_limit_is_held(void)
         at_limit += (fabs((double)model.state.current_A) == 5.0) ? 1U : 0U;
     }
     TEST_ASSERT_TRUE(at_limit > 100U);
-    TEST_ASSERT_EQUAL_UINT32(0U, model.state.crowded_steps);
+    TEST_ASSERT_EQUAL_UINT32(0U, model.state.unlocated_event_steps);
 }
 
 static void test_current_goes_from_one_limit_to_the_other_in_one_step(void)
@@ -527,7 +527,7 @@ static void test_steps_are_exact_at_the_ends_of_travel(void)
     assert_independent_of_substeps(EMA_BY_PRECISION(5.0e-5, 1.0e-7), EMA_BY_PRECISION(1.0e-2, 2.0e-6));
 }
 
-static void test_crowded_step_is_counted(void)
+static void test_step_with_unlocated_events_is_counted(void)
 {
     /* a rotor of next to no inertia in steep cogging reverses more often in a step than is located */
     actuator.params.inertia_kgm2 = EMA_R(1.0e-7);
@@ -536,7 +536,7 @@ static void test_crowded_step_is_counted(void)
     actuator.effects.cogging_torque.periods = EMA_R(200.0);
     ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
     (void)ema_rig_hold(&model, EMA_R(0.5), 300U);
-    TEST_ASSERT_TRUE(model.state.crowded_steps > 0U);
+    TEST_ASSERT_TRUE(model.state.unlocated_event_steps > 0U);
 }
 
 static void test_broken_state_is_reported_and_does_not_hang(void)
@@ -582,7 +582,7 @@ static void test_random_actuators_keep_their_limits(void)
 {
     uint32_t made = 0U;
     uint32_t stopped = 0U;
-    uint32_t crowded = 0U;
+    uint32_t unlocated_event_steps = 0U;
     for (uint32_t trial = 0; trial < 300U; ++trial) {
         random_actuator();
         ema_model_t model;
@@ -607,11 +607,11 @@ static void test_random_actuators_keep_their_limits(void)
             TEST_ASSERT_TRUE((actuator.options.mode == 1) || (fabs((double)row.voltage_V) <= 24.0));
             stopped += (fabs((double)model.state.angle_rad) == (double)model.plant.screw.stop_upper_rad) ? 1U : 0U;
         }
-        crowded += model.state.crowded_steps;
+        unlocated_event_steps += model.state.unlocated_event_steps;
     }
     TEST_ASSERT_TRUE(made > 250U);
     TEST_ASSERT_TRUE(stopped > 1000U);
-    TEST_ASSERT_EQUAL_UINT32(0U, crowded);
+    TEST_ASSERT_EQUAL_UINT32(0U, unlocated_event_steps);
 }
 
 int main(void)
@@ -647,7 +647,7 @@ int main(void)
     RUN_TEST(test_steps_are_exact_with_a_current_limit);
     RUN_TEST(test_steps_are_exact_with_a_torque_limit);
     RUN_TEST(test_steps_are_exact_at_the_ends_of_travel);
-    RUN_TEST(test_crowded_step_is_counted);
+    RUN_TEST(test_step_with_unlocated_events_is_counted);
     RUN_TEST(test_broken_state_is_reported_and_does_not_hang);
     RUN_TEST(test_random_actuators_keep_their_limits);
     return UNITY_END();

@@ -192,7 +192,7 @@ static void another_command_says_nothing(void)
 static void rows_of_several_steps(void)
 {
     healthy.options.record_every_steps = 3;
-    rig.table.print = ema_onboard_print(&healthy);
+    rig.table.fingerprint = ema_onboard_fingerprint(&healthy);
     record_rows(&healthy, 10U);
     (void)find(&healthy, 4U);
     TEST_ASSERT_EQUAL_UINT32(30U, onboard.model.state.step);
@@ -253,19 +253,19 @@ static void ranking(void)
 
 static void prints(void)
 {
-    const uint32_t print = ema_onboard_print(&healthy);
+    const uint32_t fingerprint = ema_onboard_fingerprint(&healthy);
     ema_actuator_t other = healthy;
     other.params.csj_Nm *= EMA_R(2.0);
     other.params.blk_mm *= EMA_R(2.0);
-    TEST_ASSERT_EQUAL_HEX32(print, ema_onboard_print(&other));
+    TEST_ASSERT_EQUAL_HEX32(fingerprint, ema_onboard_fingerprint(&other));
     other.params.kp_per_m *= EMA_R(1.000001);
-    TEST_ASSERT_TRUE(print != ema_onboard_print(&other));
+    TEST_ASSERT_TRUE(fingerprint != ema_onboard_fingerprint(&other));
     other = healthy;
     other.effects.jam_spot.width_mm = EMA_R(0.31);
-    TEST_ASSERT_TRUE(print != ema_onboard_print(&other));
+    TEST_ASSERT_TRUE(fingerprint != ema_onboard_fingerprint(&other));
     other = healthy;
     other.options.side = 1;
-    TEST_ASSERT_TRUE(print != ema_onboard_print(&other));
+    TEST_ASSERT_TRUE(fingerprint != ema_onboard_fingerprint(&other));
 }
 
 static void refused(ema_status_t status)
@@ -291,7 +291,7 @@ static void refusals(void)
 
     rig.table.version = EMA_SIGNATURES_VERSION + 1U;
     refused(EMA_ERR_TABLE);
-    rig.table.print ^= 1U;
+    rig.table.fingerprint ^= 1U;
     refused(EMA_ERR_TABLE);
     rig.table.pattern = NULL;
     refused(EMA_ERR_TABLE);

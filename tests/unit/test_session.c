@@ -569,7 +569,8 @@ static void test_undecided_when_the_rod_was_pushed_one_way(void)
     TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
 }
 
-/* An estimate beside which no model can be made, since its time constant is too far below the step, is told unweighed.
+/* An estimate beside which no model can be made, since its time constant is too far below the step, is told without
+ * standard errors.
  */
 static void test_undecided_beside_what_makes_no_model(void)
 {

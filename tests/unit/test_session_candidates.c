@@ -55,7 +55,7 @@ static void test_candidate_that_makes_no_model_costs_the_most(void)
 {
     start();
     uint32_t refused = 0U;
-    while (ema_session_phase(&session) < EMA_PHASE_WEIGHING) {
+    while (ema_session_phase(&session) < EMA_PHASE_ASSESSING) {
         const uint32_t before = session.evaluations;
         const double viscous = 1.0e-5 + ((double)ema_annealer_candidate(&session.annealer)[0] * (10.0 - 1.0e-5));
         /* so few steps that at most one run ends in a call */

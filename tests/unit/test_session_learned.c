@@ -87,7 +87,7 @@ static void test_the_verdict_says_that_a_table_was_left(void)
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
     TEST_ASSERT_EQUAL_HEX32(EMA_REASON_LEARNED_RANGE, result.reasons);
     TEST_ASSERT_TRUE(result.adequate);
-    TEST_ASSERT_TRUE(result.outside_ratio == session.weighing.state[0].outside_ratio);
+    TEST_ASSERT_TRUE(result.outside_ratio == session.sensitivity.state[0].outside_ratio);
     TEST_ASSERT_TRUE(result.outside_ratio > EMA_R(0.1));
 }
 
@@ -132,10 +132,10 @@ static void test_values_of_tables_are_not_identified(void)
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_init(&session, &config));
     setUp();
     feed(&healthy);
-    static ema_sensitivity_t weighing;
+    static ema_sensitivity_t sensitivity;
     const ema_value_id_t id = EMA_EFFECT_VALUE_ID(learned_friction, node_03);
     const ema_real delta = EMA_R(1.0e-3);
-    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&weighing, &healthy, &session.record, config.weight, &id,
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_sensitivity_start(&sensitivity, &healthy, &session.record, config.weight, &id,
                                                            &delta, 1U, EMA_R(0.0)));
 }
 

@@ -89,7 +89,7 @@ static void assert_record(const record_t* record)
         }
     }
     TEST_ASSERT_EQUAL_UINT32(record->rows, compared);
-    TEST_ASSERT_EQUAL_UINT32(0U, model.state.crowded_steps);
+    TEST_ASSERT_EQUAL_UINT32(0U, model.state.unlocated_event_steps);
     /* a record of zeros would prove nothing */
     TEST_ASSERT_TRUE(moved[2] > 0.1);
     for (uint32_t channel = 0; channel < EMA_VEC_CHANNELS; ++channel) {

@@ -21,7 +21,6 @@ static const row_t rows[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     {#name, EMA_PARAM_COUNT + (offsetof(ema_effects_t, name) / sizeof(ema_real))},
 #include "ema/ema_effects.def"
-#undef EMA_EFFECT
 };
 
 #define ROW_COUNT (sizeof(rows) / sizeof(rows[0]))

@@ -10,14 +10,14 @@ import pytest
 
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
-from ema_tools.library.definitions import DefinitionError, load_definitions, read_definitions
+from ema_tools.library.definitions import TableAxis, load_definitions
 from ema_tools.plant.native import library
 from ema_tools.reference import table
 from ema_tools.reference.actuator import build
 from ema_tools.reference.effects import example_of
 from ema_tools.reference.point import Data, Point
 from ema_tools.tasks.export import flat_text, header_text
-from support import chirp_record, run_ema
+from support import ROOT, chirp_record, run_ema
 
 LEARNED = tuple(effect.name for effect in load_definitions().effects if effect.is_learned)
 
@@ -40,21 +40,11 @@ def test_tables_are_told_apart_from_physical_effects() -> None:
     assert not known.effect("spring_load").is_learned
 
 
-def test_macros_of_the_list_are_expanded_and_broken_ones_named(tmp_path: Path) -> None:
-    (tmp_path / "ema_params.def").write_text('EMA_PARAM(motor, resistance_ohm, 0.99, 1.0e-4, 1000.0, "winding")\n')
-    macro = '#define EMA_PAIR(lower, text) \\\n    EMA_P(a_Nm, 0.0, lower, 1.0, text) \\\n    EMA_P(b_Nm, 0.0, lower, 2.0, "own")\n'
-    row = 'EMA_EFFECT(pair, LOAD_TABLE, 0, 1, "eq", "src", "", EMA_PAIR(-3.0, "given"))\n#undef EMA_PAIR\n'
-    (tmp_path / "ema_effects.def").write_text(macro + row)
-    effect = read_definitions(tmp_path).effects[0]
-    assert (effect.site, effect.is_learned) == ("LOAD", True)
-    assert [(value.field, value.lower, value.upper, value.text) for value in effect.parameters] == [
-        ("a_Nm", -3.0, 1.0, "given"),
-        ("b_Nm", -3.0, 2.0, "own"),
-    ]
-    read_definitions.cache_clear()
-    (tmp_path / "ema_effects.def").write_text(macro + row.replace(', "given"', ""))
-    with pytest.raises(DefinitionError, match="row 4: EMA_PAIR needs 2 arguments"):
-        read_definitions(tmp_path)
+def test_axes_are_those_of_the_module() -> None:
+    found = re.findall(r"EMA_AXIS_(\w+) = (\d)", (ROOT / "include" / "ema" / "ema_actuator.h").read_text())
+    assert [(axis.name, str(axis.value)) for axis in TableAxis] == found
+    row = load_definitions().find("learned_torque.axis")
+    assert (row.lower, row.upper) == (min(TableAxis), max(TableAxis))
 
 
 @pytest.mark.parametrize("name", LEARNED)

@@ -40,7 +40,7 @@ def test_both_precisions_agree() -> None:
     narrow = library(32).simulate(VALUES, OPTIONS, command)
     assert np.sqrt(np.mean((wide.position_mm - narrow.position_mm) ** 2)) < 2e-4
     assert not np.array_equal(wide.position_mm, narrow.position_mm)
-    assert wide.crowded_steps == 0
+    assert wide.unlocated_event_steps == 0
 
 
 def test_objective_is_the_integral_of_the_squared_error() -> None:

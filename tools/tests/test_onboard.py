@@ -54,7 +54,7 @@ int main(int count, char** words)
         }
     }
     const ema_status_t status = ema_onboard_start(&onboard, &EMA_SIGNATURES, &known, &record, 0);
-    printf("%u %d\\n", (unsigned)ema_onboard_print(&EMA_ACTUATOR), (int)status);
+    printf("%u %d\\n", (unsigned)ema_onboard_fingerprint(&EMA_ACTUATOR), (int)status);
     while (status == EMA_OK && ema_onboard_run(&onboard, (uint32_t)atoi(words[3])) > 0U) { }
     if (status != EMA_OK || ema_onboard_result(&onboard, &found) != EMA_OK) {
         return 4;

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ema_tools.library.definitions import DefinitionError, definition_folder, load_definitions, own_folder, read_definitions
+from ema_tools.library.definitions import library_path, load_definitions, read_definitions
 from support import REFERENCE, ROOT
 
 EXAMPLE = ROOT / "docs" / "own_effect"
@@ -25,20 +24,19 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def test_the_ordinary_library_does_not_know_the_example() -> None:
-    assert own_folder() is None
+    assert not any(effect.is_own for effect in load_definitions().effects)
     assert not any(effect.is_own for effect in load_definitions().effects)
 
 
-def test_the_list_of_ones_own_is_read_behind_the_projects(tmp_path: Path) -> None:
-    found = read_definitions(definition_folder(), EXAMPLE)
-    assert [effect.name for effect in found.effects[:-1]] == [effect.name for effect in load_definitions().effects]
-    own = found.effects[-1]
-    assert own.is_own
-    assert (own.name, own.site, own.size.field) == ("scored_rod", "FRICTION", "drag_Nm_per_mm")
-    taken = (EXAMPLE / "own_effects.def").read_text().replace("scored_rod", "jam_spot")
-    (tmp_path / "own_effects.def").write_text(taken)
-    with pytest.raises(DefinitionError, match="jam_spot: stands twice"):
-        read_definitions(definition_folder(), tmp_path)
+def test_a_name_that_the_library_has_is_refused(tmp_path: Path) -> None:
+    rows = (EXAMPLE / "own_effects.def").read_text().replace("scored_rod", "jam_spot")
+    (tmp_path / "own_effects.def").write_text(rows)
+    (tmp_path / "reads.c").write_text('#include "ema/ema_actuator.h"\n')
+    own = f'-DEMA_OWN_EFFECTS="{tmp_path / "own_effects.def"}"'
+    compiler = ["cc", "-std=c11", "-fsyntax-only", "-I", str(ROOT / "include"), own, str(tmp_path / "reads.c")]
+    ran = subprocess.run(compiler, capture_output=True, text=True, check=False)
+    assert ran.returncode != 0
+    assert "jam_spot" in ran.stderr
 
 
 def test_the_document_shows_the_files_as_they_are() -> None:
@@ -89,6 +87,15 @@ def ema_with(libraries: Path, folder: Path) -> Run:
         return ran
 
     return run
+
+
+@pytest.mark.slow
+def test_the_list_of_ones_own_stands_behind_the_projects(built: Path) -> None:
+    found = read_definitions(built / library_path(64).name)
+    assert found.effects[:-1] == load_definitions().effects
+    own = found.effects[-1]
+    assert own.is_own
+    assert (own.name, own.site, own.size.field) == ("scored_rod", "FRICTION", "drag_Nm_per_mm")
 
 
 @pytest.fixture(scope="module")
@@ -165,15 +172,3 @@ def test_what_to_measure_next_knows_the_example(built: Path, records: Path) -> N
     found = json.loads((records / "next.json").read_text())
     assert found["best"]["separation"] > 3.0
     assert found["sizes"]["scored_rod"]["drag_Nm_per_mm"] > 0.0
-
-
-@pytest.mark.slow
-def test_what_is_out_of_date_is_said_in_one_line(built: Path, tmp_path: Path) -> None:
-    libraries = tmp_path / "lib"
-    shutil.copytree(built, libraries)
-    run = ema_with(libraries, tmp_path)
-    rows = libraries / "own_effects" / "own_effects.def"
-    rows.write_text(rows.read_text().replace("start_mm", "from_mm"))
-    assert "built from other lists" in run("simulate", REFERENCE, "--command", "chirp", "-o", "any.csv", code=1).stderr
-    rows.unlink()
-    assert "built from other lists" in run("simulate", REFERENCE, "--command", "chirp", "-o", "any.csv", code=1).stderr

@@ -1,20 +1,17 @@
-"""The two lists are read as they stand, and a broken row is named."""
+"""The lists as the library gives them to Python: every row, in the order of the files."""
 
+from __future__ import annotations
+
+import re
 from pathlib import Path
 
 import pytest
 
-from ema_tools.library.definitions import DefinitionError, defaults, definition_folder, load_definitions, read_definitions, unit_of
+from ema_tools.base.errors import LibraryError
+from ema_tools.library.definitions import defaults, library_path, load_definitions, open_library, read_definitions, unit_of
+from support import ROOT
 
-PARAM = 'EMA_PARAM(motor, resistance_ohm, 0.99, 1.0e-4, 1000.0, "winding, with a comma")\n'
-EFFECT = 'EMA_EFFECT(drag, TORQUE, 0, 1, "eq", "src", "a, b", EMA_P(c_Nm, 0.0, 0.0, 1.0, "x") EMA_P(n, 2.0, 1.0, 3.0, "y"))\n'
-
-
-def write(folder: Path, params: str = PARAM, effects: str = EFFECT) -> Path:
-    """Both lists in `folder`."""
-    (folder / "ema_params.def").write_text(params)
-    (folder / "ema_effects.def").write_text(effects)
-    return folder
+LISTS = ROOT / "include" / "ema"
 
 
 def test_shipped_lists() -> None:
@@ -23,51 +20,49 @@ def test_shipped_lists() -> None:
     assert [*known.ids.values()] == list(range(len(known.ids)))
     assert known.find("screw.csj_Nm").nominal == 0.138
     assert known.find("control.structure").choices == ("pid", "cascade")  # type: ignore[union-attr]
+    assert known.find("control.every_steps").choices == ()  # type: ignore[union-attr]
     assert known.effect("stribeck_friction").size.name == "stribeck_friction.rise"
     assert defaults()["motor.resistance_ohm"] == 0.99
     for row in (*known.parameters, *known.effect_values):
         assert row.lower <= row.nominal <= row.upper, row.name
+    names = [row.name for row in known.rows] + [effect.name for effect in known.effects]
+    assert len(set(names)) == len(names)
 
 
-def test_every_row_of_the_files_is_read() -> None:
-    text = (definition_folder() / "ema_params.def").read_text()
-    rows = [line for line in text.splitlines() if line.startswith(("EMA_PARAM(", "EMA_OPTION("))]
-    assert len(load_definitions().parameters) == len(rows)
-    text = (definition_folder() / "ema_effects.def").read_text()
-    assert len(load_definitions().effects) == sum(line.startswith("EMA_EFFECT(") for line in text.splitlines())
+def test_every_row_of_the_files_is_there_in_their_order() -> None:
+    rows = re.findall(r"^EMA_(PARAM|OPTION)\((\w+), (\w+),", (LISTS / "ema_params.def").read_text(), re.MULTILINE)
+    found = [("OPTION" if row.is_option else "PARAM", row.section, row.field) for row in load_definitions().parameters]
+    assert found == rows
+    effects = re.findall(r"^EMA_EFFECT\(([a-z]\w*), (\w+), (\d+), (\d+)", (LISTS / "ema_effects.def").read_text(), re.MULTILINE)
+    known = [
+        (row.name, f"{row.site}_TABLE" if row.is_learned else row.site, str(row.memory), str(row.substeps))
+        for row in load_definitions().effects
+    ]
+    assert known == effects
 
 
-def test_small_lists(tmp_path: Path) -> None:
-    known = read_definitions(write(tmp_path, "/* a, (b */\n" + PARAM))
-    assert known.reals[0].text == "winding, with a comma"
-    effect = known.effects[0]
-    assert (effect.site, effect.memory, effect.look_alikes) == ("TORQUE", 0, ("a", "b"))
-    assert [value.name for value in effect.parameters] == ["drag.c_Nm", "drag.n"]
+def test_texts_of_an_effect() -> None:
+    effect = load_definitions().effect("quadratic_viscous")
+    assert effect.equation == "- drag * w * abs(w)"
+    assert effect.source.startswith("turbulent drag of a rotor")
+    assert effect.look_alikes == ("viscous_rise", "load_dependent_friction")
+    only = effect.parameters[0]
+    assert (only.name, only.nominal, only.lower, only.upper) == ("quadratic_viscous.drag_Nm_s2_per_rad2", 0.0, -1e-3, 1e-3)
+    assert only.text == "drag at the motor shaft"
 
 
-@pytest.mark.parametrize(
-    ("params", "part"),
-    [
-        ('EMA_PARAM(motor, r_ohm, 0.99, 1.0e-4, "no upper")\n', "row 1: EMA_PARAM needs 6"),
-        ('\n\nEMA_PARAM(motor, r_ohm, low, 1.0, 2.0, "x")\n', "row 3: EMA_PARAM needs 6"),
-        ("EMA_THING(motor, r_ohm)\n", "EMA_THING"),
-        ('EMA_PARAM(motor, r_ohm, 1.0, 0.0, 2.0, "x"\n', "')' expected"),
-        ("EMA_PARAM(motor, r_ohm, 1.0, , 2.0)\n", "argument is missing"),
-        ("EMA_PARAM(motor, $)\n", "cannot read"),
-        (PARAM + PARAM, "motor.resistance_ohm: stands twice"),
-    ],
-)
-def test_broken_rows_are_named(tmp_path: Path, params: str, part: str) -> None:
-    with pytest.raises(DefinitionError) as error:
-        read_definitions(write(tmp_path, params))
-    assert part in str(error.value)
-    assert "\n" not in str(error.value)
+def test_both_precisions_have_the_same_lists() -> None:
+    assert read_definitions(library_path(32)) == load_definitions()
 
 
-def test_missing_lists(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("EMA_DEFINITIONS", str(tmp_path))
-    with pytest.raises(DefinitionError, match="EMA_DEFINITIONS"):
-        definition_folder()
+def test_library_that_is_absent_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name = library_path(64).name
+    monkeypatch.setenv("EMA_LIBRARY_DIR", str(tmp_path))
+    with pytest.raises(LibraryError, match="build the project"):
+        load_definitions()
+    (tmp_path / name).write_bytes(b"no library")
+    with pytest.raises(LibraryError, match="cannot be loaded"):
+        open_library(tmp_path / name)
 
 
 def test_unknown_names_suggest_known_ones() -> None:

@@ -122,7 +122,7 @@ def test_a_number_that_is_not_finite_is_null_where_it_may_be_absent_and_refused_
         ("channels", [], "field channels is not an object"),
         ("where", {}, "field where is not a list of objects"),
         ("where", [1], "field where[0] is not an object"),
-        ("crowded_steps", 1.5, "field crowded_steps is not a whole number"),
+        ("unlocated_event_steps", 1.5, "field unlocated_event_steps is not a whole number"),
         (
             "curves",
             {"period_s": 1.0, "measured": {"position_mm": [0.0, "a"]}},
@@ -163,7 +163,7 @@ def test_words_that_are_no_choice_and_wrong_truths_are_named() -> None:
 
 def test_older_files_read_and_newer_formats_are_refused_in_one_sentence() -> None:
     data = to_json(COMPARED)
-    del data["format"], data["crowded_steps"], data["where"]
+    del data["format"], data["unlocated_event_steps"], data["where"]
     assert result_of(data, "c.json") == COMPARED
     with pytest.raises(InputError, match=r"^c\.json: format 2 is newer than this ema, which reads up to 1: "):
         result_of({**data, "format": 2, "whatever": 1}, "c.json")

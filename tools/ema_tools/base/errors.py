@@ -12,3 +12,7 @@ class InputError(ValueError):
 
 class MissingSignal(ValueError):
     """A result cannot be had because a signal is not recorded; the message is the reason."""
+
+
+class LibraryError(RuntimeError):
+    """The shared library is absent or does not fit these tools; the message says what to do."""

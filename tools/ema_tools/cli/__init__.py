@@ -22,8 +22,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 from ema_tools import __version__
-from ema_tools.base.errors import InputError, MissingSignal
-from ema_tools.library.definitions import DefinitionError
+from ema_tools.base.errors import InputError, LibraryError, MissingSignal
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
@@ -227,6 +226,11 @@ def calibrate(
 )
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
 @click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
+@click.option(
+    "--table",
+    metavar="FILE.h",
+    help="Guard the answer by this table alone, as firmware does with it: written by `ema export --signatures`.",
+)
 @precision_option("32")
 @json_option
 def identify(
@@ -238,6 +242,7 @@ def identify(
     weights: str | None,
     fitted: str | None,
     no_guard: bool,
+    table: str | None,
     precision: str,
     json_path: str | None,
     force: bool,
@@ -249,17 +254,19 @@ def identify(
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record, simulated
     from ema_tools.plant.native import SearchSettings
+    from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.identify import weight_of
     from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
 
-    writable(fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy))
+    writable(fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
     weight = weight_of(weights)
+    signatures = read_signatures(table) if table else None
     with progress("identifying", model["search.evaluation_budget"]) as bar:
         found = work(
             model,
@@ -270,6 +277,7 @@ def identify(
             int(precision),
             lambda run, _, best: bar.update(run, f"best {best:.3g}"),
             not no_guard,
+            signatures,
         )
     if fitted:
         found.actuator.write(fitted, force)
@@ -699,7 +707,6 @@ def effects(effect: str | None, json_path: str | None, force: bool) -> None:
 def main() -> None:
     """Entry point: runs the command line and ends the process with its exit code."""
     from ema_tools.base.files import show_any_name
-    from ema_tools.plant.native import LibraryError
 
     if sys.stderr is None:
         sys.stderr = io.StringIO()  # nobody listens
@@ -710,7 +717,7 @@ def main() -> None:
     try:
         cli(prog_name="ema", standalone_mode=False)
         sys.stdout.flush()
-    except (InputError, MissingSignal, LibraryError, DefinitionError) as error:
+    except (InputError, MissingSignal, LibraryError) as error:
         complain(str(error))
         sys.exit(1)
     except click.exceptions.Abort:

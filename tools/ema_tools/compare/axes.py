@@ -13,6 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.compare.comparison import since_reversal_s
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
+from ema_tools.library.definitions import TableAxis
 
 Halves = NDArray[np.bool_]
 
@@ -79,16 +80,16 @@ class MachineState:
         """Every axis that the record has; with `rod` the position is the rod's, else the motor's expressed at the rod."""
         position = self.position_mm if rod else self.motor_mm
         found = [
-            Axis("speed", "rad/s", self.speed_rad_s, kind=0),
-            Axis("position", "mm", position, kind=1),
-            Axis("place in the lead", "mm", np.mod(position, self.lead_mm), self.lead_mm, kind=2),
-            Axis("motor angle", "rad", np.mod(self.angle_rad, 2.0 * math.pi), 2.0 * math.pi, kind=3),
+            Axis("speed", "rad/s", self.speed_rad_s, kind=TableAxis.SPEED),
+            Axis("position", "mm", position, kind=TableAxis.POSITION),
+            Axis("place in the lead", "mm", np.mod(position, self.lead_mm), self.lead_mm, kind=TableAxis.LEAD),
+            Axis("motor angle", "rad", np.mod(self.angle_rad, 2.0 * math.pi), 2.0 * math.pi, kind=TableAxis.TURN),
             Axis("acceleration", "rad/s2", self.acceleration_rad_s2),
             Axis("time since reversal", "s", self.since_reversal_s),
             Axis("time", "s", self.time_s),
         ]
         if self.current_A is not None:
-            found.insert(4, Axis("current", "A", self.current_A, kind=4))
+            found.insert(4, Axis("current", "A", self.current_A, kind=TableAxis.CURRENT))
         return tuple(found)
 
     @property

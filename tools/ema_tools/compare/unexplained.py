@@ -19,6 +19,7 @@ from ema_tools.compare.axes import Axis, Halves, MachineState, explained, hats, 
 from ema_tools.compare.localisation import Reference, Where, binned, coarse
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
+from ema_tools.library.definitions import TableAxis
 from ema_tools.library.registry import learned_effect, record_of
 from ema_tools.results.unexplained import UnknownPicture
 
@@ -33,7 +34,7 @@ RICHER = 0.05
 _CHANCE_MARGIN = 1.5
 # Along these axes an unknown may be finer than the table: jam spots, teeth, slots.
 _FINE_NODES = 64
-_FINE_KINDS = (1, 2, 3)
+_FINE_KINDS = (TableAxis.POSITION, TableAxis.LEAD, TableAxis.TURN)
 # With fewer moving samples all are taken.
 _SEEN_MIN = 4 * NODES
 # A smooth table: second differences of neighbours cost this much beside the data.

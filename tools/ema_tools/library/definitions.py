@@ -1,17 +1,22 @@
-"""The two lists that make an actuator, read from the C headers `ema_params.def` and `ema_effects.def`, and the user's own `own_effects.def` where the libraries were built with one.
+"""The two lists that make an actuator, `ema_params.def` and `ema_effects.def` with the user's own behind it, as the compiled library has them.
 
-These lists are the single source of names, nominal values, ranges and texts; Python keeps no copy of them.
+These lists are the single source of names, nominal values, ranges and texts; Python keeps no copy of them and reads no C.
 """
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
-import re
+import sys
 from collections.abc import Iterator
+from ctypes import POINTER, byref, c_char_p, c_double, c_int32
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+from ema_tools.base.errors import LibraryError
 
 _UNITS = (
     ("Nm_per_sqrt_rad_s", "Nm/sqrt(rad/s)"),
@@ -42,8 +47,14 @@ _UNITS = (
 )
 
 
-class DefinitionError(ValueError):
-    """A list is missing or a row of it cannot be read; the message names file, row and what to do."""
+class TableAxis(IntEnum):
+    """`ema_axis_t`: what a learned table is read along, as its value `axis` counts them."""
+
+    SPEED = 0
+    POSITION = 1
+    LEAD = 2
+    TURN = 3
+    CURRENT = 4
 
 
 def unit_of(field: str) -> str:
@@ -189,222 +200,113 @@ class Definitions:
         raise KeyError(f"{name}: no such effect; use one of {', '.join(row.name for row in self.effects)}")
 
 
-def definition_folder() -> Path:
-    """Folder that holds the two lists: EMA_DEFINITIONS, the repository around this file, or the package itself.
-
-    Raises DefinitionError when none of them does.
-    """
-    return _definition_folder(os.environ.get("EMA_DEFINITIONS"))
-
-
-@functools.lru_cache
-def _definition_folder(named: str | None) -> Path:
-    here = Path(__file__).resolve()
-    places = [Path(named)] if named else [here.parents[3] / "include" / "ema", here.parents[1] / "include"]
-    for place in places:
-        if (place / "ema_params.def").is_file() and (place / "ema_effects.def").is_file():
-            return place
-    raise DefinitionError(f"ema_params.def, ema_effects.def: not in {places[0]}: point EMA_DEFINITIONS at include/ema")
-
-
 def library_folder() -> Path:
     """Folder of the shared libraries: EMA_LIBRARY_DIR, else `build/lib` of the repository around this file."""
     named = os.environ.get("EMA_LIBRARY_DIR")
     return Path(named) if named else Path(__file__).resolve().parents[3] / "build" / "lib"
 
 
-def own_folder() -> Path | None:
-    """Folder of the user's own `own_effects.def` that the libraries were built with; None without any."""
-    return _own_folder(library_folder())
-
-
-@functools.lru_cache
-def _own_folder(libraries: Path) -> Path | None:
-    folder = libraries / "own_effects"
-    return folder if (folder / "own_effects.def").is_file() else None
-
-
-_TOKEN = re.compile(
-    r"""\s*(?:(?P<string>"(?:[^"\\]|\\.)*")
-    |(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
-    |(?P<word>[A-Za-z_]\w*)
-    |(?P<mark>[(),]))""",
-    re.VERBOSE,
-)
-_DEFINE = re.compile(r"^#define[ ]+(?P<row>\w+\((?:[^\n\\]|\\\n)*)\n", re.MULTILINE)
-_DIRECTIVE = re.compile(r"^#[^\n]*$", re.MULTILINE)
-_LEARNED = "_TABLE"  # end of the site of a learned table
-_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
-
-
-def _only_breaks(match: re.Match[str]) -> str:
-    return "\n" * match.group().count("\n")
-
-
-def _tokens(text: str, path: Path) -> Iterator[tuple[str, str, int]]:
-    """Tokens (kind, text, row) of a list; comments are skipped but keep their line breaks."""
-    blank = _COMMENT.sub(_only_breaks, text)
-    place = 0
-    while blank[place:].strip():
-        match = _TOKEN.match(blank, place)
-        row = blank.count("\n", 0, place) + 1
-        if match is None:
-            raise DefinitionError(f"{path.name}, row {row}: cannot read {blank[place:].strip()[:20]!r}: write EMA_... (a, b, ...)")
-        kind = str(match.lastgroup)
-        yield kind, match.group(kind), blank.count("\n", 0, match.start(kind)) + 1
-        place = match.end()
-    yield "end", "", blank.count("\n") + 1
-
-
-@dataclass(frozen=True)
-class _Call:
-    """A macro call: its arguments are strings, numbers, words, or lists of calls."""
-
-    name: str
-    row: int
-    arguments: tuple[object, ...]
-
-
-class _Reader:
-    """Recursive reader of macro calls."""
-
-    def __init__(self, text: str, path: Path) -> None:
-        self._path = path
-        self._macros: dict[str, tuple[tuple[object, ...], list[_Call]]] = {}
-        for match in _DEFINE.finditer(text):
-            # a macro of the list: its own call with the names of its arguments, then the calls that it stands for
-            head, *body = _Reader(match.group("row").replace("\\\n", "\n"), path).calls()
-            self._macros[head.name] = (head.arguments, body)
-        plain = _DIRECTIVE.sub("", _DEFINE.sub(_only_breaks, text))
-        self._tokens = list(_tokens(plain, path))
-        self._place = 0
-
-    def _expanded(self, call: _Call) -> list[_Call]:
-        """What `call` stands for: itself, or the calls of the list's own macro with its arguments in them."""
-        if call.name not in self._macros:
-            return [call]
-        names, body = self._macros[call.name]
-        if len(names) != len(call.arguments):
-            raise DefinitionError(f"{self._path.name}, row {call.row}: {call.name} needs {len(names)} arguments: see its #define")
-        given = dict(zip(names, call.arguments, strict=True))
-        replaced = (_Call(inner.name, call.row, tuple(given.get(argument, argument) for argument in inner.arguments)) for inner in body)
-        return [expanded for inner in replaced for expanded in self._expanded(inner)]
-
-    def _peek(self) -> tuple[str, str, int]:
-        return self._tokens[self._place]
-
-    def _next(self) -> tuple[str, str, int]:
-        token = self._tokens[self._place]
-        self._place += 1
-        return token
-
-    def _expect(self, mark: str) -> None:
-        kind, text, row = self._next()
-        if kind == "end" or text != mark:
-            raise DefinitionError(f"{self._path.name}, row {row}: {mark!r} expected, {text!r} found: close the row")
-
-    def calls(self) -> list[_Call]:
-        """All calls of the file."""
-        found = []
-        while self._peek()[0] != "end":
-            found.append(self._call())
-        return found
-
-    def _call(self) -> _Call:
-        kind, name, row = self._next()
-        if kind != "word":
-            raise DefinitionError(f"{self._path.name}, row {row}: {name!r} is not a macro's name: start the row with EMA_...")
-        self._expect("(")
-        arguments = [self._argument()]
-        while self._peek()[1] == "," and self._peek()[0] == "mark":
-            self._next()
-            arguments.append(self._argument())
-        self._expect(")")
-        return _Call(name, row, tuple(arguments))
-
-    def _argument(self) -> object:
-        kind, text, row = self._peek()
-        if kind == "string":
-            joined = ""
-            while self._peek()[0] == "string":
-                joined += self._next()[1][1:-1].replace('\\"', '"')
-            return joined
-        if kind == "number":
-            self._next()
-            return float(text)
-        if kind == "word" and self._tokens[self._place + 1][1] == "(":
-            inner: list[_Call] = []
-            while self._peek()[0] == "word":
-                inner += self._expanded(self._call())
-            return tuple(inner)
-        if kind == "word":
-            self._next()
-            return text
-        raise DefinitionError(f"{self._path.name}, row {row}: an argument is missing before {text!r}: fill the row")
-
-
-def _typed(call: _Call, kinds: tuple[type, ...], path: Path) -> tuple[Any, ...]:
-    """The arguments of `call` when they have the right number and kinds; else DefinitionError."""
-    right = len(call.arguments) == len(kinds) and all(
-        isinstance(argument, kind) for argument, kind in zip(call.arguments, kinds, strict=True)
-    )
-    if not right:
-        raise DefinitionError(
-            f"{path.name}, row {call.row}: {call.name} needs {len(kinds)} arguments of its kind: see the head of the file"
+def library_path(bits: int) -> Path:
+    """The shared library of one precision. Raises LibraryError when it is absent."""
+    name = f"ema_desk{bits}"
+    file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
+    path = library_folder() / file
+    if not path.is_file():
+        raise LibraryError(
+            f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
         )
-    return call.arguments
+    return path
 
 
-def _parameters(path: Path) -> Iterator[Parameter]:
-    for call in _Reader(path.read_text(encoding="utf-8"), path).calls():
-        if call.name == "EMA_PARAM":
-            section, field, nominal, lower, upper, text = _typed(call, (str, str, float, float, float, str), path)
-            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text))
-        elif call.name == "EMA_OPTION":
-            kinds = (str, str, float, float, float, str, str)
-            section, field, nominal, lower, upper, choices, text = _typed(call, kinds, path)
-            names = tuple(str(choices).split("|")) if choices else ()
-            yield Parameter(str(section), str(field), float(nominal), float(lower), float(upper), str(text), True, names)
-        else:
-            raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_PARAM or EMA_OPTION: correct the name")
+def open_library(path: Path) -> ctypes.CDLL:
+    """The library at `path`. Raises LibraryError when it cannot be loaded."""
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise LibraryError(f"{path.name}: cannot be loaded ({error}): build the project again") from None
 
 
-def _effects(path: Path, own: bool = False) -> Iterator[Effect]:
-    for call in _Reader(path.read_text(encoding="utf-8"), path).calls():
-        if call.name != "EMA_EFFECT":
-            raise DefinitionError(f"{path.name}, row {call.row}: {call.name} is not EMA_EFFECT: correct the name")
-        kinds = (str, str, float, float, str, str, str, tuple)
-        name, site, memory, substeps, equation, source, look_alikes, inner = _typed(call, kinds, path)
-        values = []
-        for part in inner:
-            field, nominal, lower, upper, text = _typed(part, (str, float, float, float, str), path)
-            values.append(EffectParameter(str(name), str(field), float(nominal), float(lower), float(upper), str(text)))
-        others = tuple(other.strip() for other in str(look_alikes).split(",") if other.strip())
-        place = str(site).removesuffix(_LEARNED)
-        yield Effect(str(name), place, int(memory), int(substeps), str(equation), str(source), others, tuple(values), place != site, own)
+class _Row(ctypes.Structure):
+    _fields_ = [
+        ("section", c_char_p),
+        ("field", c_char_p),
+        ("text", c_char_p),
+        ("choices", c_char_p),
+        ("nominal", c_double),
+        ("lower", c_double),
+        ("upper", c_double),
+        ("is_option", c_int32),
+    ]
+
+
+class _Effect(ctypes.Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("site", c_char_p),
+        ("equation", c_char_p),
+        ("source", c_char_p),
+        ("look_alikes", c_char_p),
+        ("memory", c_int32),
+        ("substeps", c_int32),
+        ("is_learned", c_int32),
+        ("is_own", c_int32),
+        ("first_value", c_int32),
+        ("value_count", c_int32),
+    ]
+
+
+_AnyRow = TypeVar("_AnyRow", _Row, _Effect)
+
+
+def _rows(opened: ctypes.CDLL, name: str, kind: type[_AnyRow]) -> Iterator[_AnyRow]:
+    """The rows of one list, from its first to the one behind which the library refuses."""
+    read: Any = getattr(opened, name, None)
+    if read is None:
+        raise LibraryError(f"{Path(opened._name).name}: has no {name}: build the project again")
+    read.argtypes = [c_int32, POINTER(kind)]
+    index, row = 0, kind()
+    while read(index, byref(row)) == 0:
+        yield row
+        index, row = index + 1, kind()
+
+
+def _parameter(row: _Row) -> Parameter:
+    choices = tuple(row.choices.decode().split("|")) if row.choices else ()
+    section, field, text = row.section.decode(), row.field.decode(), row.text.decode()
+    return Parameter(section, field, row.nominal, row.lower, row.upper, text, bool(row.is_option), choices)
+
+
+def _effect(row: _Effect, values: list[_Row]) -> Effect:
+    name = row.name.decode()
+    mine = values[row.first_value : row.first_value + row.value_count]
+    return Effect(
+        name=name,
+        site=row.site.decode().removesuffix("_TABLE"),
+        memory=row.memory,
+        substeps=row.substeps,
+        equation=row.equation.decode(),
+        source=row.source.decode(),
+        look_alikes=tuple(other.strip() for other in row.look_alikes.decode().split(",") if other.strip()),
+        parameters=tuple(
+            EffectParameter(name, value.field.decode(), value.nominal, value.lower, value.upper, value.text.decode()) for value in mine
+        ),
+        is_learned=bool(row.is_learned),
+        is_own=bool(row.is_own),
+    )
 
 
 @functools.cache
-def read_definitions(folder: Path, own: Path | None = None) -> Definitions:
-    """Both lists from `folder`, and the user's from the folder `own`. Raises DefinitionError with file and row."""
-    parameters = tuple(_parameters(folder / "ema_params.def"))
-    effects = tuple(_effects(folder / "ema_effects.def"))
-    if own is not None:
-        effects += tuple(_effects(own / "own_effects.def", True))
-    names = (
-        [row.name for row in parameters]
-        + [value.name for effect in effects for value in effect.parameters]
-        + [effect.name for effect in effects]
-    )
-    for name in names:
-        if names.count(name) > 1:
-            raise DefinitionError(f"{name}: stands twice in the lists: rename one")
-    return Definitions(parameters, effects)
+def read_definitions(path: Path) -> Definitions:
+    """Both lists as the library at `path` has them. Raises LibraryError when it cannot be loaded or is older than these tools."""
+    opened = open_library(path)
+    parameters = tuple(_parameter(row) for row in _rows(opened, "ema_desk_parameter_row", _Row))
+    values = list(_rows(opened, "ema_desk_effect_value_row", _Row))
+    return Definitions(parameters, tuple(_effect(row, values) for row in _rows(opened, "ema_desk_effect_row", _Effect)))
 
 
 def load_definitions() -> Definitions:
-    """Both lists from where `definition_folder` finds them, with the user's own effects of the libraries in use."""
-    return read_definitions(definition_folder(), own_folder())
+    """Both lists of the libraries in use. Raises LibraryError without any."""
+    return read_definitions(library_path(64))
 
 
 def project_definitions() -> Definitions:

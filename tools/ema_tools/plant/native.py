@@ -10,9 +10,8 @@ import ctypes
 import functools
 import math
 import os
-import sys
 from collections.abc import Callable
-from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_int16, c_int32, c_int64, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ema_tools.base.arrays import Integers, Reals
-from ema_tools.base.errors import InputError
-from ema_tools.library.definitions import library_folder, load_definitions
+from ema_tools.base.errors import InputError, LibraryError
+from ema_tools.library.definitions import library_path, load_definitions, open_library, read_definitions
 
 IDENTIFIED_MAX = 4
 CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
@@ -36,32 +35,26 @@ COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", 
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
 VERDICTS = {0: "healthy", 1: "fault", 2: "undecided"}
 NOT_DETERMINED = 32
-REASONS = {
-    1: "the search has not ended",
-    2: "the residual is larger than the sensor noise explains: an effect is missing from the model",
-    4: "an estimate lies on a bound of its search",
-    8: "the evaluations were used up while the cost still fell",
-    16: "a shift cannot be told from its threshold with the stated confidence",
-    NOT_DETERMINED: "the record does not determine the parameters",
-    64: "a parameter fell by more than its threshold, which wear does not do",
-    128: "a learned table was used outside the range it was seen in",
-}
+FINDINGS = ("adequate", "missing", "unknown", "none")
+_TABLE_NUMBERS = 8
+_FAULT_NUMBERS = 5
 
 
-class LibraryError(RuntimeError):
-    """The shared library is absent or was built from other lists; the message says what to do."""
+def _reasons() -> dict[int, str]:
+    """Bit to text, as the library has them."""
+    opened = open_library(library_path(64))
+    read: Any = getattr(opened, "ema_desk_reason_text", None)
+    if read is None:
+        raise LibraryError(f"{library_path(64).name}: has no ema_desk_reason_text: build the project again")
+    read.argtypes, read.restype = [c_int32, POINTER(c_int32)], c_char_p
+    found: dict[int, str] = {}
+    bit = c_int32()
+    while text := read(len(found), ctypes.byref(bit)):
+        found[bit.value] = text.decode()
+    return found
 
 
-class _Row(ctypes.Structure):
-    _fields_ = [
-        ("section", c_char_p),
-        ("field", c_char_p),
-        ("text", c_char_p),
-        ("choices", c_char_p),
-        ("nominal", c_double),
-        ("lower", c_double),
-        ("upper", c_double),
-    ]
+REASONS = _reasons()
 
 
 class _SearchStructure(ctypes.Structure):
@@ -109,13 +102,55 @@ class _Result(ctypes.Structure):
     ]
 
 
+class _Table(ctypes.Structure):
+    _fields_ = [
+        ("version", c_int32),
+        ("fingerprint", c_uint32),
+        ("record_rows", c_int32),
+        ("bin_rows", c_int32),
+        ("bins", c_int32),
+        ("channels", c_int32),
+        ("channel", c_int32 * len(CHANNELS)),
+        ("patterns", c_int32),
+        ("faults", c_int32),
+        ("nuisances", c_int32),
+        ("rows", c_int32),
+        ("values", c_int32),
+        ("command_unit_mm", c_double),
+        ("command_apart_mm", c_double),
+        ("reference", c_double * len(CHANNELS)),
+        ("weight", c_double * len(CHANNELS)),
+        ("limit", c_double),
+        ("energy", c_double),
+        ("pattern", POINTER(c_double)),
+        ("fault", POINTER(c_double)),
+        ("unit", POINTER(c_double)),
+        ("value", POINTER(c_int16)),
+    ]
+
+
+class _Finding(ctypes.Structure):
+    _fields_ = [
+        ("kind", c_int32),
+        ("effect", c_int32),
+        ("runner_up", c_int32),
+        ("alike", c_uint64),
+        ("score", c_double),
+        ("runner_up_score", c_double),
+        ("limit", c_double),
+        ("size", c_double),
+        ("energy", c_double),
+        ("moved", c_double * 2),
+    ]
+
+
 _PROGRESS = ctypes.CFUNCTYPE(c_int32, c_int32, c_double, c_double, c_void_p)
 Progress = Callable[[int, float, float], None]
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """What a simulated run shows, arrays of shape [rows] in the units of the names; `crowded_steps` counts model steps with more
+    """What a simulated run shows, arrays of shape [rows] in the units of the names; `unlocated_event_steps` counts model steps with more
     events than the model locates (0 in ordinary runs)."""
 
     position_mm: Reals
@@ -123,7 +158,7 @@ class Simulation:
     current_A: Reals
     voltage_V: Reals
     speed_mm_s: Reals
-    crowded_steps: int
+    unlocated_event_steps: int
 
 
 @dataclass(frozen=True)
@@ -147,6 +182,52 @@ class SearchSettings:
     abandon: bool | None = None
     int16_record: bool | None = None
     slice_steps: int | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of signatures as the firmware has it: `ema_signatures_t`, channels by their place in CHANNELS.
+
+    `patterns` [k, 8]: effect, first, rows, one_sided, turn[3], penalty; `faults` [k, 5]: id, row, healthy, turn, length; `unit` [rows];
+    `value` [bins * (1 + channels * (1 + rows))].
+    """
+
+    version: int
+    fingerprint: int
+    record_rows: int
+    bin_rows: int
+    bins: int
+    channels: tuple[int, ...]
+    nuisances: int
+    command_unit_mm: float
+    command_apart_mm: float
+    reference: tuple[float, ...]
+    weight: tuple[float, ...]
+    limit: float
+    energy: float
+    patterns: Reals
+    faults: Reals
+    unit: Reals
+    value: NDArray[np.int16]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the table says of the record at the best point: one of FINDINGS, effects by name (None for none), scores in variances of the noise.
+
+    `alike`: effects that cannot be told from the best, itself among them; `moved`: changes of the table's CSJ and BLK that the residual still asks for.
+    """
+
+    kind: str
+    effect: str | None
+    runner_up: str | None
+    alike: tuple[str, ...]
+    score: float
+    runner_up_score: float
+    limit: float
+    size: float
+    energy: float
+    moved: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -182,17 +263,7 @@ class Identification:
     adequate: bool
     reasons: tuple[str, ...]
     random_state: int
-
-
-def _library_path(bits: int) -> Path:
-    name = f"ema_desk{bits}"
-    file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
-    path = library_folder() / file
-    if not path.is_file():
-        raise LibraryError(
-            f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
-        )
-    return path
+    finding: Finding | None = None  # with a table of signatures alone
 
 
 def _doubles(array: Reals) -> Any:
@@ -207,6 +278,59 @@ def _flat(array: object, shape: tuple[int, ...], name: str) -> Reals:
     return numbers
 
 
+def _raw_table(table: Table) -> tuple[_Table, tuple[object, ...]]:
+    """The structure of the library, and the arrays that must live as long as it."""
+    patterns = _flat(table.patterns, (len(table.patterns), _TABLE_NUMBERS), "patterns")
+    faults = _flat(table.faults, (len(table.faults), _FAULT_NUMBERS), "faults")
+    unit = _flat(table.unit, (len(table.unit),), "unit")
+    value = np.ascontiguousarray(table.value, dtype=np.int16)
+    raw = _Table(
+        version=table.version,
+        fingerprint=table.fingerprint,
+        record_rows=table.record_rows,
+        bin_rows=table.bin_rows,
+        bins=table.bins,
+        channels=len(table.channels),
+        patterns=len(patterns),
+        faults=len(faults),
+        nuisances=table.nuisances,
+        rows=len(unit),
+        values=value.size,
+        command_unit_mm=table.command_unit_mm,
+        command_apart_mm=table.command_apart_mm,
+        limit=table.limit,
+        energy=table.energy,
+        pattern=_doubles(patterns),
+        fault=_doubles(faults),
+        unit=_doubles(unit),
+        value=value.ctypes.data_as(POINTER(c_int16)),
+    )
+    for name, numbers in (("channel", table.channels), ("reference", table.reference), ("weight", table.weight)):
+        for place, number in enumerate(numbers):
+            getattr(raw, name)[place] = number
+    return raw, (patterns, faults, unit, value)
+
+
+def _finding(raw: _Finding) -> Finding:
+    names = [effect.name for effect in load_definitions().effects]
+
+    def name(place: int) -> str | None:
+        return names[place] if place < len(names) else None
+
+    return Finding(
+        kind=FINDINGS[raw.kind],
+        effect=name(raw.effect),
+        runner_up=name(raw.runner_up),
+        alike=tuple(one for place, one in enumerate(names) if raw.alike >> place & 1),
+        score=raw.score,
+        runner_up_score=raw.runner_up_score,
+        limit=raw.limit,
+        size=raw.size,
+        energy=raw.energy,
+        moved=(raw.moved[0], raw.moved[1]),
+    )
+
+
 def _std(std: float, reasons: int) -> float:
     """A standard error; NaN where the module leaves zero because there is none."""
     return math.nan if std == 0.0 and reasons & NOT_DETERMINED else std
@@ -216,19 +340,12 @@ class Library:
     """One precision of the module. Safe to use from several threads: no call keeps state."""
 
     def __init__(self, path: Path, bits: int) -> None:
-        """Load `path`. Raises LibraryError when it cannot be loaded or was built from other lists."""
-        try:
-            self._lib = ctypes.CDLL(str(path))
-        except OSError as error:
-            raise LibraryError(f"{path.name}: cannot be loaded ({error}): build the project again") from None
+        """Load `path`. Raises LibraryError when it cannot be loaded or the precisions were built from different lists."""
+        self._lib = open_library(path)
         self.path = path
         self.bits = bits
         real, whole = POINTER(c_double), POINTER(c_int32)
         self._declare("ema_desk_real_bits", [])
-        self._declare("ema_desk_value_count", [])
-        self._declare("ema_desk_option_count", [])
-        self._declare("ema_desk_value_row", [c_int32, POINTER(_Row)])
-        self._declare("ema_desk_option_row", [c_int32, POINTER(_Row)])
         self._declare("ema_desk_check", [real, whole, whole])
         self._declare("ema_desk_simulate", [real, whole, real, c_int32, c_double, real, whole])
         self._declare("ema_desk_command", [c_int32, real, c_double, c_int32, real])
@@ -238,6 +355,13 @@ class Library:
             "ema_desk_identify",
             [real, whole, real, real, c_int32, POINTER(_SearchStructure), _PROGRESS, c_void_p, POINTER(_Result), whole],
         )
+        self._declare(
+            "ema_desk_identify_guarded",
+            [
+                real, whole, real, real, c_int32, POINTER(_SearchStructure), POINTER(_Table), _PROGRESS, c_void_p, POINTER(_Result),
+                POINTER(_Finding), whole,
+            ],
+        )  # fmt: skip
         text = [c_char_p, c_int32]
         self._declare("ema_csv_count", [c_char_p, POINTER(c_int64), *text])
         self._declare("ema_csv_load", [c_char_p, real, c_int64, POINTER(c_int64), whole, real, *text])
@@ -260,25 +384,12 @@ class Library:
         function.restype = result
 
     def _check_lists(self) -> None:
-        known = load_definitions()
         if self._lib.ema_desk_real_bits() != self.bits:
             raise LibraryError(
                 f"{self.path.name}: calculates with {self._lib.ema_desk_real_bits()} bits, {self.bits} expected: build the project again"
             )
-        values = [*(row.name for row in known.reals), *("effects." + row.name for row in known.effect_values)]
-        options = [row.name for row in known.options]
-        for count, read, names in (
-            (self._lib.ema_desk_value_count(), self._lib.ema_desk_value_row, values),
-            (self._lib.ema_desk_option_count(), self._lib.ema_desk_option_row, options),
-        ):
-            found = []
-            for index in range(count):
-                row = _Row()
-                read(index, ctypes.byref(row))
-                found.append(f"{row.section.decode()}.{row.field.decode()}")
-            if found != names:
-                odd = sorted(set(found) ^ set(names)) or ["the order of the rows"]
-                raise LibraryError(f"{self.path.name}: built from other lists (differs in {odd[0]}): build the project again")
+        if read_definitions(self.path) != load_definitions():
+            raise LibraryError(f"{self.path.name}: built from other lists than {library_path(64).name}: build the project again")
 
     def status_text(self, status: int) -> str:
         """The text of a status of the C module."""
@@ -306,7 +417,7 @@ class Library:
         """
         command = np.ascontiguousarray(command_mm, dtype=np.float64)
         out = np.empty((len(OUTPUTS), command.size))
-        crowded = c_int32(0)
+        unlocated_event_steps = c_int32(0)
         status = self._lib.ema_desk_simulate(
             _doubles(values),
             options.ctypes.data_as(POINTER(c_int32)),
@@ -314,10 +425,10 @@ class Library:
             command.size,
             float(start_mm),
             _doubles(out),
-            ctypes.byref(crowded),
+            ctypes.byref(unlocated_event_steps),
         )
         self._raise_on(status, "simulate", values, options)
-        return Simulation(out[0], out[1], out[2], out[3], out[4], crowded.value)
+        return Simulation(out[0], out[1], out[2], out[3], out[4], unlocated_event_steps.value)
 
     def command(self, kind: str, numbers: dict[str, float], step_s: float, rows: int) -> Reals:
         """Samples [rows] of the command `kind` (of COMMAND_KINDS) at multiples of `step_s`; `numbers` by COMMAND_NUMBERS.
@@ -399,8 +510,11 @@ class Library:
         channels: Reals,
         search: SearchSettings | None = None,
         progress: Progress | None = None,
+        table: Table | None = None,
     ) -> Identification:
         """Run the onboard session on a record: `command_mm` [rows], `channels` [rows, 4] (CHANNELS, NaN where not recorded).
+
+        With a `table` it is guarded as in firmware; float32 and what the firmware's record holds give the firmware's bits.
 
         `progress` is called after each model run with its number, its cost and the best cost so far; what it raises ends the search
         and is raised here. Raises InputError when the session refuses actuator or record.
@@ -420,20 +534,17 @@ class Library:
                     return 1
             return 0
 
-        result = _Result()
-        bad_row = c_int32(-1)
-        status = self._lib.ema_desk_identify(
-            _doubles(values),
-            options.ctypes.data_as(POINTER(c_int32)),
-            _doubles(command),
-            _doubles(measured),
-            command.size,
-            ctypes.byref(raw),
-            _PROGRESS(called) if progress is not None else _PROGRESS(),
-            None,
-            ctypes.byref(result),
-            ctypes.byref(bad_row),
-        )
+        result, found, bad_row = _Result(), _Finding(), c_int32(-1)
+        given = (_doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(command), _doubles(measured), command.size)
+        callback = _PROGRESS(called) if progress is not None else _PROGRESS()
+        into, row = ctypes.byref(result), ctypes.byref(bad_row)
+        if table is None:
+            status = self._lib.ema_desk_identify(*given, ctypes.byref(raw), callback, None, into, row)
+        else:
+            behind, _kept = _raw_table(table)
+            status = self._lib.ema_desk_identify_guarded(
+                *given, ctypes.byref(raw), ctypes.byref(behind), callback, None, into, ctypes.byref(found), row
+            )
         if raised:
             raise raised[0]
         if status != 0 and bad_row.value >= 0:
@@ -465,6 +576,7 @@ class Library:
             adequate=bool(result.adequate),
             reasons=tuple(text for bit, text in REASONS.items() if result.reasons & bit),
             random_state=result.random_state,
+            finding=None if table is None else _finding(found),
         )
 
     def read_csv(self, path: str | Path) -> tuple[Reals, int, float]:
@@ -576,6 +688,6 @@ class Library:
 def library(bits: int = 64) -> Library:
     """The library of one precision, 32 as onboard or 64 for analysis; loaded once.
 
-    Raises LibraryError when it is absent or was built from other lists.
+    Raises LibraryError when it is absent or the precisions were built from different lists.
     """
-    return Library(_library_path(bits), bits)
+    return Library(library_path(bits), bits)

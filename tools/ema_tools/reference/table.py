@@ -9,22 +9,25 @@ import math
 from typing import Any
 
 from ema_tools.base.compiled import compiled
+from ema_tools.library.definitions import TableAxis
 from ema_tools.reference.elementary import TWO_PI
 from ema_tools.reference.point import Point
 
 _SPANS = 15
+# Plain numbers, which compiled code takes.
+_SPEED, _POSITION, _LEAD, _TURN = (float(axis) for axis in (TableAxis.SPEED, TableAxis.POSITION, TableAxis.LEAD, TableAxis.TURN))
 
 
 @compiled
 def _axis(effect: Any, point: Point) -> tuple[float, float]:
     """Where the point is on the axis of the table, and the period of the axis, 0 when it has none."""
-    if effect.axis == 0.0:
+    if effect.axis == _SPEED:
         return point.speed_rad_s, 0.0
-    if effect.axis == 1.0:
+    if effect.axis == _POSITION:
         return point.motor_mm, 0.0
-    if effect.axis == 2.0:
+    if effect.axis == _LEAD:
         return point.motor_mm, point.data.lead_mm
-    if effect.axis == 3.0:
+    if effect.axis == _TURN:
         return point.angle_rad, TWO_PI
     return point.current_A, 0.0
 

@@ -41,6 +41,6 @@ class Comparison:
     balances: dict[str, BalanceError]  # mechanical, electrical, kinematic, controller
     where: tuple[Place, ...] = ()  # largest share first
     sentence: str = ""
-    crowded_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
+    unlocated_event_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
     provenance: Provenance = field(default_factory=dict)
     curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record

@@ -87,6 +87,22 @@ class Seed:
     blk_mm: float | None = field(default=None, metadata=SPARE)
 
 
+@dataclass(frozen=True)
+class TableFinding:
+    """What a flight's table of signatures says of the record at the best point; scores in variances of the noise."""
+
+    kind: Literal["adequate", "missing", "unknown", "none"]  # none: the record runs another command
+    effect: str | None
+    runner_up: str | None
+    alike: tuple[str, ...]  # that cannot be told from the effect, itself among them
+    score: float
+    runner_up_score: float
+    limit: float
+    size: float  # of the effect, in its own unit
+    energy: float
+    moved: tuple[float, float]  # changes of the table's CSJ and BLK that the residual still asks for, Nm and mm
+
+
 @dataclass(frozen=True, kw_only=True)
 class Identification:
     """CSJ and BLK of one record."""
@@ -105,6 +121,7 @@ class Identification:
     reasons: tuple[str, ...] = ()  # why it is undecided
     missing_effect: MissingEffect | None = None  # None where nothing stands behind the estimates
     guard: Guard | None = None  # None where nobody looked
+    table: TableFinding | None = None  # None where no table was given
     sentence: str = ""
     residual_rms_mm: float | None = None
     residual_correlation: float | None = None  # of neighbouring rows, -1..1

@@ -106,7 +106,7 @@ def flat_text(actuator: Actuator) -> str:
 
 
 def fingerprint(actuator: Actuator) -> int:
-    """`ema_onboard_print`: a checksum of the actuator's numbers as float32 and of its options, CSJ and BLK left out."""
+    """`ema_onboard_fingerprint`: a checksum of the actuator's numbers as float32 and of its options, CSJ and BLK left out."""
     values, options = actuator.arrays()
     single = values.astype(np.float32)
     ids = load_definitions().ids
@@ -167,7 +167,7 @@ def signatures_text(table: Signatures) -> str:
         *_array("static const int16_t ema_exported_values[]", [str(value) for value in values.ravel().tolist()], _LINE),
         f"static const ema_signatures_t {_SIGNATURES_NAME} = {{",
         f"    .version = {_SIGNATURES_VERSION}U,",
-        f"    .print = {fingerprint(table.actuator)}U,",
+        f"    .fingerprint = {fingerprint(table.actuator)}U,",
         f"    .record_rows = {table.record_rows}U,",
         f"    .bin_rows = {table.bin_rows}U,",
         f"    .bins = {table.bins}U,",

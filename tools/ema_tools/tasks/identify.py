@@ -12,7 +12,17 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, nearest, row_of, shown
 from ema_tools.data.records import Record
-from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, library
+from ema_tools.plant.native import (
+    CHANNELS,
+    NOT_DETERMINED,
+    REASONS,
+    Identification,
+    IdentifiedValue,
+    Progress,
+    SearchSettings,
+    Table,
+    library,
+)
 from ema_tools.select.beside_fault import Guarded, guard
 from ema_tools.tasks.diagnose import check_apart
 
@@ -132,8 +142,19 @@ def check_record(actuator: Actuator, record: Record, search: SearchSettings) -> 
     check_bounds(actuator)
 
 
-def run(actuator: Actuator, record: Record, search: SearchSettings, bits: int, progress: Progress | None = None) -> Identification:
-    """One search on one record. Raises InputError."""
+def check_table(table: Table, record: Record) -> None:
+    """Raises InputError when the record lacks a signal that the table of signatures compares."""
+    for place in table.channels:
+        if record.channel(CHANNELS[place]) is None:
+            raise InputError(
+                f"{record.file}: {CHANNELS[place]}: the table compares it, but it is not recorded: record it, or leave --table out"
+            )
+
+
+def run(
+    actuator: Actuator, record: Record, search: SearchSettings, bits: int, progress: Progress | None = None, table: Table | None = None
+) -> Identification:
+    """One search on one record, behind a `table` of signatures where one is given. Raises InputError."""
     names = identified_of(actuator)
     if search.identified is None and len(names) < len(KEYS):
         lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
@@ -141,7 +162,7 @@ def run(actuator: Actuator, record: Record, search: SearchSettings, bits: int, p
             search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names)
         )
     values, options = actuator.arrays()
-    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress)
+    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress, table)
 
 
 def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSettings, bits: int) -> Baseline:
@@ -181,15 +202,19 @@ def identify(
     bits: int = 32,
     progress: Progress | None = None,
     guarding: bool = True,
+    table: Table | None = None,
 ) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
     Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches
-    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. Raises InputError.
+    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. With a `table` of signatures the answer is the one that firmware gives
+    with it, guarded by the table alone. Raises InputError.
     """
     settings = search or SearchSettings()
     check_record(actuator, record, settings)
     check_apart(record, healthy)
+    if table is not None:
+        check_table(table, record)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
     settings = replace(settings, seed=seed)
     baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None
@@ -203,9 +228,11 @@ def identify(
             progress(evaluation, cost, best)
 
     begun = time.perf_counter()
-    answer = run(known, record, settings, bits, seen)
+    answer = run(known, record, settings, bits, seen, table)
     wall_s = time.perf_counter() - begun
-    others = each(lambda other: run(known, record, replace(settings, seed=other), bits), [seed + place for place in range(1, seeds)])
+    others = each(
+        lambda other: run(known, record, replace(settings, seed=other), bits, None, table), [seed + place for place in range(1, seeds)]
+    )
     found = known.changed(
         {
             estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper)
@@ -213,7 +240,7 @@ def identify(
         }
     )
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
-    wanted = guarding and bool(estimates) and needs_guard(answer)
+    wanted = guarding and table is None and bool(estimates) and needs_guard(answer)
     guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None
     return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None, guarded)
 

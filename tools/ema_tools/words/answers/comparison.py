@@ -16,7 +16,7 @@ def comparison(found: Comparison, provenance: Provenance, curves: Curves | None 
         balances={name: _balance(error) for name, error in found.balances.items()},
         where=tuple(map(_place, found.where)),
         sentence=sentence(found),
-        crowded_steps=found.simulation.crowded_steps,
+        unlocated_event_steps=found.simulation.unlocated_event_steps,
         provenance=provenance,
         curves=curves,
     )

@@ -34,6 +34,7 @@ def identification(
         guard=None
         if found.guarded is None
         else result.Guard(cast(result.GuardVerdict, found.guarded.verdict), found.guarded.skipped or None, found.guarded.wall_s),
+        table=None if answer.finding is None else result.TableFinding(**vars(answer.finding)),
         sentence=sentence(found),
         residual_rms_mm=answer.residual_rms_mm,
         residual_correlation=answer.residual_correlation,

@@ -17,6 +17,8 @@ _ADVICE = {
     32: "Record the reference chirp instead of this command.",
     64: "Calibrate the healthy values again, on a record of this very actuator.",
     128: "Use the command that the table was learned from, or learn it from records that reach as far as this one.",
+    256: "Run `ema diagnose` on this record with healthy ones: it says how sure the name is, and what stands beside it.",
+    512: "Run the ground test that the table was exported for, or export one for this command.",
 }
 
 

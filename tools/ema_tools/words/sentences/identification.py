@@ -6,6 +6,7 @@ import numpy as np
 
 from ema_tools.data.actuator import row_of
 from ema_tools.plant.native import IdentifiedValue
+from ema_tools.results.identification import TableFinding
 from ema_tools.select.beside_fault import Guarded
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.words.sentences.sizes import size_text
@@ -68,3 +69,15 @@ def _decimals(doubt_percent: float) -> int:
     if not doubt_percent > 0.0:
         return 3
     return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
+
+
+def table_sentence(found: TableFinding) -> str:
+    """What a table of signatures says, in one sentence."""
+    said = {
+        "adequate": "nothing is missing",
+        "missing": f"missing is {found.effect}, size {found.size:.3g}",
+        "unknown": "something is missing that no effect of the table explains",
+        "none": "the record runs another command, so nothing can be said",
+    }[found.kind]
+    others = ", ".join(name for name in found.alike if name != found.effect) if found.kind == "missing" else ""
+    return f"Table of signatures: {said}{f' (looks like {others})' if others else ''}."

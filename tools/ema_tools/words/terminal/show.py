@@ -18,6 +18,7 @@ from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps, ForceStep
 from ema_tools.results.identification import Identification
 from ema_tools.results.parts import Step
 from ema_tools.select.search import Diagnosis as Searched
+from ema_tools.words.sentences.identification import table_sentence
 from ema_tools.words.sentences.sizes import size_text
 from ema_tools.words.terminal.console import number, table
 
@@ -141,6 +142,8 @@ def identification(console: Console, found: Identification) -> None:
         values = [estimate.estimate, *(value for value in others if value is not None)]
         spread = 100.0 * (max(values) - min(values)) / abs(estimate.healthy or 1.0)
         say(console, f"{FAULTS[name]} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
+    if found.table is not None:
+        say(console, table_sentence(found.table))
 
 
 def diagnosis(console: Console, found: Diagnosis, searched: Searched) -> None:

@@ -1,22 +1,22 @@
-#include "ema_late.h"
+#include "ema_delayed.h"
 
 #include "ema_motion.h"
 
 /* Applies what was asked `age` steps ago. */
-static void ema_late_apply(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, uint32_t age)
+static void ema_delayed_apply(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, uint32_t age)
 {
     const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
     ema_drive_apply(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
 }
 
-void ema_late_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output)
+void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output)
 {
     state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
     const bool parted = plant->drive.delay_part > EMA_R(0.0);
-    ema_late_apply(plant, state, work, plant->drive.delay_steps + (parted ? 1U : 0U));
+    ema_delayed_apply(plant, state, work, plant->drive.delay_steps + (parted ? 1U : 0U));
 }
 
-void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
     ema_real span_s = plant->substep_s;
     uint32_t parts = 1U;
@@ -30,7 +30,7 @@ void ema_late_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* wor
         }
         if (parts == 2U) {
             span_s = (EMA_R(1.0) - plant->drive.delay_part) * plant->substep_s;
-            ema_late_apply(plant, state, work, plant->drive.delay_steps);
+            ema_delayed_apply(plant, state, work, plant->drive.delay_steps);
             ema_drive_current(plant, state, &work->applied);
         }
     }

@@ -1,10 +1,12 @@
+#include "ema_assess.h"
+
 #include "ema_math.h"
 #include "ema_runs.h"
 
 /* Step of the sensitivities, as a share of the healthy value: large against rounding, small against the parameter. */
 #define EMA_DELTA_SHARE EMA_R(0.01)
 
-ema_status_t ema_runs_weigh(ema_session_t* session)
+void ema_assess_start(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
     ema_runs_move(session, session->annealer.best.x);
@@ -22,10 +24,11 @@ ema_status_t ema_runs_weigh(ema_session_t* session)
         }
     }
     const ema_status_t status =
-        ema_sensitivity_start(&session->weighing, &session->actuator, &session->record, config->weight, ids, delta,
+        ema_sensitivity_start(&session->sensitivity, &session->actuator, &session->record, config->weight, ids, delta,
                               config->identified_count, session->start_mm);
-    if (status == EMA_OK) {
-        ema_sensitivity_learned(&session->weighing, config->actuator);
+    session->assessed = status == EMA_OK;
+    if (session->assessed) {
+        ema_sensitivity_learned(&session->sensitivity, config->actuator);
     }
-    return status;
+    session->phase = session->assessed ? EMA_PHASE_ASSESSING : EMA_PHASE_DONE;
 }

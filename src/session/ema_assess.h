@@ -1,0 +1,12 @@
+/* The model runs behind standard errors and verdict, at the best point of the search. Apart from ema_runs.c so that the
+ * lists of values take no stack from the search. */
+#ifndef EMA_ASSESS_H
+#define EMA_ASSESS_H
+
+#include "ema/ema_session.h"
+
+/* The search has ended: starts these runs. An estimate beside which no model can be made is left without them, and the
+ * session is done: its result says that the record does not determine the parameters. */
+void ema_assess_start(ema_session_t* session);
+
+#endif
