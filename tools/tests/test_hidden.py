@@ -145,7 +145,7 @@ def row() -> dict[str, Any]:
         "class": ["cogging_torque"],
         "ranked": [["cogging_torque", 50.0]],
     }
-    costs = {"cost_before": 400.0, "cost_after": 100.0, "cost_floor": 100.0, "unexplained": 0.0, "limit": 30.0, "run_s": 2.0, "cpu_s": 3.0}
+    costs = {"error": {"before": 2.0, "after": 1.0, "floor": 1.0}, "unexplained": 0.0, "sensor": None, "refused": None, "run_s": 2.0, "cpu_s": 3.0}
     seen = {"pick": "cogging_torque", "right": True, "size": [17.0], "apart": {"pitch_ripple": 2.0, "jam_spot": 9.0}}
     size = {"effect": "cogging_torque", "true": 0.01, "estimate": 0.011, "std": 0.001, "held": True}
     return {
@@ -182,12 +182,12 @@ def test_goals_are_met_or_not(row: dict[str, Any]) -> None:
     met = {goal.text: goal.met for goal in scoring.goals(good)}
     assert all(value for text, value in met.items() if "95 %" not in text)
     spoiled = [
-        {**one, "verdict": "missing", "accepted": ["supply_sag"], "first": "supply_sag", "class": [], "run_s": 11.0, "cost_after": 120.0}
+        {**one, "verdict": "missing", "accepted": ["supply_sag"], "first": "supply_sag", "class": [], "run_s": 11.0, "error": {"before": 2.0, "after": 1.1, "floor": 1.0}}
         for one in good
     ]
     failed = {goal.text for goal in scoring.goals(spoiled) if not goal.met}
     assert {text for text in met if "error after" not in text and "held-out" not in text and "95 %" not in text} <= failed
-    worse = [{**row, "cost_after": 120.0, "held_out": {"command": "triangle", "before": 2.0, "after": 1.2}}]
+    worse = [{**row, "error": {"before": 2.0, "after": 1.1, "floor": 1.0}, "held_out": {"command": "triangle", "before": 2.0, "after": 1.2}}]
     assert len([goal for goal in scoring.goals(worse) if not goal.met and ("error after" in goal.text or "held-out" in goal.text)]) == 2
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from ema_tools.benchmarks.hidden import documents, running, scoring
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.trials import FULL, KINDS, Plan
 from ema_tools.console import output, run_command
 from ema_tools.files import write_json
@@ -81,7 +81,7 @@ def main(
     begun = time.monotonic()
     plan = _SMALL if size == "small" else FULL
     given: dict[str, Any] = {
-        "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE), "effect"),
+        "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE, *FORMS), "effect"),
         "severities": _names(severity, tuple(SEVERITIES), "severity"),
         "kinds": _names(kinds, KINDS, "kind"),
         "seeds": seeds,
