@@ -25,7 +25,7 @@ DEFAULTS: Mapping[str, Mapping[str, float]] = {
     "dead_time_tanh": {"drop_V": 0.0, "width_A": 0.1},
     "dead_time_sign": {"drop_V": 0.0},
     "winding_warming": {"degC_per_W": 0.0, "time_s": 5.0},
-    "elastic_stop": {"compliance_mm_per_N": 0.0, "mass_kg": 5.0, "damping_ratio": 0.2, "seal_share": 0.05},
+    "elastic_stop": {"compliance_mm_per_N": 0.0, "mass_kg": 5.0, "damping_ratio": 0.2, "seal_share": 0.02},
 }
 
 

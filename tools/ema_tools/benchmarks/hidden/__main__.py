@@ -47,6 +47,7 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--healthy", type=click.IntRange(0), help="Healthy records.")
 @click.option("--strangers", type=click.IntRange(0), help="Healthy machines without repeats.")
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
+@click.option("--set-healthy", type=click.IntRange(0), help="Healthy records of each machine that is set otherwise.")
 @click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
 @click.option(
     "-o",
@@ -73,6 +74,7 @@ def main(
     healthy: int | None,
     strangers: int | None,
     pairs: int | None,
+    set_healthy: int | None,
     workers: int | None,
     folder: Path,
     document: Path | None,
@@ -90,6 +92,7 @@ def main(
         "healthy": healthy,
         "strangers": strangers,
         "pairs": pairs,
+        "set_healthy": set_healthy,
     }
     plan = replace(plan, **{name: value for name, value in given.items() if value not in (None, ())})
     trials = plan.trials()

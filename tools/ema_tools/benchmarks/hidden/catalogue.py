@@ -126,13 +126,13 @@ FORMS: Mapping[str, Form] = {
     "stribeck_tustin": Form("rise", 0.1, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0)}, counts_as=("stribeck_friction",)),
     "dead_time_tanh": Form("drop_V", 0.1, shape=lambda r: {"width_A": _log(r, 0.02, 1.0)}, counts_as=("inverter_dead_time",)),
     "dead_time_sign": Form("drop_V", 0.1, counts_as=("inverter_dead_time",)),
-    # about 30 degC at the end of the chirp, in which some 6 W heat the winding
+    # about 30 degC at the end of the chirp, which loses 5 to 8 W in the winding
     "winding_warming": Form("degC_per_W", 6.0, shape=lambda r: {"time_s": _log(r, 2.0, 10.0)}, counts_as=("winding_heating",)),
-    # with the seal's 35 N a quarter more play, as the fault parameter's medium
+    # with the seal's 14 N a quarter more play, as the fault parameter's medium
     "elastic_stop": Form(
         "compliance_mm_per_N",
-        1.2e-4,
-        shape=lambda r: {"mass_kg": _log(r, 2.0, 10.0), "damping_ratio": float(r.uniform(0.1, 0.3))},
+        3e-4,
+        shape=lambda r: {"mass_kg": _log(r, 2.0, 5.0), "damping_ratio": float(r.uniform(0.1, 0.3))},
         counts_as=("blk", "transmission_compliance"),
     ),
 }

@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ema_tools.actuator import Actuator, reference_actuator
 from ema_tools.benchmarks.hidden.machines import STEP_S
 from ema_tools.diagnosis import gathering
