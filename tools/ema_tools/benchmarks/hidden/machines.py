@@ -73,7 +73,8 @@ class Setting:
 
 
 def _assumed_times(factor: float, text: str) -> Setting:
-    units, standing = ({name: factor * std for name, std in table.items()} for table in (ASSUMED, ASSUMED_STANDING))
+    units = {names: factor * std for names, std in ASSUMED.items()}
+    standing = {name: factor * std for name, std in ASSUMED_STANDING.items()}
     return Setting(text, scatter=factor, units=units, standing=standing, ripple=factor * RIPPLE)
 
 

@@ -247,7 +247,8 @@ def perform(trial: Trial) -> dict[str, Any]:
     run, healthy = runs(trial, trial.command, hidden)
     if trial.kind == "placebo":
         run = _dealt(run, healthy, seed_of(trial.key))
-    other, others = None, []
+    other: Recording | None = None
+    others: list[Recording] = []
     if trial.held_out:
         command = HELD_OUT[trial.command]
         other, others = runs(trial, command, _same_hidden(unit, trial, command))
