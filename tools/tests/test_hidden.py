@@ -12,14 +12,18 @@ import pytest
 from click.testing import CliRunner
 
 from ema_tools.base.compiled import HAS_NUMBA
+from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.hidden import documents, machines, observer, pictures, running, scoring, sealed, trials
 from ema_tools.benchmarks.hidden.__main__ import main
-from ema_tools.benchmarks.hidden.catalogue import LIBRARY, OUTSIDE, SEVERITIES, change
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES, change, stands_for
 from ema_tools.benchmarks.hidden.trials import KINDS, Plan, Trial
+from ema_tools.cli import cli
 from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import write_record
+from ema_tools.fit import nuisance as spread
 from ema_tools.library.definitions import load_definitions
 from ema_tools.select import baseline as gathering
-from ema_tools.truth import outside
+from ema_tools.truth import forms, outside
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 
@@ -35,6 +39,46 @@ def test_every_effect_of_the_library_is_hidden_by_its_size_and_values() -> None:
     for name, hidden in OUTSIDE.items():
         assert next(iter(outside.DEFAULTS[name])) == hidden.size
         assert outside.DEFAULTS[name][hidden.size] == 0.0
+
+
+def test_every_form_counts_as_effects_of_the_library() -> None:
+    assert set(FORMS) == set(forms.DEFAULTS) and not set(FORMS) & {*LIBRARY, *OUTSIDE}
+    random = np.random.default_rng(1)
+    for name, form in FORMS.items():
+        assert next(iter(forms.DEFAULTS[name])) == form.size and forms.DEFAULTS[name][form.size] == 0.0
+        assert set(form.shape(random)) < set(forms.DEFAULTS[name])
+        assert form.counts_as and {*form.counts_as, *form.beside} <= {*LIBRARY, *FAULTS}
+    assert stands_for("blk", "elastic_stop") and stands_for("transmission_compliance", "elastic_stop")
+    assert not stands_for("elastic_stop", "blk") and not stands_for("stribeck_friction", "lugre")
+
+
+def test_machines_of_a_setting_are_the_same_units_in_what_it_leaves_alone() -> None:
+    unit = machines.machine(2)
+    assert machines.machine(2, setting="coloured").values == unit.values
+    assert machines.machine(2, setting="coloured").sensors == replace(unit.sensors, position_corner_hz=30.0)
+    for name, factor in (("twice", 2.0), ("half", 0.5)):
+        other = machines.machine(2, setting=name)
+        assert other.scatter == {one: factor * std for one, std in spread.FROM_RUN_TO_RUN.items()}
+        setting = machines.SETTINGS[name]
+        for names, std in {**spread.FROM_DATA_SHEET, **spread.UNIT_GAIN}.items():
+            assert setting.units[names] == pytest.approx(factor * std)
+            # the same draw, at another spread
+            away, usual = (one.values[names[0]] / reference_actuator()[names[0]] - 1.0 for one in (other, unit))
+            assert away / setting.units[names] == pytest.approx(usual / machines.UNITS[names])
+        assert setting.standing == {one: pytest.approx(factor * std) for one, std in spread.UNIT_STANDING.items()}
+    # what stands there already is added to
+    hidden = change(machines.machine(2, setting="terminals"), "inverter_dead_time", 1.0, "chirp")
+    assert hidden.values == {"inverter_dead_time.drop_V": pytest.approx(0.15)} and hidden.true == 0.1
+
+
+@needs_numba
+def test_days_of_another_temperature_move_winding_and_grease_together() -> None:
+    unit = replace(machines.machine(2, setting="scatter"), sensors=machines.Sensors())
+    assert machines.SETTINGS["scatter"].scatter == 4.0
+    assert len(machines.scatter_directions(unit, "triangle")) == len(machines.scatter_directions(machines.machine(2), "triangle")) + 1
+    days = np.array([np.std(machines.measured(unit, {}, "triangle", seed).current_A) for seed in range(8)])
+    usual = replace(machines.machine(2), sensors=machines.Sensors())
+    assert days.std() > 3.0 * np.std([np.std(machines.measured(usual, {}, "triangle", seed).current_A) for seed in range(8)])
 
 
 def test_machines_differ_and_are_reproduced() -> None:
@@ -109,6 +153,15 @@ def test_the_fit_to_the_repeats_is_made_once_inside_and_the_code_left_as_it_was(
 def test_the_plan_holds_every_effect_severity_and_kind() -> None:
     planned = Plan(3).trials()
     assert {trial.kind for trial in planned} == set(KINDS)
+    hidden_forms = {(trial.effects[0], trial.severity, trial.machine) for trial in planned if trial.kind == "form"}
+    assert hidden_forms == {(name, severity, number) for name in FORMS for severity in ("medium", "large") for number in (1, 2, 3)}
+    for setting in trials.SET:
+        some = [trial for trial in planned if trial.kind == setting and trial.effects and trial.repeats]
+        assert {trial.severity for trial in some} == {"medium", "large"} and len({trial.machine for trial in some}) == 3
+        assert all(trial.setting == setting and trial.unit.setting == setting for trial in some)
+        if setting != "terminals":
+            assert {trial.effects[0] for trial in some} == set(LIBRARY)
+    assert {trial.kind for trial in planned if trial.setting and not trial.repeats} == {"twice", "half"}
     assert len({trial.key for trial in planned}) == len(planned)
     library = {(trial.effects[0], trial.severity) for trial in planned if trial.kind == "library"}
     assert library == {(name, severity) for name in LIBRARY for severity in SEVERITIES}
@@ -117,7 +170,7 @@ def test_the_plan_holds_every_effect_severity_and_kind() -> None:
     assert all(len(set(trial.effects)) == 2 for trial in planned if trial.kind == "pair")
     grouped = trials.groups(planned)
     assert sorted(trial.key for group in grouped for trial in group) == sorted(trial.key for trial in planned)
-    assert all(len({(trial.machine, trial.command, trial.kind == "same") for trial in group}) == 1 for group in grouped)
+    assert all(len({(trial.machine, trial.command, trial.kind == "same", trial.setting) for trial in group}) == 1 for group in grouped)
 
 
 def test_a_placebo_keeps_size_and_loses_shape() -> None:
@@ -145,7 +198,14 @@ def row() -> dict[str, Any]:
         "class": ["cogging_torque"],
         "ranked": [["cogging_torque", 50.0]],
     }
-    costs = {"cost_before": 400.0, "cost_after": 100.0, "cost_floor": 100.0, "unexplained": 0.0, "limit": 30.0, "run_s": 2.0, "cpu_s": 3.0}
+    costs = {
+        "error": {"before": 2.0, "after": 1.0, "floor": 1.0},
+        "unexplained": 0.0,
+        "sensor": None,
+        "refused": None,
+        "run_s": 2.0,
+        "cpu_s": 3.0,
+    }
     seen = {"pick": "cogging_torque", "right": True, "size": [17.0], "apart": {"pitch_ripple": 2.0, "jam_spot": 9.0}}
     size = {"effect": "cogging_torque", "true": 0.01, "estimate": 0.011, "std": 0.001, "held": True}
     return {
@@ -174,6 +234,79 @@ def test_scores_count_names_and_classes(row: dict[str, Any]) -> None:
     assert scoring.all_named(more) and not scoring.exact_set(more) and scoring.wrongly_accused(more)
 
 
+def test_scores_of_forms_and_refusals(row: dict[str, Any]) -> None:
+    stop = {
+        **row,
+        "kind": "form",
+        "effects": ["elastic_stop"],
+        "first": "blk",
+        "accepted": ["blk"],
+        "class": ["blk"],
+        "verdict": "adequate",
+    }
+    assert scoring.first_right(stop) and scoring.exact_set(stop) and not scoring.wrongly_accused(stop)
+    lugre = {**row, "kind": "form", "effects": ["lugre"], "first": "presliding", "accepted": ["presliding", "stribeck_friction"]}
+    assert scoring.first_right(lugre) and scoring.exact_set(lugre) and not scoring.wrongly_accused(lugre)
+    assert not scoring.first_right({**lugre, "first": "stribeck_friction"})
+    refused = {**row, "verdict": "refused", "first": "refused", "accepted": [], "class": [], "error": {}, "refused": "no"}
+    assert not scoring.first_right(refused) and not scoring.accused(refused) and scoring.missed(refused)
+    assert scoring.confusions([refused])["cogging_torque"] == {"refused": 1}
+
+
+def test_a_result_is_read_as_the_user_gets_it() -> None:
+    def listed(name: str, accepted: bool, *like: str) -> dict[str, Any]:
+        values = {"parameters": {"rise": 0.2}, "std": {"rise": 0.01}, "score": 9.0, "accepted": accepted}
+        return {"name": name, "class": [name], "looks_like_fault": list(like), **values}
+
+    result = {
+        "verdict": "missing",
+        "effects": [listed("stribeck_friction", True, "csj"), listed("presliding", False)],
+        "faults": {"blk": listed("blk", True)},
+        "standing": {"pitch_ripple": {"ratio": 0.004}},
+        "error": {"before": 9.0, "after": 1.0, "floor": 0.9, "holdout_before": 8.0, "holdout_after": 1.1, "holdout_floor": 1.0},
+        "steps": [{"error_training": 9.0, "error_holdout": 8.0}, {"error_training": 5.0, "error_holdout": 4.0}],
+        "unexplained": 0.02,
+        "sensor": {"channel": "current_A"},
+    }
+    answer = sealed.read(result)
+    assert [one.name for one in answer.said] == ["stribeck_friction", "blk", "presliding"]
+    assert answer.accepted == ("stribeck_friction", "blk") and answer.said[0].alike == ("stribeck_friction", "csj")
+    assert answer.error == {"before": 5.0, "after": 1.0, "floor": 0.9} and answer.held_out == {"before": 4.0, "after": 1.1}
+    assert answer.sensor == "current_A" and answer.refused is None
+
+
+def test_what_is_refused_is_a_row_and_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuses(*_records: Any) -> dict[str, Any]:
+        raise InputError("record_0.csv: no")
+
+    monkeypatch.setattr(sealed, "diagnosed", refuses)
+    run = machines.Recording(np.zeros(3), *(np.arange(3.0) for _ in range(5)), speed_mm_s=np.zeros(3))
+    answer = sealed.answered(run, [run], None, run)
+    assert (answer.verdict, answer.first, answer.refused) == ("refused", "refused", "record_0.csv: no")
+
+
+@needs_numba
+@pytest.mark.slow
+def test_what_is_counted_is_what_the_command_writes(tmp_path: Path) -> None:
+    unit = machines.machine(2)
+    seen = [machines.measured(unit, change(unit, "supply_sag", 3.0, "triangle").values, "triangle", 1)]
+    seen += [machines.measured(unit, {}, "triangle", seed) for seed in (11, 12)]
+    records = [sealed.record_of(run, number) for number, run in enumerate(seen)]
+    for record in records:
+        write_record(tmp_path / record.file, record, (), False, 17)
+    (tmp_path / "sheet.toml").write_text((Path(__file__).parents[2] / "actuators" / "reference.toml").read_text(encoding="utf-8"))
+    paths = [str(tmp_path / record.file) for record in records]
+    wanted = ["diagnose", str(tmp_path / "sheet.toml"), paths[0], "--healthy", paths[1], "--healthy", paths[2]]
+    done = CliRunner().invoke(cli, [*wanted, "--json", str(tmp_path / "result.json")])
+    assert done.exit_code == 0, done.output
+    written = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    inside = json.loads(json.dumps(sealed.diagnosed(reference_actuator(), records[0], records[1:])))
+    assert {name: written[name] for name in ("verdict", "effects", "faults", "error", "steps", "standing")} == {
+        name: inside[name] for name in ("verdict", "effects", "faults", "error", "steps", "standing")
+    }
+    assert sealed.read(written).accepted == ("supply_sag",)
+
+
 def test_goals_are_met_or_not(row: dict[str, Any]) -> None:
     healthy = {**row, "kind": "healthy", "effects": [], "severity": "", "verdict": "adequate", "accepted": []}
     strange = {**row, "kind": "outside", "effects": ["bus_hum"], "verdict": "unknown", "accepted": []}
@@ -182,21 +315,37 @@ def test_goals_are_met_or_not(row: dict[str, Any]) -> None:
     met = {goal.text: goal.met for goal in scoring.goals(good)}
     assert all(value for text, value in met.items() if "95 %" not in text)
     spoiled = [
-        {**one, "verdict": "missing", "accepted": ["supply_sag"], "first": "supply_sag", "class": [], "run_s": 11.0, "cost_after": 120.0}
+        {
+            **one,
+            "verdict": "missing",
+            "accepted": ["supply_sag"],
+            "first": "supply_sag",
+            "class": [],
+            "run_s": 11.0,
+            "error": {"before": 2.0, "after": 1.1, "floor": 1.0},
+        }
         for one in good
     ]
     failed = {goal.text for goal in scoring.goals(spoiled) if not goal.met}
     assert {text for text in met if "error after" not in text and "held-out" not in text and "95 %" not in text} <= failed
-    worse = [{**row, "cost_after": 120.0, "held_out": {"command": "triangle", "before": 2.0, "after": 1.2}}]
+    worse = [
+        {**row, "error": {"before": 2.0, "after": 1.1, "floor": 1.0}, "held_out": {"command": "triangle", "before": 2.0, "after": 1.2}}
+    ]
     assert len([goal for goal in scoring.goals(worse) if not goal.met and ("error after" in goal.text or "held-out" in goal.text)]) == 2
 
 
 def test_the_document_and_its_pictures(row: dict[str, Any], tmp_path: Path) -> None:
     wrong = {**row, "key": "other", "severity": "small", "first": "jam_spot", "accepted": ["jam_spot"], "sizes": []}
-    written = documents.write([row, wrong], tmp_path / "NAMING.md")
+    form = {**row, "key": "form", "kind": "form", "effects": ["lugre"], "observer": {**row["observer"], "beyond": 0.3}}
+    still = {"severity": "", "effects": [], "accepted": [], "verdict": "adequate", "observer": {}}
+    others = [{**row, "key": "set", "kind": "twice", "repeats": 0}, {**row, "key": "still", "kind": "scatter", **still}]
+    written = documents.write([row, wrong, form, *others], tmp_path / "NAMING.md")
     text = written[0].read_text(encoding="utf-8")
     assert "| cogging_torque | jam_spot 1 | 1 | 0 | 0 |" in text
     assert "| medium | 2.00 | 1.000 | 1.000 | 2.000 | 1.000 | 1.000 |" in text
+    assert "| lugre | presliding | medium | 0.0 % (0 of 1) |" in text
+    assert "twice as wide as the search assumes, no repeats | medium | 100.0 % (1 of 1) |" in text
+    assert "| four times the scatter, and days of +-8 degC | 0.0 % (0 of 1) |" in text
     assert all(f"({path.name})" in text for path in written[1:])
     assert written[2].read_text(encoding="utf-8").count("fill-opacity") == 2
     assert "<polyline" in written[1].read_text(encoding="utf-8")

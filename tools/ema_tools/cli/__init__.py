@@ -318,9 +318,9 @@ def diagnose(
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record, simulated
     from ema_tools.results.provenance import curves, provenance
-    from ema_tools.tasks.diagnose import answer as work
-    from ema_tools.tasks.diagnose_by_laps import applies
-    from ema_tools.words.answers.diagnosis import diagnosis
+    from ema_tools.tasks.diagnose import Answer
+    from ema_tools.tasks.method import diagnosed
+    from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.terminal import show
 
     writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
@@ -328,50 +328,21 @@ def diagnose(
     measured = read_record(record, model)
     references = [read_record(path, model) for path in healthy]
     other = read_record(holdout, model) if holdout else None
-    # the laps' mechanical balance shows neither winding nor supply, and less than all signals together: for a drive of current whose current is not measured
-    if not references and other is None and model["drive.mode"] == 1.0 and measured.current_A is None and applies(model, measured):
-        _diagnose_laps(model, measured, page, fitted, json_path, force)
-        return
     with progress("diagnosing", 100) as bar:
-        found = work(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+        found = diagnosed(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
     drawn = None
     if json_path or page:
-        after = simulated(found.fitted, measured) if found.diagnosis.fit else None
-        drawn = curves(measured, before=simulated(found.known, measured), after=after)
-    origin = provenance(
-        command_line(), actuator=model.name, record=measured.file, healthy=", ".join(one.file for one in references) or "none"
-    )
+        drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
+    compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, laps of the record")
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy=compared)
     result = diagnosis(found, origin, drawn)
     save(json_path, result, force)
     _page(page, result, force)
-    if fitted and found.verdict == "missing":
-        found.actuator.write(fitted, force)
-    show.diagnosis(output(), result, found.diagnosis)
-    _written(page, fitted if found.verdict == "missing" else None)
-
-
-def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
-    """A record of a command that repeats, without healthy repeats."""
-    from ema_tools.data.records import simulated
-    from ema_tools.results.provenance import curves, provenance
-    from ema_tools.tasks.diagnose_by_laps import answer_by_laps
-    from ema_tools.words.answers.laps import diagnosis_by_laps
-    from ema_tools.words.terminal import show
-
-    with progress("diagnosing", 100) as bar:
-        found = answer_by_laps(model, measured, lambda share, text: bar.update(100.0 * share, text))
-    drawn = None
-    if json_path or page:
-        after = simulated(found.actuator, measured) if found.accepted else None
-        drawn = curves(measured, before=simulated(model, measured), after=after)
-    origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy="none, laps of the record")
-    result = diagnosis_by_laps(found, origin, drawn)
-    save(json_path, result, force)
-    _page(page, result, force)
-    if fitted and found.accepted:
-        found.actuator.write(fitted, force)
-    show.laps(output(), result)
-    _written(page, fitted if found.accepted else None)
+    kept = fitted if found.recommended else None
+    if kept:
+        found.actuator.write(kept, force)
+    show.diagnosed(output(), result, found)
+    _written(page, kept)
 
 
 def _written(*paths: str | None) -> None:

@@ -64,6 +64,16 @@ class Answer:
         return tuple(one for one in self.diagnosis.named if one.accepted and one.name in FAULTS)
 
     @property
+    def recommended(self) -> bool:
+        """Whether `actuator` is better than the one that was given."""
+        return self.verdict == "missing"
+
+    @property
+    def fits(self) -> bool:
+        """Whether anything was fitted to the record."""
+        return self.diagnosis.fit is not None
+
+    @property
     def fitted(self) -> Actuator:
         """The machine with everything that was fitted to the record, recommended or not."""
         return self.known.changed(self.diagnosis.fit.values if self.diagnosis.fit is not None else {})

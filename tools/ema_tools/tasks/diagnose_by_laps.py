@@ -28,9 +28,10 @@ _FLOOR_MARGIN = 1.2
 
 @dataclass(frozen=True)
 class LapsAnswer:
-    """Everything that was found; errors are relative force errors in %."""
+    """Everything that was found, `known` being the actuator as given; errors are relative force errors in %."""
 
     record: Record
+    known: Actuator
     gate: Gate
     where: Where
     forces: ForceSteps
@@ -41,6 +42,21 @@ class LapsAnswer:
         return tuple(
             step for step in self.forces.steps if step.effect in self.forces.actuator.active_effects or record_of(step.effect).base_value
         )
+
+    @property
+    def recommended(self) -> bool:
+        """Whether `actuator` is better than the one that was given."""
+        return bool(self.accepted)
+
+    @property
+    def fits(self) -> bool:
+        """Whether anything of what was fitted is kept."""
+        return bool(self.accepted)
+
+    @property
+    def fitted(self) -> Actuator:
+        """The machine with everything that was fitted and kept."""
+        return self.actuator
 
     @property
     def actuator(self) -> Actuator:
@@ -76,4 +92,4 @@ def answer_by_laps(actuator: Actuator, record: Record, report: Report | None = N
         remark = next(one for one in gate.remarks if one.severity == "blocks")
         raise InputError(f"{record.file}: {remark.text}: {remark.next}")
     forces = improve_by_forces(actuator, record, lambda share, text: tell(0.95 * share, text))
-    return LapsAnswer(record, gate, where(actuator, record), forces)
+    return LapsAnswer(record, actuator, gate, where(actuator, record), forces)

@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 from ema_tools.base.compiled import compiled
+from ema_tools.truth import forms
 
 
 @compiled
@@ -211,14 +212,14 @@ def gain_drift(v: Any) -> float:
 def friction_Nm(v: Any, level: float, i: float, w: float, theta: float, x_mm: float, direction: float) -> float:
     """Dry friction against `direction` from the `level` without effects: dynamic while sliding, static at rest."""
     level *= 1.0 + direction * (v["screw.friction_asymmetry"] + coulomb_asymmetry(v))
-    level *= 1.0 + stribeck_friction(v, w) + pitch_ripple(v, theta)
+    level *= 1.0 + stribeck_friction(v, w) + forms.stribeck(v, w) + pitch_ripple(v, theta)
     return level + jam_spot(v, x_mm) + load_dependent_friction(v, torque_constant_Nm_per_A(v) * i)
 
 
 @compiled
 def drag_Nm(v: Any, w: float) -> float:
     """All torques against the motion that vanish at rest."""
-    damping = v["screw.viscous_Nm_s_per_rad"] * viscous_rise(v)
+    damping = v["screw.viscous_Nm_s_per_rad"] * viscous_rise(v) * forms.film_share(v, w)
     return damping * (1.0 + viscous_asymmetry(v, w)) * w + concave_viscous(v, w) + quadratic_viscous(v, w)
 
 
@@ -267,7 +268,7 @@ def supply_V(v: Any) -> float:
 @compiled
 def lost_voltage_V(v: Any, volt: float, i: float) -> float:
     """All changes of the motor voltage `volt`."""
-    return inverter_dead_time(v, i) - source_resistance(v, i) * (volt / supply_V(v))
+    return inverter_dead_time(v, i) + forms.dead_time_tanh(v, i) - source_resistance(v, i) * (volt / supply_V(v))
 
 
 @compiled

@@ -1,7 +1,8 @@
 """The loop of the truth plant: Heun's method in small steps, Coulomb friction by bisection or LuGre friction.
 
 `v` is the record of all values by name. State `s`: current A, motor speed rad/s, motor angle rad, rod mm, rod speed mm/s
-(the last two only behind a soft transmission), bristle deflection rad (LuGre), output of the play mm, time s, magnetic lag -1 .. 1.
+(the last two only behind a soft transmission or between elastic stops), bristle deflection rad (LuGre) or share of the level (Dahl), output of the play mm, time s,
+magnetic lag -1 .. 1, winding temperature over its start degC.
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ from typing import Any
 import numpy as np
 
 from ema_tools.base.compiled import compiled
-from ema_tools.truth import effects, outside
+from ema_tools.truth import effects, forms, outside
 
 COULOMB = 0
 LUGRE = 1
+DAHL = 2
+_STATES = 10
 _HALVINGS = 48
 
 
@@ -39,7 +42,33 @@ def _level_Nm(v: Any, i: float, w: float, theta: float, time_s: float, direction
     eta = v["gearbox.efficiency"]
     load = effects.load_Nm(v, x)
     lost = 1.0 - eta if load * direction <= 0.0 else 1.0 / eta - 1.0
-    return level + lost * abs(load)
+    return level + lost * abs(load) - forms.seal_Nm(v)
+
+
+@compiled
+def _resistance_ohm(v: Any, s: np.ndarray) -> float:
+    """Winding resistance as warm as it is now."""
+    return effects.resistance_ohm(v) * forms.hot_over_cold(v, s[9])
+
+
+@compiled
+def _rod_mass_kg(v: Any) -> float:
+    """Mass that moves by itself, behind a soft transmission or between elastic stops; 0 is none."""
+    return effects.rod_mass_kg(v) + forms.stop_mass_kg(v)
+
+
+@compiled
+def _shaft_inertia_kgm2(v: Any) -> float:
+    """Inertia of what turns with the shaft: the total without the mass that moves by itself."""
+    return effects.inertia_kgm2(v) - _rod_mass_kg(v) * (1e-3 * mm_per_rad(v)) ** 2
+
+
+@compiled
+def _rod_force_N(v: Any, s: np.ndarray, y_mm: float, y_mm_s: float) -> float:
+    """Force on that mass; `y_mm`: output of the play."""
+    soft = effects.transmission_compliance(v, y_mm - s[3], y_mm_s - s[4])
+    n = mm_per_rad(v)
+    return soft + forms.stop_force_N(v, n * s[2] - s[3], n * s[1] - s[4])
 
 
 @compiled
@@ -59,9 +88,8 @@ def _back_V(v: Any, w: float, theta: float) -> float:
 
 
 @compiled
-def _static_current(v: Any, volt: float, w: float, theta: float, guess: float) -> float:
-    """Current of a winding without inductance, by Newton's method with a difference quotient."""
-    r = effects.resistance_ohm(v)
+def _static_current(v: Any, volt: float, w: float, theta: float, guess: float, r: float) -> float:
+    """Current of a winding of resistance `r` without inductance, by Newton's method with a difference quotient."""
     i = guess
     for _ in range(30):
         error = volt + effects.lost_voltage_V(v, volt, i) - _back_V(v, w, theta) - r * i
@@ -89,7 +117,8 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     if law == 0 and v["motor.inductance_H"] > 0.0:
         volt = held * outside.bus_hum(v, s[7]) + effects.lost_voltage_V(v, held, i)
         back = _back_V(v, w, theta)
-        out[0] = (volt - effects.resistance_ohm(v) * i - back) / v["motor.inductance_H"]
+        volt += forms.dead_time_sign(v, i, volt - back)
+        out[0] = (volt - _resistance_ohm(v, s) * i - back) / v["motor.inductance_H"]
     elif law == 1 and v["drive.current_loop_s"] > 0.0:
         out[0] = (held - i) / v["drive.current_loop_s"]
     else:
@@ -97,11 +126,11 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     y = s[6]
     half = 0.5 * v["screw.blk_mm"]
     y = min(max(y, n * theta - half), n * theta + half)
-    force = effects.transmission_compliance(v, y - s[3], (n * w if push != 0 else 0.0) - s[4])
-    mass = effects.rod_mass_kg(v)
-    inertia = effects.inertia_kgm2(v) - mass * (1e-3 * n) ** 2
+    force = _rod_force_N(v, s, y, n * w if push != 0 else 0.0)
+    mass = _rod_mass_kg(v)
+    inertia = _shaft_inertia_kgm2(v)
     out[3] = s[4]
-    out[4] = 1e3 * force / mass if mass > 0.0 else 0.0
+    out[4] = 1e3 * (force - forms.seal_N(v, s[4])) / mass if mass > 0.0 else 0.0
     out[1] = 0.0
     out[2] = 0.0
     if moving != 0:
@@ -116,22 +145,24 @@ def _heun(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, 
     _slopes(v, s, law, held, moving, push, k[0])
     for j in range(5):
         out[j] = s[j] + dt * k[0, j]
-    out[0] = _current_after(v, law, held, out[0], out[1], out[2])
-    for j in range(5, 9):
+    out[0] = _current_after(v, law, held, out[0], out[1], out[2], s)
+    for j in range(5, _STATES):
         out[j] = s[j]
     _slopes(v, out, law, held, moving, push, k[1])
     for j in range(5):
         out[j] = s[j] + 0.5 * dt * (k[0, j] + k[1, j])
-    out[0] = _current_after(v, law, held, out[0], out[1], out[2])
+    out[0] = _current_after(v, law, held, out[0], out[1], out[2], s)
 
 
 @compiled
-def _current_after(v: Any, law: int, held: float, i: float, w: float, theta: float) -> float:
-    """The current inside the drive's limits, and where it follows at once, its value."""
+def _current_after(v: Any, law: int, held: float, i: float, w: float, theta: float, before: np.ndarray) -> float:
+    """The current inside the drive's limits, and where it follows at once, its value; `before`: the state that it comes from."""
     if law == 0 and v["motor.inductance_H"] == 0.0:
-        i = _static_current(v, held, w, theta, i)
+        i = _static_current(v, held, w, theta, i, _resistance_ohm(v, before))
     elif law == 1 and v["drive.current_loop_s"] == 0.0:
         i = held
+    elif law == 0:
+        i = forms.stopped_at_zero(v, before[0], i)
     return _bounded(v, i)
 
 
@@ -139,7 +170,7 @@ def _current_after(v: Any, law: int, held: float, i: float, w: float, theta: flo
 def _breaks_away(v: Any, s: np.ndarray) -> int:
     """Direction in which a shaft at rest starts, or 0."""
     n = mm_per_rad(v)
-    force = effects.transmission_compliance(v, s[6] - s[3], -s[4])
+    force = _rod_force_N(v, s, s[6], 0.0)
     pull = _pull_Nm(v, s[0], s[2], force, s[8])
     start = 1 if pull > 0.0 else -1
     if abs(pull) <= _level_Nm(v, s[0], 0.0, s[2], s[7], float(start), True):
@@ -212,12 +243,16 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
     """One integration step with LuGre friction: bristles implicit, the rest by Heun's method without friction."""
     w = s[1]
     direction = 1 if w > 0.0 else -1
-    inertia = effects.inertia_kgm2(v)
+    inertia = _shaft_inertia_kgm2(v)
     steady = _level_Nm(v, s[0], w, s[2], s[7], float(direction), False)
     resting = _level_Nm(v, s[0], 0.0, s[2], s[7], float(direction), True)
     g = steady + (resting - steady) * math.exp(-((w / 0.02) ** 2))
     stiffness = resting / presliding_rad
     damping = 2.0 * math.sqrt(stiffness * inertia) * math.exp(-((w / 0.5) ** 2))
+    if forms.lugre(v) > 0.0:
+        g = steady * forms.lugre_level(v, w)
+        stiffness = steady / forms.lugre(v)
+        damping = 2.0 * v["lugre.damping_ratio"] * math.sqrt(stiffness * inertia)
     before = s[5]
     push = _pushes(v, s, direction)
     _slopes(v, s, law, held, direction, push, k[0])
@@ -230,12 +265,43 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
     trial[0] = s[0] + dt * k[0, 0]
     trial[1] = middle
     _slopes(v, trial, law, held, direction, push, k[1])
-    s[0] = _current_after(v, law, held, s[0] + 0.5 * dt * (k[0, 0] + k[1, 0]), speed, s[2])
+    s[0] = _current_after(v, law, held, s[0] + 0.5 * dt * (k[0, 0] + k[1, 0]), speed, s[2], s)
     s[3] += 0.5 * dt * (k[0, 3] + k[1, 3])
     s[4] += 0.5 * dt * (k[0, 4] + k[1, 4])
     s[1] = speed
     s[2] += dt * middle
     s[5] = bristle
+    reach = v["screw.travel_mm"] / mm_per_rad(v)
+    if abs(s[2]) > reach:
+        s[2] = _clip(s[2], reach)
+        s[1] = 0.0
+    _follow(v, s)
+    return direction if s[1] != 0.0 else 0
+
+
+@compiled
+def _dahl(v: Any, s: np.ndarray, law: int, held: float, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
+    """One integration step with Dahl friction: the contact in closed form over the angle, the rest by Heun's method."""
+    direction = 1 if s[1] > 0.0 else -1
+    push = _pushes(v, s, direction)
+    inertia = _shaft_inertia_kgm2(v)
+    trial[:] = s
+    for stage in range(2):
+        _slopes(v, trial, law, held, direction, push, k[stage])
+        level = _level_Nm(v, trial[0], trial[1], trial[2], trial[7], float(direction), False)
+        # the slopes hold friction of full sliding: what the contact does not carry yet is given back
+        k[stage, 1] += level * (direction - trial[5]) / inertia
+        if stage == 0:
+            for j in range(5):
+                trial[j] = s[j] + dt * k[0, j]
+            trial[0] = _current_after(v, law, held, trial[0], trial[1], trial[2], s)
+            trial[5] = forms.dahl_after(v, s[5], trial[2] - s[2])
+    for j in range(5):
+        trial[j] = s[j] + 0.5 * dt * (k[0, j] + k[1, j])
+    s[0] = _current_after(v, law, held, trial[0], trial[1], trial[2], s)
+    s[5] = forms.dahl_after(v, s[5], trial[2] - s[2])
+    for j in range(1, 5):
+        s[j] = trial[j]
     reach = v["screw.travel_mm"] / mm_per_rad(v)
     if abs(s[2]) > reach:
         s[2] = _clip(s[2], reach)
@@ -298,16 +364,25 @@ def _applied(v: Any, u: float, s: np.ndarray) -> tuple[int, float, float]:
     back = effects.back_emf_V_s_per_rad(v) * s[1]
     if v["drive.current_loop_s"] > 0.0:
         rise = (held - s[0]) / v["drive.current_loop_s"]
-        shown = effects.resistance_ohm(v) * s[0] + v["motor.inductance_H"] * rise + back
+        shown = _resistance_ohm(v, s) * s[0] + v["motor.inductance_H"] * rise + back
         if abs(shown) > supply:
             law = 0
             held = _clip(shown, supply)
             shown = held
     else:
-        shown = effects.resistance_ohm(v) * _bounded(v, held) + back
+        shown = _resistance_ohm(v, s) * _bounded(v, held) + back
     if v["drive.command_scale_V"] > 0.0:
         shown = u * v["drive.command_scale_V"]
     return law, held, shown
+
+
+@compiled
+def _terminal_V(v: Any, s: np.ndarray, law: int, held: float, moving: int, k: np.ndarray) -> float:
+    """What the winding itself sees: the sum of its own three voltages."""
+    _slopes(v, s, law, held, moving, 0, k)
+    limit = effects.limit_A(v)
+    rise = 0.0 if limit > 0.0 and abs(s[0]) >= limit and k[0] * s[0] > 0.0 else k[0]
+    return _resistance_ohm(v, s) * s[0] + v["motor.inductance_H"] * rise + _back_V(v, s[1], s[2])
 
 
 @compiled
@@ -319,16 +394,17 @@ def run(
     presliding_rad: float,
     parts: int,
     noise_mm: np.ndarray,
+    at_terminals: bool,
     rows: np.ndarray,
 ) -> None:
     """Simulate every step of `command_mm` [n] with `parts` integration steps each.
 
     `noise_mm` [n] is added to the feedback sensor's reading; `rows` [5, n]: rod mm, motor mm, current A, voltage V, rod
-    speed mm/s at the start of each step.
+    speed mm/s at the start of each step. The voltage is the one asked for, or `at_terminals` the motor's own.
     """
-    s = np.zeros(9)
-    trial = np.zeros(9)
-    k = np.zeros((2, 9))
+    s = np.zeros(_STATES)
+    trial = np.zeros(_STATES)
+    k = np.zeros((2, _STATES))
     c = np.zeros(5)
     readings = np.empty(command_mm.size)
     outputs = np.zeros(command_mm.size)
@@ -341,7 +417,7 @@ def run(
     moving = 0
     u = 0.0
     age = effects.output_age_s(v) / h
-    soft = effects.rod_mass_kg(v) > 0.0
+    soft = _rod_mass_kg(v) > 0.0
     for step in range(command_mm.size):
         x = n * s[2]
         rod = s[3] if soft else s[6]
@@ -364,17 +440,22 @@ def run(
             if end > begin:
                 source = step + int(math.floor(0.5 * (begin + end) - age))
                 law, held, _ = _applied(v, outputs[source] if source >= 0 else 0.0, s)
-                s[0] = _current_after(v, law, held, s[0], s[1], s[2])
+                s[0] = _current_after(v, law, held, s[0], s[1], s[2], s)
                 if begin == 0.0:
                     rows[2, step] = s[0]
+                    if at_terminals:
+                        rows[3, step] = _terminal_V(v, s, law, held, moving, k[0])
                 pieces = int(math.ceil((end - begin) * parts - 1e-9))
                 for _ in range(pieces):
                     dt = (end - begin) * h / pieces
                     before = s[0]
                     if law_of_friction == COULOMB:
                         moving = _coulomb(v, s, law, held, moving, dt, k, trial)
+                    elif law_of_friction == DAHL:
+                        moving = _dahl(v, s, law, held, dt, k, trial)
                     else:
                         moving = _lugre(v, s, law, held, presliding_rad, dt, k, trial)
                     s[7] += dt
                     s[8] = outside.lag_after(v, s[8], s[0] - before)
+                    s[9] = forms.warmer_after(v, s[9], _resistance_ohm(v, s) * before * before, dt)
                 begin = end

@@ -7,19 +7,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
 from ema_tools.base.recording import Recording
 from ema_tools.library.definitions import defaults, load_definitions
-from ema_tools.truth import effects, kernel, outside
+from ema_tools.truth import effects, forms, kernel, outside
 
 _FRICTION_LAWS = {"coulomb": kernel.COULOMB, "lugre": kernel.LUGRE}
+# Values that no list of the library holds.
+_OWN: Mapping[str, Mapping[str, float]] = {**outside.DEFAULTS, **forms.DEFAULTS}
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """Errors of what is recorded: white noise (rms), resolution (0 is exact), gain error and offset per channel.
+    """Errors of what is recorded: noise (rms), resolution (0 is exact), gain error and offset per channel.
 
-    `feedback_noise_mm` is white noise that the position loop sees; it moves the machine itself.
+    `feedback_noise_mm` is white noise that the position loop sees; it moves the machine itself. The noise of both positions is white, or with `position_corner_hz` a first-order
+    autoregression with that corner and the same rms.
     """
 
     position_noise_mm: float = 0.0
@@ -35,14 +39,15 @@ class Sensors:
     voltage_noise_V: float = 0.0
     voltage_resolution_V: float = 0.0
     feedback_noise_mm: float = 0.0
+    position_corner_hz: float = 0.0
 
 
 def _values(values: Mapping[str, float]) -> np.void:
     """All values by name in one record, as the kernel reads them."""
     known = load_definitions()
-    complete = {**defaults(), **{f"{name}.{field}": value for name, fields in outside.DEFAULTS.items() for field, value in fields.items()}}
+    complete = {**defaults(), **{f"{name}.{field}": value for name, fields in _OWN.items() for field, value in fields.items()}}
     for name, value in values.items():
-        if name.partition(".")[0] not in outside.DEFAULTS:
+        if name.partition(".")[0] not in _OWN:
             known.find(name)
         elif name not in complete:
             raise KeyError(name)
@@ -56,9 +61,21 @@ def _values(values: Mapping[str, float]) -> np.void:
     return np.array([tuple(complete.values())], dtype=kind)[0]
 
 
-def _seen(true: np.ndarray, noise: float, gain_error: float, offset: float, resolution: float, rng: np.random.Generator) -> np.ndarray:
-    """A channel as a sensor shows it; noise is drawn even when it is zero, so that channels do not share numbers."""
-    shown = true * (1.0 + gain_error) + offset + noise * rng.standard_normal(true.size)
+def _drawn(rng: np.random.Generator, count: int, keeps: float) -> np.ndarray:
+    """Noise of variance 1, [count], of which the share `keeps` stays from one sample to the next: 0 is white."""
+    white = rng.standard_normal(count)
+    if keeps == 0.0:
+        return white
+    fresh = math.sqrt(1.0 - keeps * keeps)
+    white[:1] /= fresh  # as long ago as if it had always run
+    return np.asarray(signal.lfilter([fresh], [1.0, -keeps], white))
+
+
+def _seen(
+    true: np.ndarray, noise: float, gain_error: float, offset: float, resolution: float, rng: np.random.Generator, keeps: float = 0.0
+) -> np.ndarray:
+    """A channel as a sensor shows it; noise is drawn even when it is zero, so that channels do not share numbers. `keeps`: see `_drawn`."""
+    shown = true * (1.0 + gain_error) + offset + noise * _drawn(rng, true.size, keeps)
     if resolution > 0.0:
         shown = resolution * np.floor(shown / resolution + 0.5)
     return shown
@@ -74,13 +91,15 @@ def simulate_truth(
     step_s: float | None = None,
     sensors: Sensors | None = None,
     seed: int = 0,
+    at_terminals: bool = False,
 ) -> Recording:
     """Run the machine that `values` describe (missing ones nominal) and record it.
 
     `command_mm` [steps]: held over one model step each. `friction`: "coulomb", or "lugre" whose shaft yields by
     `presliding_rad` before it slides. `step_s`: longest integration step, 10 us (2 us for LuGre) unless told. `seed` decides
     the noise of `sensors`. The effect `presliding` makes the friction LuGre's with that effect's own stretch.
-    Effects outside the library go by their names in `outside`, such as "broken_ball.friction_Nm".
+    Effects outside the library go by their names in `outside`, such as "broken_ball.friction_Nm", other forms of its effects by those in `forms`. `at_terminals`: the
+    recorded voltage is the motor's own, behind dead time, source and delay, instead of the one asked for.
     Raises KeyError for an unknown name, ValueError for an unknown friction law or an effect that the plant does not have.
     """
     if friction not in _FRICTION_LAWS:
@@ -93,18 +112,27 @@ def simulate_truth(
     if effects.presliding(record) > 0.0:
         law = kernel.LUGRE
         presliding_rad = effects.presliding(record)
+    if forms.lugre(record) > 0.0:
+        law = kernel.LUGRE
+        presliding_rad = forms.lugre(record)
+    if forms.dahl(record) > 0.0:
+        law = kernel.DAHL
+    if record["dead_time_sign.drop_V"] > 0.0 and record["motor.inductance_H"] == 0.0:
+        raise ValueError("dead_time_sign: a winding without inductance has no hard edge: use dead_time_tanh")
     finest = step_s or (1e-5 if law == kernel.COULOMB else 2e-6)
     parts = math.ceil(float(record["timing.step_s"]) / finest - 1e-9)
     rows = np.empty((5, command.size))
     noise = errors.feedback_noise_mm * rng.standard_normal(command.size)
-    kernel.run(record, command, float(start_mm), law, presliding_rad, parts, noise, rows)
+    kernel.run(record, command, float(start_mm), law, presliding_rad, parts, noise, at_terminals, rows)
 
     every = int(record["timing.record_every_steps"])
+    period_s = every * float(record["timing.step_s"])
+    keeps = math.exp(-2.0 * math.pi * errors.position_corner_hz * period_s) if errors.position_corner_hz > 0.0 else 0.0
     position, motor, current, voltage, speed = (channel[::every].copy() for channel in rows)
     return Recording(
-        time_s=np.arange(position.size) * (every * float(record["timing.step_s"])),
+        time_s=np.arange(position.size) * period_s,
         command_mm=command[::every].copy(),
-        position_mm=_seen(position, errors.position_noise_mm, 0.0, 0.0, errors.position_resolution_mm, rng),
+        position_mm=_seen(position, errors.position_noise_mm, 0.0, 0.0, errors.position_resolution_mm, rng, keeps),
         motor_position_mm=_seen(
             motor,
             errors.motor_position_noise_mm,
@@ -112,6 +140,7 @@ def simulate_truth(
             errors.motor_position_offset_mm,
             errors.motor_position_resolution_mm,
             rng,
+            keeps,
         ),
         current_A=_seen(
             current, errors.current_noise_A, errors.current_gain_error, errors.current_offset_A, errors.current_resolution_A, rng

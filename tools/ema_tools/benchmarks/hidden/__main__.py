@@ -12,7 +12,7 @@ import click
 from ema_tools.base.files import write_json
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import documents, running, scoring
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.trials import FULL, KINDS, Plan
 from ema_tools.words.terminal.console import output, run_command
 
@@ -47,6 +47,7 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--healthy", type=click.IntRange(0), help="Healthy records.")
 @click.option("--strangers", type=click.IntRange(0), help="Healthy machines without repeats.")
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
+@click.option("--set-healthy", type=click.IntRange(0), help="Healthy records of each machine that is set otherwise.")
 @click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
 @click.option(
     "-o",
@@ -73,6 +74,7 @@ def main(
     healthy: int | None,
     strangers: int | None,
     pairs: int | None,
+    set_healthy: int | None,
     workers: int | None,
     folder: Path,
     document: Path | None,
@@ -81,7 +83,7 @@ def main(
     begun = time.monotonic()
     plan = _SMALL if size == "small" else FULL
     given: dict[str, Any] = {
-        "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE), "effect"),
+        "effects": _names(effects, (*LIBRARY, *FAULTS, *OUTSIDE, *FORMS), "effect"),
         "severities": _names(severity, tuple(SEVERITIES), "severity"),
         "kinds": _names(kinds, KINDS, "kind"),
         "seeds": seeds,
@@ -90,6 +92,7 @@ def main(
         "healthy": healthy,
         "strangers": strangers,
         "pairs": pairs,
+        "set_healthy": set_healthy,
     }
     plan = replace(plan, **{name: value for name, value in given.items() if value not in (None, ())})
     trials = plan.trials()

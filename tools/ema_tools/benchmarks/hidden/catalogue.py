@@ -95,6 +95,47 @@ OUTSIDE: Mapping[str, Hidden] = {
     "magnetic_lag": Hidden("lag_A", 0.1, shape=lambda r: {"swing_A": float(r.uniform(0.5, 1.5))}),
     "integrator_leak": Hidden("rate_per_s", 1.0),
 }
+
+
+@dataclass(frozen=True)
+class Form(Hidden):
+    """An effect of the library in another form than the library's. Naming any of `counts_as` is right; naming one of `beside` as well is not wrong."""
+
+    counts_as: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
+
+
+# Sizes as those of the effects that they stand for; `dead_time_tanh` is the form of every other dead time here, with an edge of any width.
+FORMS: Mapping[str, Form] = {
+    # the rise towards rest is LuGre's own Stribeck curve, a true part of what is hidden
+    "lugre": Form(
+        "stretch_rad",
+        0.02,
+        shape=lambda r: {
+            "static_rise": float(r.uniform(0.02, 0.1)),
+            "stribeck_rad_s": _log(r, 0.5, 3.0),
+            "damping_ratio": float(r.uniform(0.2, 0.7)),
+        },
+        counts_as=("presliding",),
+        beside=("stribeck_friction",),
+    ),
+    "dahl": Form("stretch_rad", 0.02, shape=lambda r: {"exponent": float(r.choice([0.5, 1.5, 2.0]))}, counts_as=("presliding",)),
+    # the library has it at the exponent 2
+    "stribeck_gauss": Form("rise", 0.1, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0)}, counts_as=("stribeck_friction",)),
+    "stribeck_hess_soom": Form("rise", 0.1, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0)}, counts_as=("stribeck_friction",)),
+    "stribeck_tustin": Form("rise", 0.1, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0)}, counts_as=("stribeck_friction",)),
+    "dead_time_tanh": Form("drop_V", 0.1, shape=lambda r: {"width_A": _log(r, 0.02, 1.0)}, counts_as=("inverter_dead_time",)),
+    "dead_time_sign": Form("drop_V", 0.1, counts_as=("inverter_dead_time",)),
+    # about 30 degC at the end of the chirp, which loses 5 to 8 W in the winding
+    "winding_warming": Form("degC_per_W", 6.0, shape=lambda r: {"time_s": _log(r, 2.0, 10.0)}, counts_as=("winding_heating",)),
+    # with the seal's 14 N a quarter more play, as the fault parameter's medium
+    "elastic_stop": Form(
+        "compliance_mm_per_N",
+        3e-4,
+        shape=lambda r: {"mass_kg": _log(r, 2.0, 5.0), "damping_ratio": float(r.uniform(0.1, 0.3))},
+        counts_as=("blk", "transmission_compliance"),
+    ),
+}
 # Effects that no record of one machine tells apart.
 INSEPARABLE: tuple[frozenset[str], ...] = (frozenset({"constant_load", "coulomb_asymmetry"}),)
 
@@ -102,6 +143,11 @@ INSEPARABLE: tuple[frozenset[str], ...] = (frozenset({"constant_load", "coulomb_
 def same_class(one: str, other: str) -> bool:
     """Whether two names are one, or of one declared class."""
     return one == other or any({one, other} <= kind for kind in INSEPARABLE)
+
+
+def stands_for(said: str, hidden: str) -> bool:
+    """Whether a name says what is hidden: it is it or of its class, or what its form counts as."""
+    return same_class(said, hidden) or (hidden in FORMS and any(same_class(said, name) for name in FORMS[hidden].counts_as))
 
 
 @dataclass(frozen=True)
@@ -124,16 +170,18 @@ def change(unit: Machine, effect: str, factor: float, command: str) -> Change:
         healthy = unit.values.get(name, reference_actuator()[name])
         return Change({name: healthy * (1.0 + factor * medium)}, name, healthy * factor * medium)
     random = np.random.default_rng(seed_of("shape", unit.number, effect))
-    row = LIBRARY[effect] if effect in LIBRARY else OUTSIDE[effect]
+    row = next(table[effect] for table in (LIBRARY, OUTSIDE, FORMS) if effect in table)
     shape = {f"{effect}.{name}": value for name, value in row.shape(random).items()}
     sign = -1.0 if row.signed and random.random() < 0.5 else 1.0
     size, value = f"{effect}.{row.size}", sign * factor * row.medium
     if effect == "current_limit":
         value = _peak_A(unit, command) * max(1.0 - row.medium * factor, 0.3)
     standing = unit.values.get(size, 0.0)
+    phase = f"{effect}.phase_rad"
+    if effect in LIBRARY and standing != 0.0 and phase not in shape:
+        return Change({size: standing + value}, f"effects.{size}", value)
     if effect in LIBRARY and standing != 0.0:
         # what stands there already and what comes on top add up as vectors
-        phase = f"{effect}.phase_rad"
         total = standing * np.exp(1j * unit.values[phase]) + value * np.exp(1j * shape[phase])
         return Change({**shape, size: float(abs(total)), phase: float(np.angle(total))}, f"effects.{size}", value)
     yields = unit.presliding_rad if effect == "presliding" and unit.friction == "lugre" else 0.0

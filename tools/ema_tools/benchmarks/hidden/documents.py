@@ -9,8 +9,8 @@ import numpy as np
 
 from ema_tools.base.files import write_text
 from ema_tools.benchmarks.hidden import pictures, scoring
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES
-from ema_tools.benchmarks.hidden.machines import COMMANDS, SCATTER, UNITS
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES
+from ema_tools.benchmarks.hidden.machines import COMMANDS, SCATTER, SETTINGS, UNITS
 from ema_tools.benchmarks.hidden.scoring import Row, of_kind, share_of
 from ema_tools.benchmarks.hidden.trials import FULL
 
@@ -37,6 +37,8 @@ def write(rows: Sequence[Row], path: Path) -> list[Path]:
         _by_effect(rows),
         _confusions(rows, matrix.name),
         _unasked(rows),
+        _forms(rows),
+        _settings(rows),
         _pairs(rows),
         _sizes(rows),
         _left(rows),
@@ -72,7 +74,8 @@ The machines are simulated by the truth plant, which shares no equation's code w
 friction that yields 1 to 3 mrad before it slides on odd ones. Each differs from the data sheet by its number (standard deviations: {units}) and has what every machine has: a pitch ripple of 0.1 to
 0.6 % of the friction, a friction asymmetry of 0.3 %, a rod sensor off by 0.02 % and 2 um, a current sensor off by 0.3 % and 20 mA, 0.5 um, 10 mA and 10 mV of resolution, 0.2 um of noise in the loop. From run to run
 scatter {scatter}; noise is 2 um on both positions, 30 mA and 10 mV, at 1 kHz. Shapes (phases, periods, places, widths, masses, speeds) are drawn per machine and lie on no grid of the search.
-The search gets the data sheet's actuator and the records, nothing else.
+The search gets the data sheet's actuator and the records, nothing else. Counted is the result that `ema diagnose --json` writes, refusals, suspected sensors and records held out among it; a shift of CSJ or BLK
+counts where the result states it.
 
 Medium is the lower end of an effect's typical size, large three times that, small a third, edge a tenth. Commands: {", ".join(COMMANDS)}; mostly the first.
 The ideal observer knows every signature on that very machine in its hidden shape, the noise of every signal by frequency and the directions of the scatter, and picks the likeliest effect with its size left free; what it cannot name, no method can.
@@ -200,6 +203,59 @@ def _unasked(rows: Sequence[Row]) -> str:
     return text if healthy or strangers or cells else ""
 
 
+def _forms(rows: Sequence[Row]) -> str:
+    cells = []
+    for name, form in FORMS.items():
+        for severity in scoring.STRONG:
+            some = [row for row in of_kind(rows, "form", severity) if row["effects"] == [name]]
+            if some:
+                cells.append([name, " or ".join(form.counts_as), severity, *_counted(some), _left_by_nearest(some)])
+    if not cells:
+        return ""
+    return (
+        "## Other forms than the library's\n\nThe same physics by another author's equation; `left` as above, by the nearest effect in the shape that it has on that machine elsewhere. "
+        "The library has Gauss's form, with the exponent 2; LuGre's own rise towards rest may be named as stribeck_friction beside it.\n\n"
+        + _table(("hidden", "counts as", "severity", *_COUNTED, "left"), cells, len(_COUNTED) + 1)
+    )
+
+
+_COUNTED = ("right name or class first", "put forward, alone", "a wrong one put forward", "unknown", "ideal observer")
+
+
+def _counted(some: Sequence[Row]) -> list[str]:
+    """The cells of `_COUNTED`."""
+    tests = (scoring.first_right, scoring.exact_set, scoring.wrongly_accused, lambda row: row["verdict"] == "unknown")
+    return [*(str(share_of(some, test)) for test in tests), str(scoring.observed(some))]
+
+
+def _left_by_nearest(some: Sequence[Row]) -> str:
+    return f"{100.0 * np.median([row['observer']['beyond'] for row in some]):.0f} %"
+
+
+def _settings(rows: Sequence[Row]) -> str:
+    cells, healthy = [], []
+    for name, some in scoring.set_rows(rows).items():
+        setting, _, more = name.partition(",")
+        text = SETTINGS[setting].text + (f",{more}" if more else "")
+        cells += [
+            [text, severity, *_counted(hidden)]
+            for severity in scoring.STRONG
+            if (hidden := [row for row in some if row["severity"] == severity])
+        ]
+        nothing = [row for row in some if not row["effects"]]
+        if nothing:
+            tests = (scoring.accused, lambda row: row["verdict"] == "unknown", lambda row: row["verdict"] == "refused")
+            healthy.append([text, *(str(share_of(nothing, test)) for test in tests)])
+    if not cells and not healthy:
+        return ""
+    return (
+        "## Other machines and other records\n\nThe effects of the library on machines that differ from those above in one thing.\n\n"
+        + _table(("in what", "severity", *_COUNTED), cells, len(_COUNTED))
+        + "\nNothing hidden:\n\n"
+        + _table(("in what", "accused", "unknown", "refused"), healthy, 3)
+    )
+
+
 def _pairs(rows: Sequence[Row]) -> str:
     cells = []
     for severity in SEVERITIES:
@@ -238,7 +294,7 @@ def _left(rows: Sequence[Row]) -> str:
         some = [row for row in of_kind(rows, "library", severity) if scoring.exact_set(row)]
         held = [row["held_out"] for row in some if row.get("held_out")]
         if some:
-            before = [float(np.sqrt(row["cost_before"] / row["cost_floor"])) for row in some]
+            before = [row["error"]["before"] / row["error"]["floor"] for row in some]
             after = [scoring.training_ratio(row) for row in some]
             line = [severity, f"{np.median(before):.2f}", f"{np.median(after):.3f}", f"{max(after):.3f}"]
             line += (

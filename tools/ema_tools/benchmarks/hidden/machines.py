@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,7 @@ from ema_tools.base.recording import Recording
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.plant.native import library
 from ema_tools.truth import effects
+from ema_tools.truth.climate import at_temperature
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 
 ROWS = 10_000
@@ -41,6 +42,58 @@ STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.003, "encoder.rod
 RIPPLE = 0.004
 CURRENT_GAIN, CURRENT_OFFSET_A = 0.003, 0.02
 PRESLIDING_RAD = (1e-3, 3e-3)
+# What the search takes for the distance of units from their data sheet: the one thing that is known here of the code under test, so that machines can defy it.
+ASSUMED: Mapping[tuple[str, ...], float] = {
+    ("screw.csj_Nm",): 0.1,
+    ("screw.viscous_Nm_s_per_rad",): 0.2,
+    ("screw.inertia_kgm2",): 0.05,
+    ("screw.blk_mm",): 0.1,
+    ("motor.resistance_ohm",): 0.04,
+    ("motor.inductance_H",): 0.1,
+    ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.025,
+    ("drive.supply_V",): 0.01,
+    ("control.kp_per_m",): 0.005,
+}
+ASSUMED_STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.004, "encoder.rod_gain_error": 3e-4, "encoder.rod_offset_mm": 0.003}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How machines of one kind of trial differ from the others: factor on SCATTER, days up to `temperature_degC` warmer or colder, units' deviations, sensors (fields of Sensors), values that
+    stand on each, and whether the voltage is recorded at the motor. `text` says it in the document."""
+
+    text: str = ""
+    scatter: float = 1.0
+    temperature_degC: float = 0.0
+    units: Mapping[tuple[str, ...], float] = field(default_factory=lambda: UNITS)
+    standing: Mapping[str, float] = field(default_factory=lambda: STANDING)
+    ripple: float = RIPPLE
+    sensors: Mapping[str, float] = field(default_factory=dict)
+    values: Mapping[str, float] = field(default_factory=dict)
+    at_terminals: bool = False
+
+
+def _assumed_times(factor: float, text: str) -> Setting:
+    units = {names: factor * std for names, std in ASSUMED.items()}
+    standing = {name: factor * std for name, std in ASSUMED_STANDING.items()}
+    return Setting(text, scatter=factor, units=units, standing=standing, ripple=factor * RIPPLE)
+
+
+SETTINGS: Mapping[str, Setting] = {
+    "": Setting(),
+    "scatter": Setting("four times the scatter, and days of +-8 degC", scatter=4.0, temperature_degC=8.0),
+    "twice": _assumed_times(2.0, "units and scatter twice as wide as the search assumes"),
+    "half": _assumed_times(0.5, "units and scatter half as wide as the search assumes"),
+    "coloured": Setting("noise of both positions with a corner at 30 Hz", sensors={"position_corner_hz": 30.0}),
+    "counts_5um": Setting("positions in counts of 5 um", sensors={"position_resolution_mm": 0.005, "motor_position_resolution_mm": 0.005}),
+    "counts_20um": Setting("positions in counts of 20 um", sensors={"position_resolution_mm": 0.02, "motor_position_resolution_mm": 0.02}),
+    # every bridge and line loses a little, which the voltage asked for does not show and that of the motor does
+    "terminals": Setting(
+        "voltage recorded at the motor, behind a bridge that drops 50 mV and 20 mohm of line",
+        values={"inverter_dead_time.drop_V": 0.05, "inverter_dead_time.width_A": 0.2, "source_resistance.resistance_ohm": 0.02},
+        at_terminals=True,
+    ),
+}
 COMMANDS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "chirp": ("chirp", {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}),
     "fast chirp": ("chirp", {"amplitude_mm": 1.2, "start_hz": 0.2, "end_hz": 6.0, "duration_s": 10.0}),
@@ -60,7 +113,9 @@ HELD_OUT: Mapping[str, str] = {
 _STEP_S = 5e-5
 _LUGRE_STEP_S = 1e-5
 _FAST_STEP_S = 1e-5
-_FAST = ("cogging_torque", "torque_ripple", "transmission_compliance")
+_FAST = ("cogging_torque", "torque_ripple", "transmission_compliance", "elastic_stop", "dead_time_tanh", "dead_time_sign")
+# Forms whose contact yields before it slides.
+_YIELDING = ("presliding.stretch_rad", "lugre.stretch_rad", "dahl.stretch_rad")
 
 
 def seed_of(*parts: object) -> int:
@@ -78,11 +133,23 @@ class Machine:
     presliding_rad: float
     sensors: Sensors
     own: bool = False
+    setting: str = ""
+
+    @property
+    def is_set(self) -> Setting:
+        """How it differs from the machines of most trials."""
+        return SETTINGS[self.setting]
+
+    @property
+    def scatter(self) -> Mapping[str, float]:
+        """From run to run, relative standard deviation."""
+        return {name: self.is_set.scatter * std for name, std in SCATTER.items()}
 
 
 @lru_cache(maxsize=64)
-def machine(number: int, own: bool = False) -> Machine:
-    """The unit of that number. With `own` it is as the data sheet says, without standing errors: only scatter and noise are left."""
+def machine(number: int, own: bool = False, setting: str = "") -> Machine:
+    """The unit of that number in a setting of SETTINGS, the same draw in each. With `own` it is as the data sheet says, without standing errors: only scatter and noise are left."""
+    chosen = SETTINGS[setting]
     random = np.random.default_rng([7_919, number])
     normal = random.standard_normal
     noise = Sensors(position_noise_mm=0.002, motor_position_noise_mm=0.002, current_noise_A=0.03, voltage_noise_V=0.01)
@@ -90,13 +157,14 @@ def machine(number: int, own: bool = False) -> Machine:
         return Machine(number, {}, "coulomb", 0.0, noise, True)
     sheet = reference_actuator()
     values: dict[str, float] = {}
-    for names, std in UNITS.items():
+    for names, std in chosen.units.items():
         factor = 1.0 + std * float(np.clip(normal(), -2.0, 2.0))
         values |= {name: sheet[name] * factor for name in names}
     values |= {
-        "pitch_ripple.ratio": RIPPLE * float(random.uniform(0.3, 1.5)),
+        "pitch_ripple.ratio": chosen.ripple * float(random.uniform(0.3, 1.5)),
         "pitch_ripple.phase_rad": float(random.uniform(-np.pi, np.pi)),
-        **{name: std * float(normal()) for name, std in STANDING.items()},
+        **{name: std * float(normal()) for name, std in chosen.standing.items()},
+        **chosen.values,
     }
     sensors = Sensors(
         position_noise_mm=noise.position_noise_mm,
@@ -111,7 +179,8 @@ def machine(number: int, own: bool = False) -> Machine:
         current_offset_A=CURRENT_OFFSET_A * float(normal()),
         feedback_noise_mm=2e-4,
     )
-    return Machine(number, values, "lugre" if number % 2 else "coulomb", float(random.uniform(*PRESLIDING_RAD)), sensors)
+    friction, presliding_rad = "lugre" if number % 2 else "coulomb", float(random.uniform(*PRESLIDING_RAD))
+    return Machine(number, values, friction, presliding_rad, replace(sensors, **chosen.sensors), setting=setting)
 
 
 @lru_cache(maxsize=16)
@@ -137,18 +206,28 @@ def simulated(unit: Machine, changes: Mapping[str, float], command: str, sensors
     values = {**unit.values, **changes}
     if unit.own:
         return _by_model(values, command_mm(command), sensors or Sensors(), seed)
-    soft = unit.friction == "lugre" or values.get("presliding.stretch_rad", 0.0) > 0.0
+    soft = unit.friction == "lugre" or any(values.get(name, 0.0) > 0.0 for name in _YIELDING)
     fast = any(name.startswith(_FAST) for name in changes)
     step_s = _LUGRE_STEP_S if soft else _FAST_STEP_S if fast else _STEP_S
     return simulate_truth(
-        values, command_mm(command), friction=unit.friction, presliding_rad=unit.presliding_rad, step_s=step_s, sensors=sensors, seed=seed
+        values,
+        command_mm(command),
+        friction=unit.friction,
+        presliding_rad=unit.presliding_rad,
+        step_s=step_s,
+        sensors=sensors,
+        seed=seed,
+        at_terminals=unit.is_set.at_terminals,
     )
 
 
 def measured(unit: Machine, changes: Mapping[str, float], command: str, seed: int) -> Recording:
     """The same as recorded on some day: friction, grease and winding scatter, sensors err, both by `seed`. Changes are exact."""
-    day = scattered(unit.values, SCATTER, seed)
+    day = scattered(unit.values, unit.scatter, seed)
     moved = {name: day[name] for name in SCATTER}
+    reach = unit.is_set.temperature_degC
+    if reach > 0.0:
+        moved = at_temperature(moved, reach * float(np.random.default_rng([7_907, seed]).uniform(-1.0, 1.0)))
     # a change of what scatters comes on top of its scatter
     for name in SCATTER:
         if name in changes:
@@ -161,6 +240,17 @@ def exact(unit: Machine, changes: Mapping[str, float], command: str) -> Reals:
     errors = unit.sensors
     run = simulated(unit, changes, command, Sensors(current_gain_error=errors.current_gain_error, current_offset_A=errors.current_offset_A))
     return np.array([getattr(run, channel) for channel in CHANNELS])
+
+
+def scatter_directions(unit: Machine, command: str) -> list[Reals]:
+    """What one standard deviation of each thing that differs from day to day makes of the true signals, [CHANNELS, rows]."""
+    sheet = reference_actuator()
+    nominal = {name: unit.values.get(name, sheet[name]) for name in SCATTER}
+    ways = [[{name: value * (1.0 + sign * unit.scatter[name])} for sign in (1.0, -1.0)] for name, value in nominal.items()]
+    if unit.is_set.temperature_degC > 0.0:
+        std_degC = unit.is_set.temperature_degC / np.sqrt(3.0)
+        ways.append([at_temperature(nominal, sign * std_degC) for sign in (1.0, -1.0)])
+    return [np.asarray(0.5 * (exact(unit, up, command) - exact(unit, down, command))) for up, down in ways]
 
 
 def unit_errors(unit: Machine, command: str) -> list[tuple[Reals, float]]:
@@ -178,15 +268,15 @@ def unit_errors(unit: Machine, command: str) -> list[tuple[Reals, float]]:
 
     found = [
         (either_side({name: std * sheet[name] for name in names}), (unit.values[names[0]] / sheet[names[0]] - 1.0) / std)
-        for names, std in UNITS.items()
+        for names, std in unit.is_set.units.items()
     ]
-    found += [(either_side({name: std}), unit.values[name] / std) for name, std in STANDING.items()]
+    found += [(either_side({name: std}), unit.values[name] / std) for name, std in unit.is_set.standing.items()]
     healthy = exact(unit, {}, command)
     ripple = unit.values["pitch_ripple.ratio"] * np.exp(1j * unit.values["pitch_ripple.phase_rad"])
     for quarter in (1.0, 1j):
-        moved = ripple + RIPPLE / np.sqrt(2.0) * quarter
+        moved = ripple + unit.is_set.ripple / np.sqrt(2.0) * quarter
         there = exact(unit, {"pitch_ripple.ratio": float(abs(moved)), "pitch_ripple.phase_rad": float(np.angle(moved))}, command)
-        found.append((there - healthy, float(np.real(ripple * np.conj(quarter))) / (RIPPLE / np.sqrt(2.0))))
+        found.append((there - healthy, float(np.real(ripple * np.conj(quarter))) / (unit.is_set.ripple / np.sqrt(2.0))))
     current = CHANNELS.index("current_A")
     gain, offset = np.zeros_like(healthy), np.zeros_like(healthy)
     gain[current], offset[current] = CURRENT_GAIN * healthy[current], CURRENT_OFFSET_A

@@ -18,9 +18,8 @@ from scipy import fft
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.recording import Recording
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, LIBRARY, OUTSIDE, SEVERITIES, change, same_class
-from ema_tools.benchmarks.hidden.machines import CHANNELS, ROWS, SCATTER, Machine, exact, machine, measured, seed_of, unit_errors
-from ema_tools.data.actuator import reference_actuator
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES, change, stands_for
+from ema_tools.benchmarks.hidden.machines import CHANNELS, ROWS, Machine, exact, machine, measured, scatter_directions, seed_of, unit_errors
 
 _REPEATS = 24
 # Sizes at which an alternative's signature is taken; in between and beyond it is scaled.
@@ -64,12 +63,7 @@ class Bank:
     def __init__(self, unit: Machine, command: str) -> None:
         self.unit, self.command = unit, command
         self.healthy = exact(unit, {}, command)
-        sheet = reference_actuator()
-        nominal = {name: unit.values.get(name, sheet[name]) for name in SCATTER}
-        directions = []
-        for name, std in SCATTER.items():
-            up, down = (exact(unit, {name: nominal[name] * (1.0 + sign * std)}, command) for sign in (1.0, -1.0))
-            directions.append(0.5 * (up - down))
+        directions = scatter_directions(unit, command)
         runs = np.array(
             [signals(measured(unit, {}, command, seed_of("observer", unit.number, unit.own, command, count))) for count in range(_REPEATS)]
         )
@@ -112,9 +106,9 @@ class Bank:
 
 
 @lru_cache(maxsize=3)
-def bank(number: int, own: bool, command: str) -> Bank:
+def bank(number: int, own: bool, command: str, setting: str = "") -> Bank:
     """The bank of a machine, kept while its trials run."""
-    return Bank(machine(number, own), command)
+    return Bank(machine(number, own, setting), command)
 
 
 @dataclass(frozen=True)
@@ -186,25 +180,28 @@ def judged(
     run: Recording,
     healthy: Sequence[Recording],
     channels: Sequence[str] | None,
+    setting: str = "",
 ) -> dict[str, Any]:
     """What the observer makes of a run: its pick, whether that is right, how far the hidden effect lies from nothing (`size`) and from others (`apart`), in standard deviations.
 
     Without healthy repeats the unit's own errors stand between the record and the data sheet: they are linear from where the unit is, which the observer does not know.
-    For an effect outside the library `nearest` is the effect that comes nearest and `beyond` the share of the hidden one that it leaves. For a pair, `apart` says how far each
-    lies from what the other one alone can make.
+    For an effect outside the library, and for another form than the library's, `nearest` is the effect that comes nearest and `beyond` the share of the hidden one that it leaves. For a
+    pair, `apart` says how far each lies from what the other one alone can make. Of a form the observer knows the very form beside the library's effects.
     """
-    known = bank(number, own, command)
+    known = bank(number, own, command, setting)
     space = _Space.of(known, channels, len(healthy))
-    judge = _judge(number, own, command, tuple(channels or CHANNELS), len(healthy))
+    judge = _judge(number, own, command, tuple(channels or CHANNELS), len(healthy), setting)
     reference = np.mean([signals(other) for other in healthy], axis=0) if healthy else known.healthy
     seen_run = known.whitened(signals(run) - reference)
     if not healthy:
         seen_run = seen_run + sum(known.linear_signature(effect, severity) - known.signature(effect, severity) for effect in effects)
     residual = space(seen_run, space.place)
     seen = judge.likelihoods(residual, severity)
-    pick = max(seen, key=lambda name: seen[name])
     of = known.signature if healthy else known.linear_signature
     true = [space(of(effect, severity)) for effect in effects]
+    if effects[0] in FORMS:
+        seen[effects[0]] = max(float(true[0] @ residual), 0.0) ** 2 / max(float(true[0] @ true[0]), 1e-24)
+    pick = max(seen, key=lambda name: seen[name])
     lengths = [float(np.sqrt(vector @ vector)) for vector in true]
     found: dict[str, Any] = {"pick": pick, "size": lengths}
     if len(effects) == 2:
@@ -214,15 +211,15 @@ def judged(
         }
         return found
     alone = judge.likelihoods(true[0], severity)
-    apart = {name: float(np.sqrt(max(lengths[0] ** 2 - value, 0.0))) for name, value in alone.items() if not same_class(name, effects[0])}
+    apart = {name: float(np.sqrt(max(lengths[0] ** 2 - value, 0.0))) for name, value in alone.items() if not stands_for(name, effects[0])}
     found["apart"] = {name: round(value, 2) for name, value in sorted(apart.items(), key=lambda item: item[1])}
-    if effects[0] in OUTSIDE:
-        nearest = min(apart, key=lambda name: apart[name])
-        return {**found, "nearest": nearest, "beyond": (apart[nearest] / max(lengths[0], 1e-12)) ** 2}
-    return {**found, "right": same_class(pick, effects[0])}
+    if effects[0] in OUTSIDE or effects[0] in FORMS:
+        best = max(alone, key=lambda name: alone[name])
+        found |= {"nearest": best, "beyond": max(1.0 - alone[best] / max(lengths[0] ** 2, 1e-24), 0.0)}
+    return found if effects[0] in OUTSIDE else {**found, "right": stands_for(pick, effects[0])}
 
 
 @lru_cache(maxsize=4)
-def _judge(number: int, own: bool, command: str, channels: tuple[str, ...], repeats: int) -> _Judge:
-    known = bank(number, own, command)
+def _judge(number: int, own: bool, command: str, channels: tuple[str, ...], repeats: int, setting: str) -> _Judge:
+    known = bank(number, own, command, setting)
     return _Judge(known, _Space.of(known, channels, repeats))

@@ -59,7 +59,11 @@ def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Tri
     done = {row["key"] for row in read_rows(folder)}
     wanted = [trial for trial in trials if trial.key not in done]
     tasks = [
-        (group, parts / f"machine_{group[0].machine}_{group[0].command.replace(' ', '_')}_{group[0].kind == 'same':d}.jsonl")
+        (
+            group,
+            parts
+            / f"machine_{group[0].machine}_{group[0].command.replace(' ', '_')}_{group[0].kind == 'same':d}{group[0].setting and '_' + group[0].setting}.jsonl",
+        )
         for group in groups(wanted)
     ]
     with progress("trials", len(wanted)) as bar:

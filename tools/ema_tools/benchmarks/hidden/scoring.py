@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from ema_tools.benchmarks.hidden.catalogue import SEVERITIES, same_class
+from ema_tools.benchmarks.hidden.catalogue import FORMS, SEVERITIES, stands_for
+from ema_tools.benchmarks.hidden.trials import SET
 from ema_tools.words.terminal.console import table
 
 Row = dict[str, Any]
@@ -48,12 +49,23 @@ def of_kind(rows: Sequence[Row], kind: str, *severities: str) -> list[Row]:
     return [row for row in rows if row["kind"] == kind and (not severities or row["severity"] in severities)]
 
 
+def put_forward(row: Row) -> list[str]:
+    """The names that the answer would add, effects and faults."""
+    return [] if row["verdict"] in ("unknown", "refused") else row["accepted"]
+
+
 def matches(row: Row, hidden: str, said: str) -> bool:
-    """Whether a name says what is hidden: it is it, or of its declared class, or of the class that the answer states while nobody could tell the two apart."""
-    if same_class(hidden, said):
+    """Whether a name says what is hidden: it stands for it, or is of the class that the answer states while nobody could tell the two apart."""
+    if stands_for(said, hidden):
         return True
     apart = row.get("observer", {}).get("apart", {}).get(said)
-    return hidden in row["class"] and len(row["effects"]) == 1 and apart is not None and apart < SEPARABLE
+    stated = any(stands_for(name, hidden) for name in row["class"])
+    return stated and len(row["effects"]) == 1 and apart is not None and apart < SEPARABLE
+
+
+def _beside(row: Row, said: str) -> bool:
+    """Whether a name is a true part of a hidden form beside what the form counts as."""
+    return any(hidden in FORMS and said in FORMS[hidden].beside for hidden in row["effects"])
 
 
 def first_right(row: Row) -> bool:
@@ -63,22 +75,22 @@ def first_right(row: Row) -> bool:
 
 def exact_set(row: Row) -> bool:
     """Whether all that is hidden is put forward for adding, and nothing else."""
-    return len(row["accepted"]) == len(row["effects"]) and all_named(row)
+    return len([said for said in put_forward(row) if not _beside(row, said)]) == len(row["effects"]) and all_named(row)
 
 
 def all_named(row: Row) -> bool:
     """Whether all that is hidden is put forward, beside whatever else."""
-    return row["verdict"] == "missing" and all(any(matches(row, hidden, said) for said in row["accepted"]) for hidden in row["effects"])
+    return all(any(matches(row, hidden, said) for said in put_forward(row)) for hidden in row["effects"])
 
 
 def accused(row: Row) -> bool:
     """Whether any name is put forward for adding."""
-    return row["verdict"] == "missing" and bool(row["accepted"])
+    return bool(put_forward(row))
 
 
 def wrongly_accused(row: Row) -> bool:
     """Whether a name is put forward that is not hidden."""
-    return row["verdict"] == "missing" and any(not any(matches(row, hidden, said) for hidden in row["effects"]) for said in row["accepted"])
+    return any(not _beside(row, said) and not any(matches(row, hidden, said) for hidden in row["effects"]) for said in put_forward(row))
 
 
 def observed(rows: Sequence[Row]) -> Share:
@@ -88,7 +100,7 @@ def observed(rows: Sequence[Row]) -> Share:
 
 def training_ratio(row: Row) -> float:
     """Weighted rms error over the floor with what was found added."""
-    return float(np.sqrt(row["cost_after"] / row["cost_floor"]))
+    return float(row["error"]["after"] / row["error"]["floor"])
 
 
 def sizes(rows: Sequence[Row]) -> list[Row]:
@@ -198,7 +210,7 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
 
 def missed(row: Row) -> bool:
     """Whether a row is worth a look."""
-    if row["kind"] in (*HEALTHY, "placebo"):
+    if row["kind"] == "placebo" or not row["effects"]:
         return accused(row)
     if row["kind"] == "outside":
         return bool(row["verdict"] != "unknown")
@@ -207,11 +219,21 @@ def missed(row: Row) -> bool:
     return row["kind"] != "time" and not first_right(row)
 
 
+def set_rows(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """The rows of each setting of machines, those without repeats by themselves."""
+    found = {}
+    for setting in SET:
+        some = of_kind(rows, setting)
+        found[setting] = [row for row in some if row["repeats"]]
+        found[f"{setting}, no repeats"] = [row for row in some if not row["repeats"]]
+    return {name: some for name, some in found.items() if some}
+
+
 def confusions(rows: Sequence[Row]) -> dict[str, Counter[str]]:
     """Per hidden effect how often each name came first; what was not put forward counts as nothing, or unknown, by the verdict."""
     found: dict[str, Counter[str]] = {}
     for row in rows:
-        said = row["first"] if row["verdict"] == "missing" else "unknown" if row["verdict"] == "unknown" else "nothing"
+        said = row["first"] if accused(row) else row["verdict"] if row["verdict"] in ("unknown", "refused") else "nothing"
         found.setdefault(row["effects"][0] if row["effects"] else "healthy", Counter())[said] += 1
     return found
 
@@ -225,21 +247,27 @@ def show(console: Console, rows: Sequence[Row]) -> None:
         "right first",
         "put forward, alone",
         "wrongly put forward",
+        "unknown",
         "observer",
         "processor, s",
         text_columns=2,
     )
-    for kind in ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", *HEALTHY, "time"):
+    plain = ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", *HEALTHY, "form", "time")
+    for name, kind_rows in [*((kind, of_kind(rows, kind)) for kind in plain), *set_rows(rows).items()]:
         for severity in ("", *SEVERITIES):
-            some = of_kind(rows, kind, severity)
+            some = [row for row in kind_rows if row["severity"] == severity]
             if some:
-                named = "-" if kind in ("outside", "pair", *HEALTHY) else str(share_of(some, first_right))
-                alone = "-" if kind in ("outside", *HEALTHY) else str(share_of(some, exact_set))
-                wrong = share_of(some, accused if kind in ("placebo", "outside", *HEALTHY) else wrongly_accused)
-                main.add_row(
-                    kind, severity, named, alone, str(wrong), str(observed(some)), f"{np.median([row['cpu_s'] for row in some]):.1f}"
-                )
+                nothing = not some[0]["effects"]
+                named = "-" if nothing or name in ("outside", "pair") else str(share_of(some, first_right))
+                alone = "-" if nothing or name == "outside" else str(share_of(some, exact_set))
+                wrong = share_of(some, accused if nothing or name in ("placebo", "outside") else wrongly_accused)
+                unknown = share_of(some, lambda row: row["verdict"] == "unknown")
+                processor = f"{np.median([row['cpu_s'] for row in some]):.1f}"
+                main.add_row(name, severity, named, alone, str(wrong), str(unknown), str(observed(some)), processor)
     console.print(main)
+    for row in rows:
+        if row["verdict"] == "refused":
+            console.print(f"refused: {row['key']}: {row['refused']}", highlight=False)
     for row in filter(missed, rows):
         ranked = " ".join(f"{name}:{score:.0f}" for name, score in row["ranked"][:4])
         apart = " ".join(f"{value:.0f}" for value in row.get("observer", {}).get("size", []))

@@ -1,4 +1,5 @@
-"""The only contact with the code under test. It gets the data sheet's actuator and records without a hint of what is hidden, and hands back what was said."""
+"""The only contact with the code under test. It gets the data sheet's actuator and records without a hint of what is hidden, as a user gives them to `ema diagnose`, and the result that
+the user gets is read: nothing inside is asked."""
 
 from __future__ import annotations
 
@@ -7,17 +8,18 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-
-import numpy as np
+from typing import Any
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden.machines import STEP_S
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import Evidence, settled
+from ema_tools.results.codec import to_json
 from ema_tools.select import baseline as gathering
-from ema_tools.select.search import diagnose
+from ema_tools.tasks import method
+from ema_tools.words.answers.method import diagnosis
 
 _fitted: dict[str, Actuator] = {}
 
@@ -47,9 +49,14 @@ def remembering() -> Iterator[None]:
         gathering.healthy_model = fit
 
 
+def diagnosed(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None) -> dict[str, Any]:
+    """What `ema diagnose ACTUATOR RECORD --healthy ... --holdout ... --json` writes, by the way that the command takes. Raises InputError for what it refuses."""
+    return to_json(diagnosis(method.diagnosed(actuator, record, healthy, holdout), {}))
+
+
 @dataclass(frozen=True)
 class Said:
-    """One name of the answer, best first: its class (itself first), values and standard errors where it was fitted."""
+    """One name of the result: its class (itself first), values and standard errors by field where it was fitted."""
 
     name: str
     alike: tuple[str, ...]
@@ -61,26 +68,26 @@ class Said:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the search said. `known`: values of the healthy machine's model, from which the fitted values are changes; costs are sums of squared whitened residuals.
+    """What the result says. `said`: the effects to be added, then the faults, then the others, each as listed; `standing`: values of the effects in the healthy machine's model.
 
-    `run_s`, `cpu_s`: time on the clock and of all cores together.
+    `error`: weighted errors `before` anything is added, `after` and `floor`, those of the record held out in `held_out` over its floor; `sensor`: the channel that is suspected;
+    `refused`: why there is no result. `run_s`, `cpu_s`: time on the clock and of all cores together.
     """
 
     verdict: str
     said: tuple[Said, ...]
-    fitted: Mapping[str, float]
-    known: Actuator
-    cost_before: float
-    cost_after: float
-    cost_floor: float
+    standing: Mapping[str, Mapping[str, float]]
+    error: Mapping[str, float]
+    held_out: Mapping[str, float] | None
     unexplained: float
-    limit: float
+    sensor: str | None
+    refused: str | None
     run_s: float
     cpu_s: float
 
     @property
     def accepted(self) -> tuple[str, ...]:
-        """The names to be added, in the order in which they were found."""
+        """The names that are put forward, effects before faults."""
         return tuple(one.name for one in self.said if one.accepted)
 
     @property
@@ -89,37 +96,62 @@ class Answer:
         return self.said[0].name if self.said else self.verdict
 
 
-def record_of(run: Recording, number: int) -> Record:
-    """A run as the code under test may see it; the file's name says nothing."""
-    return Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file=f"record_{number}.csv")
+def record_of(run: Recording, number: int, channels: Sequence[str] | None = None) -> Record:
+    """A run as the code under test may see it, in `channels` or all signals; the file's name says nothing."""
+    seen = {
+        name: getattr(run, name)
+        for name in ("position_mm", "motor_position_mm", "current_A", "voltage_V")
+        if channels is None or name in channels
+    }
+    return Record(STEP_S, run.command_mm, file=f"record_{number}.csv", **seen)
 
 
-def _evidence(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None) -> Evidence:
-    repeats = [record_of(other, number) for number, other in enumerate(healthy, start=1)]
-    return gathering.gather(reference_actuator(), record_of(run, 0), repeats, channels)
+def _said(one: Mapping[str, Any]) -> Said:
+    alike = (*one["class"], *one.get("looks_like_fault", ()))
+    ordered = (one["name"], *(name for name in alike if name != one["name"]))
+    return Said(one["name"], ordered, dict(one["parameters"]), dict(one["std"]), float(one["score"]), bool(one["accepted"]))
 
 
-def answered(run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> Answer:
-    """The search on one run against healthy repeats (none: against the data sheet), in `channels` or all signals."""
+def read(result: Mapping[str, Any], run_s: float = 0.0, cpu_s: float = 0.0) -> Answer:
+    """The answer in a result of `diagnosed`."""
+    effects = [_said(one) for one in result["effects"]]
+    faults = [_said(one) for one in result["faults"].values()]
+    said = [one for one in effects if one.accepted] + faults + [one for one in effects if not one.accepted]
+    error, held_out = result["error"], None
+    # what scatters from run to run is no effect: the fall is counted from where it has moved
+    before = result["steps"][1]
+    if error.get("holdout_floor"):
+        floor = error["holdout_floor"]
+        held_out = {"before": before["error_holdout"] / floor, "after": error["holdout_after"] / floor}
+    errors = {"before": before["error_training"], "after": error["after"], "floor": error["floor"]}
+    sensor = result.get("sensor")
+    return Answer(
+        result["verdict"],
+        tuple(said),
+        result.get("standing", {}),
+        errors,
+        held_out,
+        float(result.get("unexplained", 0.0)),
+        sensor["channel"] if sensor else None,
+        None,
+        run_s,
+        cpu_s,
+    )
+
+
+def answered(
+    run: Recording,
+    healthy: Sequence[Recording],
+    channels: Sequence[str] | None = None,
+    other: Recording | None = None,
+    others: Sequence[Recording] = (),
+) -> Answer:
+    """The diagnosis of one run against healthy repeats (none: against the data sheet), in `channels` or all signals; `other` is held out, with healthy repeats `others` of its command."""
+    records = [record_of(one, number, channels) for number, one in enumerate((run, *healthy, *others))]
+    holdout = record_of(other, len(records), channels) if other is not None else None
     begun, work = time.perf_counter(), time.process_time()
-    evidence = _evidence(run, healthy, channels)
-    found = diagnose(evidence)
-    run_s, cpu_s = time.perf_counter() - begun, time.process_time() - work
-    said = tuple(Said(one.name, tuple(one.alike), dict(one.values), dict(one.std), one.score, one.accepted) for one in found.named)
-    fitted = dict(found.fit.values) if found.fit is not None else {}
-    costs = (found.cost_before, found.cost_after, found.cost_floor)
-    return Answer(found.verdict, said, fitted, evidence.actuator, *costs, found.unexplained, found.limit, run_s, cpu_s)
-
-
-def error_left(answer: Answer, run: Recording, healthy: Sequence[Recording], channels: Sequence[str] | None = None) -> tuple[float, float]:
-    """Weighted rms error of a run of another command over the floor of its healthy repeats: without what was found, and with it.
-
-    As the answer's own record held out: the healthy machine and what was found are those of the first command; nothing is fitted to this run but what scatters.
-    """
-    record, *repeats = (record_of(one, number) for number, one in enumerate((run, *healthy)))
-    names = tuple(channels) if channels else gathering.common_channels([record, *repeats])
-    evidence = gathering.against_known(answer.known, record, repeats, names)
-    before = settled(evidence, {})
-    floor = evidence.expected_cost()
-    after = settled(evidence, answer.fitted) if answer.fitted else before
-    return float(np.sqrt(before.cost / floor)), float(np.sqrt(after.cost / floor))
+    try:
+        result = diagnosed(reference_actuator(), records[0], records[1:], holdout)
+    except InputError as error:
+        return Answer("refused", (), {}, {}, None, 0.0, None, str(error), time.perf_counter() - begun, time.process_time() - work)
+    return read(result, time.perf_counter() - begun, time.process_time() - work)

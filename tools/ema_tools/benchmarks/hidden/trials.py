@@ -12,10 +12,12 @@ import numpy as np
 
 from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden import observer, sealed
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES, Change, change
-from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, Machine, machine, measured, seed_of
+from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES, Change, change
+from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, SETTINGS, Machine, machine, measured, seed_of
 
-KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position", "alone", "same", "placebo", "time")
+# Kinds of trial whose machines are set otherwise, by the name of the setting.
+SET = tuple(filter(None, SETTINGS))
+KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position", "alone", "same", "placebo", "form", *SET, "time")
 OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
@@ -23,6 +25,19 @@ _PIECE_ROWS = 250
 _FIRST_STRANGER = 600
 # Healthy records of one machine and command.
 _DAYS = 20
+# Where the voltage is recorded at the motor, what makes it another than the one asked for, and what it tells from that.
+_ELECTRICAL = (
+    "inverter_dead_time",
+    "source_resistance",
+    "supply_sag",
+    "actuation_delay",
+    "current_limit",
+    "winding_heating",
+    "magnet_weakening",
+    "torque_ripple",
+)
+# Settings that differ from what the search assumes of a data sheet, which counts most where there are no repeats.
+_PRIORS = ("twice", "half")
 
 
 @dataclass(frozen=True)
@@ -44,6 +59,16 @@ class Trial:
         return "|".join(
             (self.kind, "+".join(self.effects), self.severity, self.command, str(self.machine), str(self.repeats), str(self.day))
         )
+
+    @property
+    def setting(self) -> str:
+        """How its machine is set, of SETTINGS."""
+        return self.kind if self.kind in SET else ""
+
+    @property
+    def unit(self) -> Machine:
+        """The machine."""
+        return machine(self.machine, self.kind == "same", self.setting)
 
     @property
     def channels(self) -> tuple[str, ...] | None:
@@ -68,7 +93,8 @@ def _command_of(place: int) -> str:
 @dataclass(frozen=True)
 class Plan:
     """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command;
-    the others by their counts.
+    the others by their counts. Other forms of effects are hidden in `seeds` machines each, at medium and large; every setting of machines gets every effect once at each of those severities,
+    on `seeds` machines in turn, and `set_healthy` healthy records of each of these.
 
     `timed`: trials that run one after the other on all cores, with nothing remembered, as a user's diagnosis does.
     """
@@ -84,11 +110,12 @@ class Plan:
     repeats: int = 5
     timed: int = 3
     first_machine: int = 1
+    set_healthy: int = 4
 
     def trials(self) -> list[Trial]:
         """All of them."""
-        wanted = self.effects or (*LIBRARY, *FAULTS, *OUTSIDE)
-        library, faults, outside = ([name for name in table if name in wanted] for table in (LIBRARY, FAULTS, OUTSIDE))
+        wanted = self.effects or (*LIBRARY, *FAULTS, *OUTSIDE, *FORMS)
+        library, faults, outside, forms = ([name for name in table if name in wanted] for table in (LIBRARY, FAULTS, OUTSIDE, FORMS))
         numbers = range(self.first_machine, self.first_machine + self.seeds)
         strong = [name for name in self.severities if SEVERITIES[name] >= 1.0]
         found: list[Trial] = []
@@ -117,8 +144,31 @@ class Plan:
             found.append(Trial("healthy", (), "", _command_of(place), self.first_machine + place, self.repeats, day))
         for place in range(self.strangers):
             found.append(Trial("stranger", (), "", _command_of(place), self.first_machine + _FIRST_STRANGER + place, 0))
+        for number in numbers:
+            found += [Trial("form", (name,), severity, "chirp", number, self.repeats) for name in forms for severity in strong]
+        for setting in SET:
+            found += self._set(setting, library, numbers, strong)
         found += [Trial("time", (name,), strong[0], "chirp", first, self.repeats) for name in library[: self.timed] if strong]
         return [trial for trial in found if trial.kind in self.kinds]
+
+    def _set(self, setting: str, library: Sequence[str], numbers: Sequence[int], strong: Sequence[str]) -> list[Trial]:
+        """The trials of one setting, those of one that defies a data sheet without repeats too."""
+        names = [name for name in library if name in _ELECTRICAL] if setting == "terminals" else library
+        found = []
+        for repeats in (self.repeats, 0) if setting in _PRIORS else (self.repeats,):
+            places = enumerate(names) if numbers else ()
+            found += [
+                Trial(setting, (name,), severity, "chirp", numbers[order % len(numbers)], repeats)
+                for order, name in places
+                for severity in strong
+            ]
+            # a machine without repeats is another stranger every time
+            found += [
+                Trial(setting, (), "", "chirp", number if repeats else number + _FIRST_STRANGER + 100 * day, repeats, day)
+                for number in numbers
+                for day in range(self.set_healthy)
+            ]
+        return found
 
 
 # What the document is meant to show.
@@ -127,9 +177,9 @@ FULL = Plan(3)
 
 def groups(trials: Sequence[Trial]) -> list[list[Trial]]:
     """Trials of one machine and command together, so that what is known of the machine is computed once; longest first."""
-    found: dict[tuple[int, str, bool], list[Trial]] = {}
+    found: dict[tuple[int, str, bool, str], list[Trial]] = {}
     for trial in trials:
-        found.setdefault((trial.machine, trial.command, trial.kind == "same"), []).append(trial)
+        found.setdefault((trial.machine, trial.command, trial.kind == "same", trial.setting), []).append(trial)
     return sorted(found.values(), key=len, reverse=True)
 
 
@@ -140,15 +190,18 @@ def hidden_changes(unit: Machine, trial: Trial, command: str) -> list[Change]:
 
 def runs(trial: Trial, command: str, hidden: Sequence[Change]) -> tuple[Recording, list[Recording]]:
     """The record with what is hidden, and the healthy repeats, all of different days."""
-    unit = machine(trial.machine, trial.kind == "same")
+    unit = trial.unit
     values = {name: value for one in hidden for name, value in one.values.items()}
-    return measured(unit, values, command, seed_of(trial.key, command)), list(_repeats(unit.number, unit.own, command, trial.repeats))
+    return measured(unit, values, command, seed_of(trial.key, command)), list(
+        _repeats(unit.number, unit.own, command, trial.repeats, unit.setting)
+    )
 
 
 @lru_cache(maxsize=4)
-def _repeats(number: int, own: bool, command: str, count: int) -> tuple[Recording, ...]:
+def _repeats(number: int, own: bool, command: str, count: int, setting: str = "") -> tuple[Recording, ...]:
     """The healthy runs of a machine, the same for all its trials."""
-    return tuple(measured(machine(number, own), {}, command, seed_of("healthy", number, own, command, k)) for k in range(count))
+    unit = machine(number, own, setting)
+    return tuple(measured(unit, {}, command, seed_of("healthy", number, own, command, k)) for k in range(count))
 
 
 def _dealt(run: Recording, healthy: Sequence[Recording], seed: int) -> Recording:
@@ -169,37 +222,37 @@ def _sizes(answer: sealed.Answer, hidden: Sequence[Change], effects: Sequence[st
     """Per hidden effect that was accepted by its own name: true change of its size, estimate, its standard error, whether the 95 % interval holds."""
     found = []
     for name, one in zip(effects, hidden, strict=True):
-        said = next((said for said in answer.said if said.name == name and said.accepted), None)
-        if said is None or one.size not in said.values:
+        field = one.size.rpartition(".")[2]
+        said = next((said for said in answer.said if said.name == name and said.accepted and name not in FAULTS), None)
+        if said is None or field not in said.values:
             continue
-        estimate, std = _estimated_change(answer, said, one.size), said.std.get(one.size, 0.0)
+        estimate, std = _estimated_change(answer, said, field), said.std.get(field, 0.0)
         found.append({"effect": name, "true": one.true, "estimate": estimate, "std": std, "held": abs(estimate - one.true) <= 1.96 * std})
     return found
 
 
-def _row(name: str) -> str:
-    """An actuator's own name of a value."""
-    return name.removeprefix("effects.")
-
-
 def _estimated_change(answer: sealed.Answer, said: sealed.Said, size: str) -> float:
     """From the healthy machine's model, which may hold a little of the effect already; what has a phase changes as a vector."""
-    phase = f"{size.rpartition('.')[0]}.phase_rad"
-    if phase in said.values:
-        return float(
-            abs(said.values[size] * np.exp(1j * said.values[phase]) - answer.known[_row(size)] * np.exp(1j * answer.known[_row(phase)]))
-        )
-    return said.values[size] - answer.known[_row(size)]
+    stood = answer.standing.get(said.name, {})
+    if "phase_rad" in said.values:
+        before = stood.get(size, 0.0) * np.exp(1j * stood.get("phase_rad", 0.0))
+        return float(abs(said.values[size] * np.exp(1j * said.values["phase_rad"]) - before))
+    return said.values[size] - stood.get(size, 0.0)
 
 
 def perform(trial: Trial) -> dict[str, Any]:
     """One trial as a row of plain values."""
-    unit = machine(trial.machine, trial.kind == "same")
+    unit = trial.unit
     hidden = hidden_changes(unit, trial, trial.command)
     run, healthy = runs(trial, trial.command, hidden)
     if trial.kind == "placebo":
         run = _dealt(run, healthy, seed_of(trial.key))
-    answer = sealed.answered(run, healthy, trial.channels)
+    other: Recording | None = None
+    others: list[Recording] = []
+    if trial.held_out:
+        command = HELD_OUT[trial.command]
+        other, others = runs(trial, command, _same_hidden(unit, trial, command))
+    answer = sealed.answered(run, healthy, trial.channels, other, others)
     row: dict[str, Any] = {
         "key": trial.key,
         **asdict(trial),
@@ -209,23 +262,15 @@ def perform(trial: Trial) -> dict[str, Any]:
     }
     row["class"] = list(answer.said[0].alike) if answer.said else []
     row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
-    row |= {name: getattr(answer, name) for name in ("cost_before", "cost_after", "cost_floor", "unexplained", "limit", "run_s", "cpu_s")}
+    row |= {name: getattr(answer, name) for name in ("error", "unexplained", "sensor", "refused", "run_s", "cpu_s")}
     if trial.effects and trial.kind not in ("placebo", "time"):
         row["observer"] = observer.judged(
-            trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels
+            trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels, unit.setting
         )
     row["sizes"] = _sizes(answer, hidden, trial.effects)
-    if trial.held_out and answer.verdict == "missing":
-        row["held_out"] = _held_out(trial, unit, answer)
+    if answer.held_out is not None:
+        row["held_out"] = {"command": HELD_OUT[trial.command], **answer.held_out}
     return row
-
-
-def _held_out(trial: Trial, unit: Machine, answer: sealed.Answer) -> dict[str, Any]:
-    """The same effect under another command, with what was found added to the model."""
-    command = HELD_OUT[trial.command]
-    other, repeats = runs(trial, command, _same_hidden(unit, trial, command))
-    before, after = sealed.error_left(answer, other, repeats, trial.channels)
-    return {"command": command, "before": before, "after": after}
 
 
 def _same_hidden(unit: Machine, trial: Trial, command: str) -> Sequence[Change]:

@@ -18,6 +18,8 @@ from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps, ForceStep
 from ema_tools.results.identification import Identification
 from ema_tools.results.parts import Step
 from ema_tools.select.search import Diagnosis as Searched
+from ema_tools.tasks.diagnose import Answer
+from ema_tools.tasks.diagnose_by_laps import LapsAnswer
 from ema_tools.words.sentences.identification import table_sentence
 from ema_tools.words.sentences.sizes import size_text
 from ema_tools.words.terminal.console import number, table
@@ -144,6 +146,14 @@ def identification(console: Console, found: Identification) -> None:
         say(console, f"{FAULTS[name]} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
     if found.table is not None:
         say(console, table_sentence(found.table))
+
+
+def diagnosed(console: Console, found: Diagnosis | DiagnosisByLaps, answer: Answer | LapsAnswer) -> None:
+    """What `ema diagnose` found by its method."""
+    if isinstance(found, DiagnosisByLaps):
+        laps(console, found)
+    elif isinstance(answer, Answer):
+        diagnosis(console, found, answer.diagnosis)
 
 
 def diagnosis(console: Console, found: Diagnosis, searched: Searched) -> None:
