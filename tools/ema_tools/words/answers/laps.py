@@ -14,7 +14,7 @@ from ema_tools.select.force_balance import CONSTANT, LOAD, ForceStep, ForceSteps
 from ema_tools.tasks.diagnose_by_laps import LapsAnswer
 from ema_tools.words.answers.diagnosis import INTERVAL
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import FIRST
+from ema_tools.words.answers.steps import FIRST, field_of
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.laps import next_step, sentence
 
@@ -87,9 +87,7 @@ def _refused(one: Refusal) -> EffectEntry:
 
 def _numbers(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     """Values of one effect by field."""
-    return {
-        name.split(".")[-1]: float(value) for name, value in values.items() if f"{effect}." in name or (effect == CONSTANT and name == LOAD)
-    }
+    return {field_of(name): float(value) for name, value in values.items() if f"{effect}." in name or (effect == CONSTANT and name == LOAD)}
 
 
 def forces_of(way: ForceSteps) -> result.Forces:
