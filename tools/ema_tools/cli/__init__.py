@@ -26,6 +26,8 @@ from ema_tools.library.definitions import DefinitionError
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
+    from ema_tools.data.actuator import Actuator
+    from ema_tools.data.records import Record
     from ema_tools.results.reading import Result
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -334,7 +336,7 @@ def diagnose(
     _written(page, fitted if found.verdict == "missing" else None)
 
 
-def _diagnose_laps(model: Any, measured: Any, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
+def _diagnose_laps(model: Actuator, measured: Record, page: str | None, fitted: str | None, json_path: str | None, force: bool) -> None:
     """A record of a command that repeats, without healthy repeats."""
     from ema_tools.data.records import simulated
     from ema_tools.results.provenance import curves, provenance
