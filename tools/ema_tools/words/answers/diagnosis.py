@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import cast
 
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
@@ -13,7 +13,7 @@ from ema_tools.select.search import Named
 from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import errors, steps
+from ema_tools.words.answers.steps import errors, field_of, steps
 from ema_tools.words.answers.unexplained import unexplained
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.diagnosis import hidden, next_step, sensor_next, sensor_sentence, sentence
@@ -57,17 +57,16 @@ def _standing(found: Answer) -> dict[str, dict[str, float]]:
 
 def _effect(one: Named, found: Searched) -> EffectEntry:
     at_bound = found.fit.at_bound if found.fit is not None else ()
-    short: dict[str, Any] = {name: name.split(".")[-1] for name in one.values}
     return EffectEntry(
         name=one.name,
         alike=tuple(name for name in one.alike if name not in FAULTS),
         looks_like_fault=tuple(name for name in one.alike if name in FAULTS and name != one.name),
-        parameters={short[name]: value for name, value in one.values.items()},
-        std={short[name]: value for name, value in one.std.items()},
+        parameters={field_of(name): value for name, value in one.values.items()},
+        std={field_of(name): value for name, value in one.std.items()},
         interval95={
-            short[name]: (one.values[name] - INTERVAL * value, one.values[name] + INTERVAL * value) for name, value in one.std.items()
+            field_of(name): (one.values[name] - INTERVAL * std, one.values[name] + INTERVAL * std) for name, std in one.std.items()
         },
-        at_bound=tuple(short[name] for name in one.values if name in at_bound),
+        at_bound=tuple(field_of(name) for name in one.values if name in at_bound),
         score=one.score,
         limit=one.limit,
         accepted=one.accepted,

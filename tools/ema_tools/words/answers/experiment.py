@@ -8,6 +8,7 @@ from ema_tools.design.menu import Limits
 from ema_tools.design.next_experiment import SEPARATE, Next, Option
 from ema_tools.results import experiment as result
 from ema_tools.results.parts import Provenance
+from ema_tools.words.answers.steps import field_of
 from ema_tools.words.sentences import experiment as say
 
 
@@ -17,7 +18,7 @@ def experiment(found: Next, provenance: Provenance) -> result.Experiment:
         command="next",
         effects=tuple(found.effects),
         channels=tuple(found.channels),
-        sizes={effect: {name.split(".")[-1]: float(value) for name, value in values.items()} for effect, values in found.values.items()},
+        sizes={effect: {field_of(name): float(value) for name, value in values.items()} for effect, values in found.values.items()},
         larger=found.larger,
         needed=SEPARATE,
         sentence=say.sentence(found),

@@ -10,6 +10,7 @@ from ema_tools.results import identification as result
 from ema_tools.results.parts import Curves, Provenance
 from ema_tools.select.beside_fault import Guarded
 from ema_tools.tasks.identify import KEYS, Identified, identified_of
+from ema_tools.words.answers.steps import field_of
 from ema_tools.words.sentences.identification import reasons, sentence
 
 _ZERO = "the healthy value is zero, and a shift is counted in % of it"
@@ -69,8 +70,8 @@ def _missing(guarded: Guarded) -> result.MissingEffect:
     return result.MissingEffect(
         guarded.effects[0] if guarded.effects else None,
         tuple(guarded.effects),
-        {name.split(".")[-1]: value for name, value in guarded.values.items()},
-        {name.split(".")[-1]: value for name, value in guarded.std.items()},
+        {field_of(name): value for name, value in guarded.values.items()},
+        {field_of(name): value for name, value in guarded.std.items()},
         dict(guarded.faults),
         guarded.against,
     )

@@ -15,7 +15,7 @@ from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
 from ema_tools.tasks.diagnose_by_laps import LapsAnswer
 from ema_tools.words.answers.diagnosis import INTERVAL
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import FIRST
+from ema_tools.words.answers.steps import FIRST, field_of
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.laps import next_step, sentence
 
@@ -89,7 +89,7 @@ def _refused(one: Refusal) -> EffectEntry:
 def _numbers(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     """Values of one effect by field."""
     base_value = record_of(effect).base_value
-    return {name.split(".")[-1]: float(value) for name, value in values.items() if f"{effect}." in name or name == base_value}
+    return {field_of(name): float(value) for name, value in values.items() if f"{effect}." in name or name == base_value}
 
 
 def forces_of(way: ForceSteps) -> result.Forces:

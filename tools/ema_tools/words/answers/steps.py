@@ -1,4 +1,4 @@
-"""The fall of an error, as parts of results."""
+"""Parts that several results share: the fall of an error, and short names."""
 
 from __future__ import annotations
 
@@ -18,3 +18,8 @@ def errors(found: Errors) -> parts.WeightedErrors:
 def steps(way: Sequence[Step]) -> tuple[parts.Step, ...]:
     """Model by model."""
     return tuple(parts.Step(tuple(step.effects), step.added or FIRST, step.error, step.holdout) for step in way)
+
+
+def field_of(name: str) -> str:
+    """The last word of a value's full name."""
+    return name.split(".")[-1]
