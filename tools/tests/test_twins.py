@@ -53,6 +53,7 @@ def noisy(changes: dict[str, float], seed: int) -> Record:
     return replace(chirp_record(reference_actuator().changed(changes)).with_noise(NOISE, seed), file=f"run {seed}")
 
 
+@pytest.mark.slow
 def test_what_a_data_sheet_leaves_open_is_not_named_and_what_it_does_not_is_with_its_doubt() -> None:
     for rise, named in ((12.0, ()), (100.0, ("winding_heating",))):
         found = diagnose(gather(reference_actuator(), noisy({"winding_heating.rise_degC": rise}, 5)))
