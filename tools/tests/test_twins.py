@@ -89,7 +89,7 @@ def test_no_effect_of_a_typical_size_is_slight(effect: str) -> None:
 
 
 @needs_numba
-@pytest.mark.parametrize("unit", [3, 5])
+@pytest.mark.parametrize("unit", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_healthy_unit_that_is_known_by_its_data_sheet_alone_is_not_accused(unit: int) -> None:
     """Contacts that stretch before they slide look a little like Stribeck friction (0.1 %), and like a spring."""
     run = measured(machine(unit), {}, "chirp", 91)
