@@ -173,6 +173,7 @@ def test_csj_and_blk_stand_apart_from_effects(runs: dict[str, Path], tmp_path: P
     assert found["faults"]["blk"]["parameters"]["blk_mm"] == pytest.approx(0.06, rel=0.03)
 
 
+@pytest.mark.slow
 def test_what_no_command_separates_is_said_with_what_would(tmp_path: Path) -> None:
     loaded = written(tmp_path / "loaded.csv", run_of(6, {"constant_load.torque_Nm": 0.05}))
     assert run_ema("diagnose", REFERENCE, loaded, "--json", tmp_path / "d.json").code == 0
@@ -421,7 +422,7 @@ def _odd(record: Record, cut: int | None = None, keep: tuple[str, ...] | None = 
     return record
 
 
-@pytest.mark.parametrize("odd", [pytest.param(odd, marks=pytest.mark.slow if "keep" in how else ()) for odd, how in ODD_RECORDS.items()])
+@pytest.mark.parametrize("odd", [pytest.param(odd, marks=() if "cut" in how else pytest.mark.slow) for odd, how in ODD_RECORDS.items()])
 def test_odd_records_are_answered(odd: str, tmp_path: Path) -> None:
     how = ODD_RECORDS[odd]
     full = chirp_record(reference_actuator().changed(HOT), str(how.get("text", "chirp"))).with_noise(NOISE, 1)

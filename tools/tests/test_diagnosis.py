@@ -137,6 +137,7 @@ def test_a_fault_is_named_as_the_fault_and_not_as_an_effect(healthy: list[Record
     assert effect_of("screw.csj_Nm") == "csj"
 
 
+@pytest.mark.slow
 @needs_numba
 def test_without_repeats_a_hot_winding_has_the_doubt_of_the_resistance_it_hides_behind() -> None:
     """Resistance is known to 4 % from the data sheet, which is as much as 10 degC: no record alone can do better."""
@@ -147,6 +148,7 @@ def test_without_repeats_a_hot_winding_has_the_doubt_of_the_resistance_it_hides_
     assert abs(size - 120.0) < min(3.0 * std, 40.0)
 
 
+@pytest.mark.slow
 @needs_numba
 def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
     worn = {name: factor * machine(UNIT).values[name] for name, factor in (("screw.csj_Nm", 1.5), ("screw.blk_mm", 2.0))}

@@ -62,6 +62,7 @@ def test_a_constant_load_and_a_spring_are_told_apart() -> None:
     assert not advice(found)
 
 
+@pytest.mark.slow
 def test_a_bad_spot_and_a_ripple_of_the_screw_need_more_than_one_lead() -> None:
     found = next_experiment(reference_actuator(), ["jam_spot", "pitch_ripple"])
     assert found.best is not None
@@ -97,6 +98,7 @@ def test_the_separation_is_what_noisy_records_show() -> None:
     assert said.separation <= np.sqrt(one_way)
 
 
+@pytest.mark.slow
 def test_a_signal_that_is_not_recorded_is_asked_for() -> None:
     # a stiff loop hides a torque from the position: what is small there is plain in the current
     values = {"effects.viscous_rise.rise": 0.05, "effects.inertia_change.change": 0.005}
@@ -113,6 +115,7 @@ def test_a_signal_that_is_not_recorded_is_asked_for() -> None:
     assert with_current.best.separation == pytest.approx(better.separation)
 
 
+@pytest.mark.slow
 def test_three_effects_are_ranked_by_their_worst_pair() -> None:
     found = next_experiment(reference_actuator(), ["constant_load", "coulomb_asymmetry", "inertia_change"])
     assert found.confused == (("constant_load", "coulomb_asymmetry"),)
@@ -121,6 +124,7 @@ def test_three_effects_are_ranked_by_their_worst_pair() -> None:
     assert max(one.pairs["constant_load", "inertia_change"] for one in found.options) > SEPARATE
 
 
+@pytest.mark.slow
 def test_more_noise_separates_less() -> None:
     def chirp(noise: float) -> float:
         found = next_experiment(

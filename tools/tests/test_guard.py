@@ -84,11 +84,12 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
 
 
 def hidden_cases() -> list[Any]:
-    """Signals, effect and wear; the quick ones are all effects of a worn machine with all signals."""
+    """Signals, effect and wear; the quick ones are an electrical and a mechanical effect of a worn machine with all signals."""
     found = []
     for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True)):
+        quick = worn and not only and effect in ("winding_heating", "stribeck_friction")
         name = f"{'position' if only else 'four_signals'}-{effect}-{worn}"
-        found.append(pytest.param(effect, worn, only, id=name, marks=() if worn and not only else pytest.mark.slow))
+        found.append(pytest.param(effect, worn, only, id=name, marks=() if quick else pytest.mark.slow))
     return found
 
 
@@ -128,7 +129,7 @@ def test_against_healthy_repeats_it_is_named_beside_a_fault(effect: str, only: b
 
 @needs_numba
 @pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
-@pytest.mark.parametrize("repeats", [0, 3])
+@pytest.mark.parametrize("repeats", [0, pytest.param(3, marks=pytest.mark.slow)])
 def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_is_not_looked_at(only: bool, repeats: int) -> None:
     healthy = [measured("", False, 100 + day, True) for day in range(repeats)]
     worn, sound = measured("", True, 12, repeats > 0), measured("", False, 13, repeats > 0)
@@ -169,6 +170,7 @@ def test_a_small_error_that_the_module_overlooks_is_no_fault() -> None:
     assert unguarded.verdict == "undecided" and unguarded.adequate
 
 
+@pytest.mark.slow
 def test_a_signal_that_is_not_connected_does_not_mislead_it() -> None:
     record = chirp_record(reference_actuator().changed({"supply_sag.sag": 0.1})).with_noise({"position_mm": 0.002}, 3)
     dead = replace(record, current_A=np.zeros(record.rows))

@@ -58,6 +58,7 @@ def noisy(changes: dict[str, float], seed: int) -> Record:
     return replace(chirp_record(reference_actuator().changed(changes)).with_noise(NOISE, seed), file=f"run {seed}")
 
 
+@pytest.mark.slow
 def test_what_a_data_sheet_leaves_open_is_not_named_and_what_it_does_not_is_with_its_doubt() -> None:
     for rise, named in ((12.0, ()), (100.0, ("winding_heating",))):
         found = diagnose(gather(reference_actuator(), noisy({"winding_heating.rise_degC": rise}, 5)))
@@ -93,7 +94,7 @@ def test_no_effect_of_a_typical_size_is_slight(effect: str) -> None:
 
 
 @needs_numba
-@pytest.mark.parametrize("unit", [3, 5])
+@pytest.mark.parametrize("unit", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_healthy_unit_that_is_known_by_its_data_sheet_alone_is_not_accused(unit: int) -> None:
     """Contacts that stretch before they slide look a little like Stribeck friction (0.1 %), and like a spring."""
     run = measured(machine(unit), {}, "chirp", 91)
