@@ -1,5 +1,6 @@
 /* What a guarded session asks of the session it contains: runs beside a table of signatures in the memory of the
- * session's own runs, and a start for the search. A session that is not guarded links none of it. */
+ * session's own runs, and a start for the search. A session that is not guarded links none of it. Apart
+ * from ema_guarded.c so that the start takes no stack from the runs. */
 #ifndef EMA_SCORING_H
 #define EMA_SCORING_H
 
@@ -20,6 +21,9 @@ bool ema_scoring_ended(const ema_session_t* session, ema_finding_t* finding);
  * of where the configuration says; values outside the bounds at the bounds. Between feeding and the session's first
  * run, which must then be one of ema_session_run_placed. */
 void ema_session_place_start(ema_session_t* session, const ema_real value[EMA_IDENTIFIED_MAX]);
+
+/* Places it where the shifts of CSJ and BLK say that the run beside the table asked for. */
+void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding);
 
 /* As ema_session_run, of a session whose start was placed: the search begins as cool as the cost at the healthy values
  * tells it to, so that a slice ends with the run that finds it. */
