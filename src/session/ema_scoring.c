@@ -1,3 +1,4 @@
+/* Apart from ema_guarded.c so that the start takes no stack from the runs. */
 #include "ema_scoring.h"
 
 #include "ema_math.h"

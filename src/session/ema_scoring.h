@@ -1,6 +1,5 @@
 /* What a guarded session asks of the session it contains: runs beside a table of signatures in the memory of the
- * session's own runs, and a start for the search. A session that is not guarded links none of it. Apart
- * from ema_guarded.c so that the start takes no stack from the runs. */
+ * session's own runs, and a start for the search. A session that is not guarded links none of it. */
 #ifndef EMA_SCORING_H
 #define EMA_SCORING_H
 
