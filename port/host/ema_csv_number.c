@@ -130,79 +130,22 @@ static bool ema_decimal_read(ema_decimal_t* decimal, const char* begin, const ch
     return any && (p == end);
 }
 
-/* The double `steps` places above `x` > 0. */
-static double ema_neighbour(double x, int64_t steps)
-{
-    int64_t bits = 0;
-    (void)memcpy(&bits, &x, sizeof bits);
-    bits += steps;
-    (void)memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static bool ema_is_power_of_two(double x)
-{
-    int exponent = 0;
-    return frexp(x, &exponent) == 0.5;
-}
-
-/* x y - xy, exactly (T. J. Dekker, Numer. Math. 18, 1971). */
-static double ema_product_error(double x, double y, double xy)
-{
-    const double splitter = 134217729.0;
-    const double x_high = (splitter * x) - ((splitter * x) - x);
-    const double y_high = (splitter * y) - ((splitter * y) - y);
-    const double x_low = x - x_high;
-    const double y_low = y - y_high;
-    return (((x_high * y_high) - xy) + (x_high * y_low) + (x_low * y_high)) + (x_low * y_low);
-}
-
-/* mantissa / power, correctly rounded: the exact remainder of a first quotient says which neighbour is nearest.
- * False when the quotient lies too near the middle of two doubles, or at a power of two where their distance changes.
- */
-static bool ema_divide(uint64_t mantissa, double power, double* value)
-{
-    const double high = (double)mantissa;
-    const uint64_t rounded = (uint64_t)high;
-    const double low = (mantissa >= rounded) ? (double)(mantissa - rounded) : -(double)(rounded - mantissa);
-    const double quotient = high / power;
-    const double product = quotient * power;
-    const double remainder = ((high - product) + low) - ema_product_error(quotient, power, product);
-    const double half = 0.5 * (ema_neighbour(quotient, 1) - quotient) * power;
-    const double margin = 1.0e-9 * half;
-    int64_t steps = 0;
-    if (fabs(remainder) > half) {
-        steps = (remainder > 0.0) ? 1 : -1;
-    }
-    *value = ema_neighbour(quotient, steps);
-    return (fabs(fabs(remainder) - half) > margin) && (fabs(remainder) < (2.5 * half)) && !ema_is_power_of_two(quotient)
-           && !ema_is_power_of_two(*value);
-}
-
-/* The decimal without the C library; false when that is not certain to be correctly rounded. */
-static bool ema_decimal_fast(const ema_decimal_t* decimal, double* value)
+/* A short decimal, whose digits and power of ten are exact doubles: one operation, rounded once. False for others. */
+static bool ema_decimal_short(const ema_decimal_t* decimal, double* value)
 {
     const int32_t exponent = decimal->exponent;
-    bool done = false;
-    if (!decimal->complete || (exponent < -EXACT_POWERS) || (exponent > EXACT_POWERS)) {
-        done = false;
-    } else if (decimal->mantissa <= EXACT_INTEGER) {
+    const bool exact = decimal->complete && (exponent >= -EXACT_POWERS) && (exponent <= EXACT_POWERS)
+                       && (decimal->mantissa <= EXACT_INTEGER);
+    if (exact) {
         const double mantissa = (double)decimal->mantissa;
         *value = (exponent < 0) ? (mantissa / ema_power_of_ten[-exponent]) : (mantissa * ema_power_of_ten[exponent]);
-        done = true;
-    } else if (exponent < 0) {
-        done = ema_divide(decimal->mantissa, ema_power_of_ten[-exponent], value);
-    } else {
-        done = false;
+        *value = decimal->negative ? -*value : *value;
     }
-    if (done && decimal->negative) {
-        *value = -*value;
-    }
-    return done;
+    return exact;
 }
 
-/* The C library's conversion with a decimal point, whatever locale the program has set; false when it did not read all
- * of the text. */
+/* The C library's conversion with a decimal point, whatever locale the program has set: another one is changed for this
+ * thread while it reads. False when it did not read all of the text. */
 static bool ema_decimal_library(const char* begin, const char* end, double* value)
 {
     char text[TEXT_MAX + 1];
@@ -213,7 +156,8 @@ static bool ema_decimal_library(const char* begin, const char* end, double* valu
     (void)memcpy(text, begin, length);
     text[length] = '\0';
     char* stop = text;
-    const locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    const bool reads_points = strtod("0.5", NULL) == 0.5;
+    const locale_t plain = reads_points ? (locale_t)0 : newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) {
         *value = strtod(text, &stop);
     } else {
@@ -241,7 +185,7 @@ ema_number_t ema_csv_number(const char* begin, const char* end, double* value)
     if (!ema_decimal_read(&decimal, begin, end)) {
         return ema_names_no_number(begin, end) ? EMA_NUMBER_NOT_FINITE : EMA_NUMBER_TEXT;
     }
-    if (!ema_decimal_fast(&decimal, &number)) {
+    if (!ema_decimal_short(&decimal, &number)) {
         if (!ema_decimal_library(begin, end, &number)) {
             return EMA_NUMBER_TEXT;
         }

@@ -1,5 +1,5 @@
-/* Decimal text to the nearest double, whatever the locale: a fast way for the numbers of recordings, the C library for
- * the rest. */
+/* Decimal text to the nearest double, whatever the locale: short numbers by one exact operation, the C library for the
+ * rest. */
 #ifndef EMA_CSV_NUMBER_H
 #define EMA_CSV_NUMBER_H
 

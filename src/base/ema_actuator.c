@@ -145,21 +145,21 @@ static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)
 /* What ranges alone do not tell of a table that acts; `offender` is the place of the bad value in it. */
 static ema_status_t ema_table_check(const ema_real* table, const ema_params_t* params, size_t* offender)
 {
-    const ema_real axis = table[1];
-    const ema_real first = table[2];
-    const ema_real last = table[3];
+    const ema_real axis = table[EMA_TABLE_AXIS];
+    const ema_real first = table[EMA_TABLE_FIRST];
+    const ema_real last = table[EMA_TABLE_LAST];
     const ema_real period = ema_axis_period(params, axis); /* of no matter where the axis is none */
     ema_status_t status = EMA_OK;
     /* a range so short that its inverse overflows is none */
     if (!(first < last) || !ema_is_finite(EMA_TABLE_SPANS / (last - first))) {
         status = EMA_ERR_BOUNDS;
-        *offender = 2U;
+        *offender = (size_t)EMA_TABLE_FIRST;
     } else if (axis != ema_floor(axis)) {
         status = EMA_ERR_RANGE;
-        *offender = 1U;
+        *offender = (size_t)EMA_TABLE_AXIS;
     } else if ((period > EMA_R(0.0)) && ((last - first) > (period * EMA_PERIOD_ROUNDED))) {
         status = EMA_ERR_RANGE;
-        *offender = 3U;
+        *offender = (size_t)EMA_TABLE_LAST;
     } else {
         /* a table that can be read */
     }

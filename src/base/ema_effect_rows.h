@@ -62,6 +62,16 @@ enum {
 #define EMA_ROW_HELD(k) ((EMA_SITES_HELD != 0) && ((k) < (uint32_t)EMA_EFFECT_COUNT))
 #define EMA_ROW_TABLE(k) ((EMA_TABLES_HELD != 0) && ((k) < (uint32_t)EMA_EFFECT_COUNT))
 
+/* Places of a learned table's values, as EMA_TABLE has them; ema_table.c holds them against it. */
+enum {
+    EMA_TABLE_GAIN = 0,
+    EMA_TABLE_AXIS = 1,
+    EMA_TABLE_FIRST = 2,
+    EMA_TABLE_LAST = 3,
+    EMA_TABLE_NODES = 4,
+    EMA_TABLE_VALUES = 20
+};
+
 typedef struct {
     uint8_t values;   /* how many numbers it has; the first is its size */
     uint8_t site;     /* an ema_effect_site_t, with EMA_SITE_IS_TABLE for a learned table */

@@ -1,3 +1,4 @@
+/* Apart from ema_tick.c so that its frame is not that of every step. */
 #include "ema_delayed.h"
 
 #include "ema_motion.h"

@@ -1,4 +1,4 @@
-/* A drive that passes its output on with a delay. Apart from ema_tick.c so that its frame is not that of every step. */
+/* A drive that passes its output on with a delay. */
 #ifndef EMA_DELAYED_H
 #define EMA_DELAYED_H
 

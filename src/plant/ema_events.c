@@ -1,3 +1,4 @@
+/* Apart from ema_located.c so that a search for a root takes no stack from what lets the event happen. */
 #include "ema_events.h"
 
 #include "ema_math.h"

@@ -1,3 +1,4 @@
+/* Apart from ema_motion.c so that what is worked out at a point takes no stack from the step around it. */
 #include "ema_forces.h"
 
 #include "ema_effect_sites.h"

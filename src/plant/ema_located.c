@@ -1,4 +1,5 @@
-/* An integration step with its events, one after the other: find the next, move to it, let it happen. */
+/* An integration step with its events, one after the other: find the next, move to it, let it happen. Apart from
+ * ema_motion.c so that a step without events needs none of its stack. */
 #include "ema_effect_sites.h"
 #include "ema_events.h"
 #include "ema_math.h"

@@ -1,3 +1,4 @@
+/* Apart from ema_model.c so that preparing a model takes no stack from running one. */
 #include "ema_prepare.h"
 
 #include "ema_drive.h"

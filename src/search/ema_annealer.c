@@ -183,12 +183,9 @@ static ema_outcome_t ema_annealer_judge(ema_annealer_t* annealer)
     return outcome;
 }
 
-/* The first candidate is the configuration's start, and nothing is known of it. */
-static void ema_annealer_place(ema_annealer_t* annealer)
+/* Nothing is known of the first candidate. */
+static void ema_annealer_begin(ema_annealer_t* annealer)
 {
-    for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
-        annealer->candidate.x[i] = annealer->config.start[i];
-    }
     annealer->current = annealer->candidate;
     annealer->current.cost = EMA_NO_COST;
     annealer->best = annealer->current;
@@ -207,9 +204,10 @@ ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_conf
     annealer->config = *config;
     ema_random_init(&annealer->random, config->seed, UINT64_C(54));
     for (uint32_t i = 0; i < config->dimension; ++i) {
+        annealer->candidate.x[i] = config->start[i];
         annealer->step[i] = config->first_step;
     }
-    ema_annealer_place(annealer);
+    ema_annealer_begin(annealer);
     annealer->stall_cost = EMA_NO_COST;
     annealer->temperature = config->initial_temperature;
     annealer->limit = EMA_NO_COST;
@@ -232,9 +230,10 @@ ema_status_t ema_annealer_restart(ema_annealer_t* annealer, const ema_real* star
     }
     for (uint32_t i = 0; i < annealer->config.dimension; ++i) {
         annealer->config.start[i] = start[i];
+        annealer->candidate.x[i] = start[i];
     }
     annealer->temperature = temperature;
-    ema_annealer_place(annealer);
+    ema_annealer_begin(annealer);
     return EMA_OK;
 }
 

@@ -1,3 +1,4 @@
+/* Apart from ema_runs.c so that the lists of values take no stack from the search. */
 #include "ema_assess.h"
 
 #include "ema_math.h"

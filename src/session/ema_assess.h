@@ -1,5 +1,4 @@
-/* The model runs behind standard errors and verdict, at the best point of the search. Apart from ema_runs.c so that the
- * lists of values take no stack from the search. */
+/* The model runs behind standard errors and verdict, at the best point of the search. */
 #ifndef EMA_ASSESS_H
 #define EMA_ASSESS_H
 

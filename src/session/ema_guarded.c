@@ -2,12 +2,7 @@
 
 #include <stddef.h>
 
-#include "ema_math.h"
 #include "ema_scoring.h"
-
-/* The table is linear in CSJ and BLK: farther than to half or twice the healthy value its shifts are not followed. */
-#define EMA_START_LOWER EMA_R(0.5)
-#define EMA_START_UPPER EMA_R(2.0)
 
 static const ema_finding_t ema_no_finding = {
     .kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};
@@ -58,26 +53,6 @@ ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample
     return (guarded->phase == EMA_GUARDED_FEEDING) ? ema_session_feed(&guarded->session, sample) : EMA_ERR_ORDER;
 }
 
-/* The shifts that the first run asks for become the start of the search. */
-static void ema_guarded_place(ema_guarded_t* guarded)
-{
-    const ema_session_config_t* const config = guarded->session.config;
-    const ema_signatures_t* const table = guarded->signatures;
-    ema_real start[EMA_IDENTIFIED_MAX] = {0};
-    for (uint32_t i = 0; i < config->identified_count; ++i) {
-        ema_real value = EMA_R(0.0);
-        (void)ema_actuator_get(config->actuator, config->identified[i].id, &value);
-        start[i] = value;
-        for (uint32_t k = 0; k < table->faults; ++k) {
-            if (table->fault[k].id == config->identified[i].id) {
-                start[i] =
-                    ema_clamp(value + guarded->finding.moved[k], EMA_START_LOWER * value, EMA_START_UPPER * value);
-            }
-        }
-    }
-    ema_session_place_start(&guarded->session, start);
-}
-
 /* The session has ended: its result is kept, and the run at its estimate takes the place of its runs. */
 static void ema_guarded_ended(ema_guarded_t* guarded)
 {
@@ -101,7 +76,7 @@ static void ema_guarded_score(ema_guarded_t* guarded, uint32_t steps)
             guarded->phase = EMA_GUARDED_DONE;
         } else {
             if (guarded->finding.kind != EMA_FINDING_NONE) {
-                ema_guarded_place(guarded);
+                ema_scoring_place(&guarded->session, &guarded->finding);
             }
             guarded->phase = EMA_GUARDED_SESSION;
         }

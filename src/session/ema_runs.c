@@ -1,3 +1,4 @@
+/* Apart from ema_session.c so that preparing a run takes no stack from running it. */
 #include "ema_runs.h"
 
 #include "ema_math.h"

@@ -1,5 +1,4 @@
-/* The model runs of a search, one after the other: at the healthy values and at the annealer's candidates. Apart from
- * ema_session.c so that preparing a run takes no stack from running it. */
+/* The model runs of a search, one after the other: at the healthy values and at the annealer's candidates. */
 #ifndef EMA_RUNS_H
 #define EMA_RUNS_H
 

@@ -1,3 +1,4 @@
+/* Apart from ema_guarded.c so that the start takes no stack from the runs. */
 #include "ema_scoring.h"
 
 #include "ema_math.h"
@@ -6,6 +7,10 @@
 /* Temperature at a start that was placed, over the objective at the healthy values: from there the search still leaves
  * a start that is wrong. */
 #define EMA_START_WARMTH EMA_R(0.001)
+
+/* The table is linear in CSJ and BLK: farther than to half or twice the healthy value its shifts are not followed. */
+#define EMA_START_LOWER EMA_R(0.5)
+#define EMA_START_UPPER EMA_R(2.0)
 
 ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* table)
 {
@@ -50,6 +55,24 @@ void ema_session_place_start(ema_session_t* session, const ema_real value[EMA_ID
     }
     (void)ema_annealer_restart(&session->annealer, start, session->annealer.config.initial_temperature);
     session->starts_healthy = false;
+}
+
+void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding)
+{
+    const ema_session_config_t* const config = session->config;
+    const ema_signatures_t* const table = session->scoring.scores.table;
+    ema_real start[EMA_IDENTIFIED_MAX] = {0};
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        ema_real value = EMA_R(0.0);
+        (void)ema_actuator_get(config->actuator, config->identified[i].id, &value);
+        start[i] = value;
+        for (uint32_t k = 0; k < table->faults; ++k) {
+            if (table->fault[k].id == config->identified[i].id) {
+                start[i] = ema_clamp(value + finding->moved[k], EMA_START_LOWER * value, EMA_START_UPPER * value);
+            }
+        }
+    }
+    ema_session_place_start(session, start);
 }
 
 ema_status_t ema_session_run_placed(ema_session_t* session, uint32_t steps)

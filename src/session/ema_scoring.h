@@ -21,6 +21,9 @@ bool ema_scoring_ended(const ema_session_t* session, ema_finding_t* finding);
  * run, which must then be one of ema_session_run_placed. */
 void ema_session_place_start(ema_session_t* session, const ema_real value[EMA_IDENTIFIED_MAX]);
 
+/* Places it where the shifts of CSJ and BLK say that the run beside the table asked for. */
+void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding);
+
 /* As ema_session_run, of a session whose start was placed: the search begins as cool as the cost at the healthy values
  * tells it to, so that a slice ends with the run that finds it. */
 ema_status_t ema_session_run_placed(ema_session_t* session, uint32_t steps);
