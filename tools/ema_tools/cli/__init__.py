@@ -26,8 +26,6 @@ from ema_tools.base.errors import InputError, LibraryError, MissingSignal
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
-    from ema_tools.data.actuator import Actuator
-    from ema_tools.data.records import Record
     from ema_tools.results.reading import Result
 
 Command = TypeVar("Command", bound=Callable[..., Any])
