@@ -31,7 +31,7 @@ from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
 from ema_tools.select.baseline import common_channels, gather, same_command
 from ema_tools.select.candidates import candidates
-from ema_tools.select.search import LEAST_LIMIT
+from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 # Values that have a spread of their own beside CSJ and BLK, relative.
 _SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}

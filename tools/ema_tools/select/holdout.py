@@ -18,7 +18,7 @@ from ema_tools.fit.evidence import Evidence, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import Fit
 from ema_tools.select.baseline import against_known, alone_against_known
-from ema_tools.select.search import Diagnosis
+from ema_tools.select.outcome import Diagnosis
 
 _SETTLE_ROUNDS = 3
 # An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent.

@@ -23,7 +23,8 @@ from ema_tools.select.baseline import gather
 from ema_tools.select.beside_fault import beside_faults, known_machine
 from ema_tools.select.candidates import signatures
 from ema_tools.select.holdout import Errors, Step, fitted_machine, walk
-from ema_tools.select.search import LEAST_LIMIT, Diagnosis
+from ema_tools.select.outcome import Diagnosis
+from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
 
 _STARTS = 4

@@ -19,8 +19,10 @@ from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.holdout import Errors, Step, fitted_machine, refuted, walk
-from ema_tools.select.search import LEAST_LIMIT, Diagnosis, Named, diagnose
+from ema_tools.select.outcome import Diagnosis, Named
+from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
+from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 # Signals of two runs of one command that differ more than this in size are of different units.
 _SIZES = 10.0

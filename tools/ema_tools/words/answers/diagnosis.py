@@ -8,8 +8,8 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.results import diagnosis as result
 from ema_tools.results.parts import Curves, EffectEntry, Provenance
-from ema_tools.select.search import Diagnosis as Searched
-from ema_tools.select.search import Named
+from ema_tools.select.outcome import Diagnosis as Searched
+from ema_tools.select.outcome import Named
 from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.answers.localisation import localisation

@@ -6,7 +6,7 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of, separating
-from ema_tools.select.search import Named
+from ema_tools.select.outcome import Named
 from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity

@@ -17,7 +17,7 @@ from ema_tools.results.comparison import Comparison
 from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps, ForceStep
 from ema_tools.results.identification import Identification
 from ema_tools.results.parts import Step
-from ema_tools.select.search import Diagnosis as Searched
+from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.tasks.diagnose_by_laps import LapsAnswer
 from ema_tools.words.sentences.identification import table_sentence

@@ -1,0 +1,13 @@
+"""The ways in which a missing effect is sought, one file each: against healthy repeats, from the data sheet alone, and in the mean of a healthy machine's repeats."""
+
+from __future__ import annotations
+
+from ema_tools.fit.evidence import Evidence
+from ema_tools.select.strategies.data_sheet_alone import DataSheetAlone
+from ema_tools.select.strategies.strategy import Strategy
+from ema_tools.select.strategies.with_repeats import WithRepeats
+
+
+def strategy_for(evidence: Evidence) -> Strategy:
+    """The one that the evidence allows."""
+    return WithRepeats(evidence) if evidence.repeats else DataSheetAlone(evidence)

@@ -1,0 +1,94 @@
+"""Without repeats: what the model lacks on a unit that is known by its data sheet alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.fit.confounded import twin_of, twins
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
+from ema_tools.fit.nuisance import is_slight
+from ema_tools.fit.refit import Fit, best_of_each, jointly
+from ema_tools.select.candidates import Signature
+from ema_tools.select.outcome import Path
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, Limits, Strategy, refined_near
+
+# Rounds of the fit of a finalist together with the machine, and the share of the limit that makes it worth them.
+_JOINT_ROUNDS = 3
+_WORTH_FITTING = 0.3
+_GAIN_SHARE = 0.5
+_CONFOUNDED_LIMIT = 9.0  # three standard deviations of a parameter
+_EXCESS_SHARE = 0.05
+
+
+class DataSheetAlone(Strategy):
+    """All that a data sheet leaves open is free within its usual spread, and an effect must exceed that.
+
+    There are two places to look from: where the machine is still credible, and where it stands in for what is missing as well as it can. An effect that a parameter of the machine does
+    as well at first shows from there alone, one that bends from here alone.
+    """
+
+    # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are; there is nothing to take a limit from: twice the least, which of nearly 300
+    # healthy machines of the benchmark's kind hardly one exceeds; and what no parameter of a unit holds, such as a slight ripple of its friction, leaves 5 %
+    limits = Limits(finalists=8, finalist_share=0.1, least=2.0 * LEAST_LIMIT, model_error=0.05)
+
+    def __init__(self, evidence: Evidence) -> None:
+        super().__init__(evidence)
+        self._free = settled(evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
+
+    def floor_costs(self) -> Reals:
+        """What sensor noise alone has."""
+        return np.array([self.evidence.floor])
+
+    @property
+    def before(self) -> float:
+        """Where the unit's own parameters explain most."""
+        return self._free.cost
+
+    @property
+    def beyond(self) -> float:
+        """Most of what the model leaves is the unit's own, which is fitted."""
+        return max(self.start.cost - self.floor, 0.0)
+
+    def places(self) -> tuple[View, ...]:
+        """The credible machine and the one that explains most."""
+        return (self.start, self._free)
+
+    def kept(self, found: Sequence[Signature]) -> list[Signature]:
+        """Without what every machine has."""
+        return [one for one in found if not is_slight(self.evidence.actuator, one.candidate.size, one.size)]
+
+    def is_slight(self, fit: Fit, effect: str) -> bool:
+        """By any of its values."""
+        return any(is_slight(self.evidence.actuator, name, value) for name, value in fit.of_effect(effect).items())
+
+    def confounded(self) -> list[Fit]:
+        """Seen from where the machine itself explains most."""
+        return twins(self._free)
+
+    def least_of_confounded(self, least: float, cost: float) -> float:
+        """That it is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign."""
+        return min(least, _CONFOUNDED_LIMIT * max(1.0, cost / max(self.evidence.floor, 1.0)))
+
+    def limit_at(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
+        """In units of the misfit that is left."""
+        return min(self.limit * max(1.0, cost / self.floor), _EXCESS_SHARE * self.excess + self.limit)
+
+    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], first: bool, cost: float) -> tuple[Fit, ...]:
+        """Together with the machine, where they take off enough to be worth it."""
+        gain = cost - fits[0].judged if fits else 0.0
+        if gain > _WORTH_FITTING * LEAST_LIMIT:
+            fits = refined_near(fits, lambda fit: jointly(fit, _JOINT_ROUNDS), max(self.limits.finalist_reach, _GAIN_SHARE * gain))
+        if first:
+            names = {fit.effects for fit in confounded}
+            fits = best_of_each([*confounded, *(fit for fit in fits if fit.effects not in names)])
+        return fits
+
+    def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
+        """The last set is fitted to its end together with the machine; an effect that was sized in closed form has nothing to gain."""
+        if not path.steps or (len(path.steps) == 1 and all(map(twin_of, path.steps[0].values))):
+            return path
+        return replace(path, steps=(*path.steps[:-1], jointly(path.steps[-1])))

@@ -1,0 +1,44 @@
+"""In the mean of a healthy machine's repeats: the standing effects that are worth having in its model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.fit.evidence import Evidence
+from ema_tools.fit.refit import Fit, polished
+from ema_tools.select.candidates import Signature
+from ema_tools.select.strategies.strategy import Limits, Strategy, refined_near
+
+_STANDING_SHARE = 0.05
+_POLISH_ROUNDS = 3
+_POLISH_REACH = 0.3
+
+
+class HealthyMachine(Strategy):
+    """Standing effects are worth having only when they are large against what repeats leave, and against each other."""
+
+    limits = Limits(finalists=5, finalist_share=0.4, least=100.0, model_error=0.0)
+
+    def __init__(self, evidence: Evidence) -> None:
+        super().__init__(evidence)
+        self._needed = max(self.limits.least, _STANDING_SHARE * max(self.start.cost - evidence.numbers, 0.0))
+
+    def floor_costs(self) -> Reals:
+        """As many as the record has numbers: white noise."""
+        return np.array([float(self.evidence.numbers)])
+
+    def needed(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
+        """The same in every round."""
+        return self._needed
+
+    def limit_at(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
+        """The same in every round."""
+        return self._needed
+
+    def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
+        """With what scatters linear where they are."""
+        reach = max(self.limits.finalist_reach, _POLISH_REACH * fits[0].judged) if fits else 0.0
+        return refined_near(fits, lambda fit: polished(fit, _POLISH_ROUNDS), reach)

@@ -1,0 +1,126 @@
+"""What a strategy decides for the search: where to look from, which fits to make better and how, what an effect must take off, and what is no answer."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
+from ema_tools.fit.evidence import Evidence, View, settled
+from ema_tools.fit.refit import Fit, best_of_each
+from ema_tools.select.candidates import Signature
+from ema_tools.select.outcome import Path
+
+# Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
+LEAST_LIMIT = 30.0
+# An effect must also take off this share of the excess that was found, or most of what is left where more is left than noise can leave.
+_LEAST_SHARE = 0.02
+_MOST_OF_REST = 0.5
+_NOISE = 6.0  # standard deviations
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Numbers that differ from strategy to strategy; costs in variances of the noise."""
+
+    finalists: int  # effects whose refit is worth its time, at most
+    finalist_share: float  # of the best score that a finalist has at least
+    least: float  # cost that an effect must take off
+    model_error: float  # share of what changed, in amplitude, to which a further effect trusts the model
+    effects: int = 3  # a set grows no further
+    finalist_reach: float = 30.0  # cost that a finalist may be behind the best
+
+
+class Strategy(ABC):
+    """One way to seek what is missing in `evidence`. `start`: where nothing is added and what scatters is at its best; `floor`: the cost of a record with nothing new."""
+
+    limits: Limits
+
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence = evidence
+        self.start = settled(evidence, {})
+        self.limit = self.limits.least
+        costs = self.floor_costs()
+        self.floor = float(costs.mean())
+        # what the cost of a record may lie over the floor by chance
+        self.noise = _NOISE * (float(np.std(costs)) + np.sqrt(2.0 * self.start.residual.size))
+
+    @abstractmethod
+    def floor_costs(self) -> Reals:
+        """Costs of records with nothing new, [k]."""
+
+    @property
+    def before(self) -> float:
+        """The cost before any effect is added."""
+        return self.start.cost
+
+    @property
+    def beyond(self) -> float:
+        """The cost over the floor that is the record's own, what scatters where it was."""
+        return max(self.before - self.floor, 0.0)
+
+    @property
+    def excess(self) -> float:
+        """The cost over the floor that effects may explain."""
+        return max(self.before - self.floor, 1e-9)
+
+    def places(self) -> tuple[View, ...]:
+        """Where the first look is taken from; scores are counted from the last of them."""
+        return (self.start,)
+
+    def kept(self, found: Sequence[Signature]) -> list[Signature]:
+        """Those of the signatures that may be named."""
+        return list(found)
+
+    def is_slight(self, _fit: Fit, _effect: str) -> bool:
+        """Whether an effect of a fit is no larger than what every machine has."""
+        return False
+
+    def confounded(self) -> list[Fit]:
+        """Fits of effects that do exactly what a parameter does, sized apart."""
+        return []
+
+    def least_of_confounded(self, least: float, _cost: float) -> float:
+        """What an effect of `confounded` must take off, where others must take off `least`."""
+        return least
+
+    def needed(self, found: Sequence[Signature], place: int, cost: float) -> float:
+        """What an effect must take off in the round `place`, at the present cost."""
+        rest = cost - self.floor
+        most = _MOST_OF_REST * rest if rest > self.noise else np.inf
+        share = min(_LEAST_SHARE * self.excess, most)
+        further = self.limits.model_error**2 * self.beyond if place else 0.0
+        return max(self.limit_at(found, place, cost), share, further)
+
+    @abstractmethod
+    def limit_at(self, found: Sequence[Signature], place: int, cost: float) -> float:
+        """The limit in the round `place`, in the misfit that is left there."""
+
+    @abstractmethod
+    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], first: bool, cost: float) -> tuple[Fit, ...]:
+        """The fits of a round made better, those that are near enough to the best to be worth it."""
+
+    def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
+        """The path after its end, or another one that `_grow` makes from a begun path with so many further effects."""
+        return path
+
+    def is_no_answer(self, _cost: float) -> bool:
+        """Whether so much is left that no set of effects is an answer."""
+        return False
+
+    def vague(self, _best: Fit) -> list[str]:
+        """Effects of an answer whose size could be none."""
+        return []
+
+
+def refined_near(fits: tuple[Fit, ...], better: Callable[[Fit], Fit], reach: float) -> tuple[Fit, ...]:
+    """Those of the fits made better that are at most `reach` behind the best."""
+    if not fits:
+        return fits
+    near = [fit for fit in fits if fit.judged < fits[0].judged + reach]
+    rest = [fit for fit in fits if fit.judged >= fits[0].judged + reach]
+    return best_of_each([*each(better, near), *rest])

@@ -1,0 +1,84 @@
+"""Against healthy repeats: what has changed on this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.fit.evidence import Evidence, raw_cost, repeat_residuals
+from ema_tools.fit.refit import Fit, polished, refit, seen_from
+from ema_tools.library.faults import FAULTS
+from ema_tools.select.candidates import Signature
+from ema_tools.select.outcome import Path
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, Limits, Strategy, refined_near
+
+_REPEAT_MARGIN = 1.5
+_POLISH_ROUNDS = 1
+_POLISH_REACH = 0.3
+# An error of twice the floor is no answer, however large the change was.
+_FLOORS = 2.0
+# Where both faults are fitted first: where they begin, in healthy values, and how many effects may follow.
+_WORN_START = 1.3
+_BESIDE_WEAR_MAX = 2
+
+
+class WithRepeats(Strategy):
+    """The repeats say what a record with nothing new is like, and what the same signatures make of it."""
+
+    # the model is trusted to 2 % of what changed: what a missing interplay of a change and a standing error may leave
+    limits = Limits(finalists=5, finalist_share=0.4, least=LEAST_LIMIT, model_error=0.02)
+
+    def __init__(self, evidence: Evidence) -> None:
+        self._repeats = repeat_residuals(evidence)
+        super().__init__(evidence)
+        self._beyond = max(raw_cost(evidence) - self.floor, 0.0)
+
+    def floor_costs(self) -> Reals:
+        """Of each repeat against the others."""
+        return np.array([float(repeat @ repeat) for repeat in self._repeats])
+
+    @property
+    def beyond(self) -> float:
+        """Nothing of the machine moved."""
+        return self._beyond
+
+    def limit_at(self, found: Sequence[Signature], place: int, _cost: float) -> float:
+        """What the first look's signatures make of healthy repeats, with a margin."""
+        if place == 0:
+            most = 0.0
+            for signature in found:
+                length = float(signature.vector @ signature.vector)
+                if length > 0.0:
+                    most = max([most, *(float(signature.vector @ repeat) ** 2 / length for repeat in self._repeats)])
+            self.limit = max(self.limits.least, _REPEAT_MARGIN * most)
+        return self.limit
+
+    def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
+        """With what scatters linear where they are."""
+        reach = max(self.limits.finalist_reach, _POLISH_REACH * fits[0].judged) if fits else 0.0
+        return refined_near(fits, lambda fit: polished(fit, _POLISH_ROUNDS), reach)
+
+    def is_no_answer(self, cost: float) -> bool:
+        """So far above the floor."""
+        return cost > _FLOORS**2 * self.floor
+
+    def ended(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
+        """Where the way of the strongest effect ends far from the floor, the way that begins with both faults is tried too, and the better of the two is taken.
+
+        Wear moves CSJ and BLK together, and beside an effect of their size the first of the three to be fitted alone takes a share of the other two, which no later one gives back.
+        """
+        actuator = self.evidence.actuator
+        values = {name: _WORN_START * actuator[name] for name in FAULTS.values() if actuator[name] > 0.0}
+        if not path.steps or not self.is_no_answer(path.steps[-1].cost) or not values:
+            return path
+        worn = polished(refit(self.start, values), _POLISH_ROUNDS)
+        first = replace(path.rounds[0], fits=(worn, *path.rounds[0].fits))
+        other = grow(Path((first,), (worn,), seen_from(worn)), len(worn.effects) + _BESIDE_WEAR_MAX)
+        return other if other.steps[-1].judged < path.steps[-1].judged else path
+
+    def vague(self, best: Fit) -> list[str]:
+        """Beside a large misfit a size that could be none says that something else is there."""
+        return [effect for effect in best.effects if not best.determined(effect)]
