@@ -388,7 +388,8 @@ class Library:
             raise LibraryError(
                 f"{self.path.name}: calculates with {self._lib.ema_desk_real_bits()} bits, {self.bits} expected: build the project again"
             )
-        if read_definitions(self.path) != load_definitions():
+        own, known = read_definitions(self.path), load_definitions()
+        if (own.parameters, own.effects) != (known.parameters, known.effects):
             raise LibraryError(f"{self.path.name}: built from other lists than {library_path(64).name}: build the project again")
 
     def status_text(self, status: int) -> str:
