@@ -208,4 +208,4 @@ def _named(
                 False,
             )
         )
-    return (*found, *sorted(others, key=lambda one: -one.score / one.limit))
+    return (*found, *sorted(others, key=lambda one: (-one.score / one.limit, one.name)))
