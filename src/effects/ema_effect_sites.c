@@ -155,7 +155,7 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* st
     return outside_ratio;
 }
 
-ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state)
+ema_real ema_site_seen(const ema_plant_t* plant, ema_state_t* state)
 {
     ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, state->rod_mm, state->current_A, EMA_R(0.0)};
     state->outside_ratio = ema_max(ema_site_outside(plant, state, &site), state->outside_ratio);

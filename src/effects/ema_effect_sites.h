@@ -46,7 +46,7 @@ static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
     return ((((uint32_t)EMA_SITES_HELD >> (uint32_t)site) & 1U) != 0U) && (plant->active.at[site] != 0U);
 }
 
-/* Whether any acts on the motion, and whether a learned table acts. */
+/* Whether any acts on the motion. */
 static inline bool ema_acts_on_motion(const ema_plant_t* plant)
 {
     return (((uint32_t)EMA_SITES_HELD
@@ -55,9 +55,11 @@ static inline bool ema_acts_on_motion(const ema_plant_t* plant)
            && plant->active.any;
 }
 
-static inline bool ema_acts_by_table(const ema_plant_t* plant)
+/* Whether something adds to the rod sensor's reading, or a learned table acts: how far it is used is watched there. */
+static inline bool ema_acts_on_reading(const ema_plant_t* plant)
 {
-    return (EMA_TABLES_HELD != 0) && (plant->active.tables != 0U);
+    return (((uint32_t)EMA_TABLES_HELD | (((uint32_t)EMA_SITES_HELD >> (uint32_t)EMA_SITE_READING) & 1U)) != 0U)
+           && ((plant->active.tables | plant->active.at[EMA_SITE_READING]) != 0U);
 }
 
 /* While it runs: the sum over the active effects of a site. */
@@ -74,9 +76,9 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);
 /* What the rod sensor reads on top; the site's position is the rod's. */
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
-/* What learned tables add to the rod sensor's reading at this state; keeps in it how far tables are used outside the
- * range that they were seen in. */
-ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state);
+/* The same at this state, in which it keeps how far learned tables are used outside the range that they were seen in.
+ */
+ema_real ema_site_seen(const ema_plant_t* plant, ema_state_t* state);
 void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod);
 /* The same from the state, which it leaves as it is, to the end `play_end_mm` of the play. */
 void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,

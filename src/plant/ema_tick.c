@@ -10,8 +10,8 @@
 void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real command_mm, ema_output_t* row)
 {
     row->position_mm = ema_encoder_rod(&plant->encoder, state->rod_mm);
-    if (ema_acts_by_table(plant)) {
-        row->position_mm += ema_site_learned(plant, state);
+    if (ema_acts_on_reading(plant)) {
+        row->position_mm += ema_site_seen(plant, state);
     }
     row->motor_position_mm = state->motor_mm;
     const ema_real feedback_mm = ema_encoder_step(&plant->encoder, state, state->motor_mm, row->position_mm);
