@@ -93,17 +93,17 @@ class ForceStep(ForceErrors):
     kept: bool  # whether the last model holds it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceRefusal:
     """One effect that was not added, and why; errors where it could be fitted."""
 
     effect: str
     reason: str
     parameters: dict[str, ForceValue]
-    recommended: bool
     training_percent: float | None = field(default=None, metadata=SPARE)
     holdout_percent: float | None = field(default=None, metadata=SPARE)
     each_held_out_percent: tuple[float | None, ...] | None = field(default=None, metadata=SPARE)
+    recommended: bool
 
 
 @dataclass(frozen=True)

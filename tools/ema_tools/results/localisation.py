@@ -57,14 +57,19 @@ class Bins:
 
 
 @dataclass(frozen=True)
-class BinPicture(Bins):
-    """The residual of a balance over an axis."""
+class BinsOf:
+    """Which residual stands over which axis."""
 
     source: str  # the balance
     unit: str
     by: str  # the axis
     axis_unit: str
     friction: bool  # whether it is counted against the motion
+
+
+@dataclass(frozen=True)
+class BinPicture(Bins, BinsOf):
+    """The residual of a balance over an axis; the file states first what it is."""
 
 
 @dataclass(frozen=True)

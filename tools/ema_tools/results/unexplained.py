@@ -19,14 +19,19 @@ class Ranked:
 
 
 @dataclass(frozen=True)
-class UnknownPicture(Bins):
-    """The unknown over an axis."""
+class UnknownOver:
+    """Over which axis an unknown stands, and how well it repeats there."""
 
     by: str  # the axis
     axis_unit: str
     unit: str
-    explained_percent: float
-    friction: bool
+    explained_percent: float  # as in `Ranked`
+    friction: bool  # counted against the motion
+
+
+@dataclass(frozen=True)
+class UnknownPicture(Bins, UnknownOver):
+    """The unknown over an axis; the file states first what it is."""
 
 
 @dataclass(frozen=True)

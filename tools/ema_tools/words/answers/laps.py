@@ -131,4 +131,4 @@ def _step(step: ForceStep, kept: bool) -> result.ForceStep:
 
 def _refusal(one: Refusal) -> result.ForceRefusal:
     there = vars(_errors(one.errors)) if one.errors is not None else {}
-    return result.ForceRefusal(one.effect, one.reason, _values(one.values, one.std), recommended=False, **there)
+    return result.ForceRefusal(effect=one.effect, reason=one.reason, parameters=_values(one.values, one.std), recommended=False, **there)
