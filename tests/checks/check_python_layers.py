@@ -16,17 +16,22 @@ from sources import finish
 PACKAGE = "ema_tools"
 # Top first: each may import what stands in a line below it. Folders and modules by their name in the package.
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("__main__", "benchmarks", "vectors"),
+    ("__main__",),
+    ("benchmarks", "vectors"),
     ("cli",),
-    ("tasks", "words"),
+    ("words",),
+    ("tasks",),
     ("design",),
     ("select",),
+    ("compare",),
     ("fit",),
     ("balances",),
-    ("results", "plant", "reference"),
+    ("results",),
+    ("truth",),  # the independent plant: of `reference` it takes the samples of commands alone
+    ("reference",),
     ("data",),
+    ("plant",),
     ("library",),
-    ("truth",),
     ("base",),
 )
 

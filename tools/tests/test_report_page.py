@@ -19,7 +19,8 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.cases import CASES
 from ema_tools.words.page import figures, write_report
 from ema_tools.words.page.curves import pack
-from ema_tools.words.page.results import SLOPE_ROWS, Compared, Identified, parse_result, slope
+from ema_tools.words.page.recorded import SLOPE_ROWS, slope
+from ema_tools.words.page.results import Compared, Identified, parse_result
 from report_results import ROWS, compared, identified
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.words.page.results import Curves, Series
+from ema_tools.words.page.recorded import Curves, Series
 
 # Rows per record that the page keeps; a longer record keeps the extremes of equal pieces of it.
 ROWS_MAX = 24_000

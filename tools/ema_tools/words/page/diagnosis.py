@@ -14,7 +14,7 @@ from ema_tools.data.actuator import row_of
 from ema_tools.words.page import diagnosis_figures, figures
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Picture, Value
-from ema_tools.words.page.results import Curves
+from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.tables import CHANNEL_TITLES
 
 DrawCurves = Callable[[Curves, str, dict[str, str]], None]

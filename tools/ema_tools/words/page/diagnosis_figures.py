@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_tools.words.page.diagnosis_results import Diagnosed, Line, Picture
 from ema_tools.words.page.figures import Figure
-from ema_tools.words.page.results import Series
+from ema_tools.words.page.recorded import Series
 from ema_tools.words.page.text import number
 
 _SUSPECTS_MAX = 12

@@ -15,7 +15,7 @@ from ema_tools.results.localisation import Bins, Block, Localisation, Pictures, 
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
-from ema_tools.words.page.results import Curves, curves_of
+from ema_tools.words.page.recorded import Curves, curves_of
 
 _ERRORS = ("before", "after", "floor", "holdout_before", "holdout_after")
 

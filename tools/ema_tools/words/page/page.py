@@ -15,7 +15,8 @@ from ema_tools.words.page import diagnosis, figures
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
-from ema_tools.words.page.results import Compared, Curves, Identified, Result
+from ema_tools.words.page.recorded import Curves
+from ema_tools.words.page.results import Compared, Identified, Result
 from ema_tools.words.page.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}

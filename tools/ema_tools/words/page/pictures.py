@@ -18,7 +18,8 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.files import write_text
 from ema_tools.library.faults import FAULTS
 from ema_tools.words.page.diagnosis_results import Diagnosed, Line
-from ema_tools.words.page.results import Curves, Series, read_result
+from ema_tools.words.page.recorded import Curves, Series
+from ema_tools.words.page.results import read_result
 from ema_tools.words.page.text import number
 
 _COLOURS = {"measured": "#9aa5b1", "before": "#c8501e", "after": "#0a6aa8", "floor": "#8a6d00"}

@@ -6,15 +6,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, Union
+from typing import Any
 
 import numpy as np
 
-from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import read_json
 from ema_tools.data.cases import CASES, PaperCase
-from ema_tools.results import codec, parts
+from ema_tools.results import codec
 from ema_tools.results import reading as results
 from ema_tools.results.addition import Addition
 from ema_tools.results.comparison import Comparison
@@ -23,46 +22,11 @@ from ema_tools.results.identification import KEYS, Identification
 from ema_tools.results.identification import Estimate as ResultEstimate
 from ema_tools.results.parts import Place
 from ema_tools.results.reading import result_of
-
-if TYPE_CHECKING:
-    from ema_tools.words.page.diagnosis_results import Diagnosed
-
-Series: TypeAlias = Reals
+from ema_tools.words.page.diagnosis_results import Diagnosed, diagnosed
+from ema_tools.words.page.recorded import Curves, Series, curves_of, fault
 
 FAULTS = KEYS
-CHANNELS = ("position_mm", "speed_mm_s", "current_A", "voltage_V")
 BALANCES = ("mechanical", "electrical", "kinematic", "controller")
-
-# Rows on each side over which the slope of the position is taken where the speed is not recorded.
-SLOPE_ROWS = 4
-
-
-@dataclass(frozen=True)
-class Curves:
-    """Measured and simulated channels of one record, each an array of `rows` in the unit of its name.
-
-    `models` holds `before` and `after` (identify) or `model` (compare).
-    """
-
-    start_s: float
-    period_s: float
-    measured: dict[str, Series]
-    models: dict[str, dict[str, Series]]
-    derived: frozenset[str] = frozenset()
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return len(self.measured["position_mm"])
-
-    def channels(self) -> tuple[str, ...]:
-        """Channels that the record and every model have, in the order of the page."""
-        return tuple(name for name in CHANNELS if name in self.measured and all(name in model for model in self.models.values()))
-
-    def rms(self, channel: str, model: str) -> float:
-        """Rms of measured minus `model`, in the channel's unit."""
-        error = self.measured[channel] - self.models[model][channel]
-        return float(np.sqrt(np.mean(error * error)))
 
 
 @dataclass(frozen=True)
@@ -145,7 +109,7 @@ class Compared:
         return f"Model against {self.name}"
 
 
-Result = Union["Identified", "Compared", "Diagnosed"]
+Result = Identified | Compared | Diagnosed
 
 
 def read_result(path: Path) -> Result:
@@ -160,8 +124,6 @@ def parse_result(data: Mapping[str, Any], source: str, stem: str) -> Result:
 
 def shown(found: results.Result, source: str, stem: str) -> Result:
     """What the page shows of a result. Raises InputError for a result that has no page, and for numbers that do not belong together."""
-    from ema_tools.words.page.diagnosis_results import diagnosed
-
     if isinstance(found, Diagnosis | DiagnosisByLaps | Addition):
         return diagnosed(found, source, stem)
     if isinstance(found, Identification):
@@ -173,21 +135,17 @@ def shown(found: results.Result, source: str, stem: str) -> Result:
     )
 
 
-def _fail(source: str, path: str, problem: str) -> InputError:
-    return InputError(f"{source}: field {path} {problem}: write the result again with --json")
-
-
 def identified(found: Identification, source: str, stem: str) -> Identified:
     """Of `ema identify`. Raises InputError for what cannot be shown."""
     left_out = {name: one.reason for name, one in found.left_out.items()}
     if not found.estimates:
-        raise _fail(source, f"{next(iter(left_out), FAULTS[0])}.estimate", "is null for every parameter, which leaves nothing to show")
+        raise fault(source, f"{next(iter(left_out), FAULTS[0])}.estimate", "is null for every parameter, which leaves nothing to show")
     letter = found.case or ""
     if letter and len(found.estimates) < len(FAULTS):
-        raise _fail(source, next(name for name in FAULTS if name not in found.estimates), "is missing, which a case needs")
+        raise fault(source, next(name for name in FAULTS if name not in found.estimates), "is missing, which a case needs")
     cases = {case.letter: case for case in CASES}
     if letter and letter not in cases:
-        raise _fail(source, "case", f"names no case ({letter!r}; known: {', '.join(cases)})")
+        raise fault(source, "case", f"names no case ({letter!r}; known: {', '.join(cases)})")
     return Identified(
         name=found.name or stem,
         faults={name: _estimate(one, source, name) for name, one in found.estimates.items()},
@@ -209,7 +167,7 @@ def identified(found: Identification, source: str, stem: str) -> Identified:
 
 def _estimate(one: ResultEstimate, source: str, name: str) -> Estimate:
     if one.shift_percent <= -100.0:
-        raise _fail(source, f"{name}.shift_percent", "is not above -100")
+        raise fault(source, f"{name}.shift_percent", "is not above -100")
     healthy = one.healthy if one.healthy is not None else one.estimate / (1.0 + one.shift_percent / 100.0)
     return Estimate(one.estimate, math.nan if one.std is None else one.std, one.shift_percent, healthy)
 
@@ -233,40 +191,6 @@ def compared(found: Comparison, source: str, stem: str) -> Compared:
 
 def _search(costs: codec.Series, source: str) -> Search:
     if not costs:
-        raise _fail(source, "search.cost_mm2s", "is not a list of numbers")
+        raise fault(source, "search.cost_mm2s", "is not a list of numbers")
     cost = np.asarray(costs, dtype=np.float64)
     return Search(cost, np.minimum.accumulate(cost))
-
-
-def curves_of(found: parts.Curves, source: str) -> Curves:
-    """Curves as arrays, the speed derived where it is not recorded. Raises InputError for curves of unlike lengths."""
-    if not found.period_s > 0.0:
-        raise _fail(source, "curves.period_s", "is not positive")
-    rows = len(found.measured.position_mm)
-    tables: dict[str, dict[str, Series]] = {}
-    for key in ("measured", "model", "before", "after"):
-        channels: parts.Channels | None = getattr(found, key)
-        if channels is None:
-            continue
-        there = {name: values for name in CHANNELS if (values := getattr(channels, name)) is not None}
-        for name, values in there.items():
-            if len(values) != rows or not rows:
-                raise _fail(source, f"curves.{key}.{name}", f"has {len(values)} rows where measured.position_mm has {rows}")
-        tables[key] = {name: np.asarray(values, dtype=np.float64) for name, values in there.items()}
-    derived: frozenset[str] = frozenset()
-    if "speed_mm_s" not in tables["measured"] and rows > 2 * SLOPE_ROWS:
-        derived = frozenset(("speed_mm_s",))
-        # The same filter for every curve, so that their difference is not the filter's.
-        for table in tables.values():
-            table["speed_mm_s"] = slope(table["position_mm"], found.period_s)
-    measured = tables.pop("measured")
-    return Curves(found.start_s, found.period_s, measured, tables, derived)
-
-
-def slope(values: Series, period_s: float) -> Series:
-    """Slope of the least-squares line through each row and its SLOPE_ROWS neighbours on both sides (fewer at the ends)."""
-    offsets = np.arange(-SLOPE_ROWS, SLOPE_ROWS + 1, dtype=np.float64)
-    weights = offsets / (period_s * float(np.sum(offsets * offsets)))
-    inner = np.convolve(values, weights[::-1], mode="valid")
-    ends = np.gradient(values, period_s)
-    return np.concatenate((ends[:SLOPE_ROWS], inner, ends[-SLOPE_ROWS:]))
