@@ -396,7 +396,7 @@ def test_the_observer_names_what_is_large_and_not_what_is_nothing() -> None:
     assert found[0]["size"][0] > 10.0 * found[1]["size"][0]
     bank = observer.bank(2, False, "triangle")
     # noise is white in the observer's space: a healthy run against the mean of five others has unit variance
-    space = observer._Space.of(bank, None, 5)
+    space = observer._ObservedSpace.of(bank, None, 5)
     runs = [observer.signals(machines.measured(bank.unit, {}, "triangle", seed)) for seed in range(40, 46)]
     residual = space(bank.whitened(runs[0] - np.mean(runs[1:], axis=0)))
     assert residual @ residual / residual.size == pytest.approx(1.0, abs=0.03)
@@ -419,7 +419,7 @@ def test_the_observer_without_repeats_knows_how_units_differ_but_not_where_this_
         assert np.sum((moved - named) ** 2) < 0.05 * np.sum(moved**2), channel
     run = machines.measured(unit, {}, "triangle", 77)
     bank = observer.bank(2, False, "triangle")
-    space = observer._Space.of(bank, None, 0)
+    space = observer._ObservedSpace.of(bank, None, 0)
     residual = space(bank.whitened(observer.signals(run) - bank.healthy), space.place)
     assert residual @ residual / residual.size == pytest.approx(1.0, abs=0.03)
     found = {}

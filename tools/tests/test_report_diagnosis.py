@@ -17,8 +17,8 @@ from ema_tools.compare.validity import judge
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import simulated
 from ema_tools.results.codec import to_json
-from ema_tools.results.diagnosis import Diagnosis
-from ema_tools.results.parts import EffectEntry, Step, WeightedErrors
+from ema_tools.results.diagnosis import DiagnosisResult
+from ema_tools.results.parts import EffectEntry, StepEntry, WeightedErrors
 from ema_tools.results.provenance import curves
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.unexplained import unexplained
@@ -58,7 +58,7 @@ def _made() -> str:
         reason="explains less",
     )
     load = EffectEntry(name="constant_load", score=0.0, limit=60.0, accepted=False)
-    found = Diagnosis(
+    found = DiagnosisResult(
         name="today.csv",
         verdict="missing",
         sentence="jam_spot explains what the record shows beyond the repeats.",
@@ -68,7 +68,7 @@ def _made() -> str:
         gate=validity(judge(model, record, repeats(WIDE))),
         where=localisation(place),
         unknown=unexplained(unknowns, learned(unknowns[0])),
-        steps=(Step(("constant_load",), "constant_load", 2.9, 3.6), Step(("constant_load", "jam_spot"), "jam_spot", 1.05, 1.1)),
+        steps=(StepEntry(("constant_load",), "constant_load", 2.9, 3.6), StepEntry(("constant_load", "jam_spot"), "jam_spot", 1.05, 1.1)),
         curves=curves(record, before=simulated(model, record), after=simulated(model.changed(HIDDEN), record)),
         provenance={"command": "ema diagnose mine.toml today.csv"},
     )

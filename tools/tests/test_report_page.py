@@ -20,16 +20,16 @@ from ema_tools.data.cases import CASES
 from ema_tools.words.page import figures, write_report
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.recorded import SLOPE_ROWS, slope
-from ema_tools.words.page.results import Compared, Identified, parse_result
+from ema_tools.words.page.results import Compared, ShownIdentification, parse_result
 from report_results import ROWS, compared, identified
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _VOID = {"meta", "link", "br", "col", "img", "input", "hr"}
 
 
-def _made(data: dict[str, Any]) -> Identified:
+def _made(data: dict[str, Any]) -> ShownIdentification:
     result = parse_result(data, "today.json", "today")
-    assert isinstance(result, Identified)
+    assert isinstance(result, ShownIdentification)
     return result
 
 

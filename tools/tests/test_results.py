@@ -16,10 +16,10 @@ from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.frozen import read_frozen
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import FORMAT, SPARE, Series, _choices, _rows, from_json, to_json
-from ema_tools.results.comparison import BalanceError, ChannelError, Comparison
-from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
-from ema_tools.results.identification import Estimate, Identification, NotIdentified
-from ema_tools.results.parts import Curves, EffectEntry, Errors, WeightedErrors
+from ema_tools.results.comparison import BalanceErrorEntry, ChannelErrorEntry, ComparisonResult
+from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.identification import EstimateEntry, IdentificationResult, NotIdentified
+from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, WeightedErrors
 from ema_tools.results.reading import Result, kind_of, read_result, result_of
 
 TYPES = get_args(Result)
@@ -83,11 +83,13 @@ def test_every_field_that_is_left_out_where_absent_may_be_absent() -> None:
             assert (one.default is MISSING and one.default_factory is MISSING) == row.required
 
 
-COMPARED = Comparison(
-    name="today.csv", channels={"position_mm": ChannelError(0.1, 5.0, "mm")}, balances={"mechanical": BalanceError(0.01, 4.0, "Nm")}
+COMPARED = ComparisonResult(
+    name="today.csv",
+    channels={"position_mm": ChannelErrorEntry(0.1, 5.0, "mm")},
+    balances={"mechanical": BalanceErrorEntry(0.01, 4.0, "Nm")},
 )
-IDENTIFIED = Identification(
-    csj_Nm=Estimate(0.3, 1e-4, 117.4, 0.138),
+IDENTIFIED = IdentificationResult(
+    csj_Nm=EstimateEntry(0.3, 1e-4, 117.4, 0.138),
     blk_mm=NotIdentified(None, None, None, 0.0, "zero"),
     objective_before_mm2s=0.6,
     objective_after_mm2s=2e-4,
@@ -96,13 +98,13 @@ IDENTIFIED = Identification(
 
 
 def test_a_number_that_is_not_finite_is_null_where_it_may_be_absent_and_refused_elsewhere() -> None:
-    vague = replace(COMPARED, channels={"position_mm": ChannelError(0.1, math.nan)})
+    vague = replace(COMPARED, channels={"position_mm": ChannelErrorEntry(0.1, math.nan)})
     assert to_json(vague)["channels"]["position_mm"]["relative_percent"] is None
     with pytest.raises(InputError, match=r"^channels\.position_mm\.rmse: inf cannot be written"):
-        to_json(replace(COMPARED, channels={"position_mm": ChannelError(math.inf, 1.0)}))
+        to_json(replace(COMPARED, channels={"position_mm": ChannelErrorEntry(math.inf, 1.0)}))
     vague_effect = EffectEntry(name="x", score=1.0, limit=2.0, accepted=True, parameters={"ratio": math.nan})
     with pytest.raises(InputError, match=r"^effects\[0\]\.parameters\.ratio: nan"):
-        to_json(Diagnosis(verdict="missing", error=WeightedErrors(3.0, 1.0), effects=(vague_effect,)))
+        to_json(DiagnosisResult(verdict="missing", error=WeightedErrors(3.0, 1.0), effects=(vague_effect,)))
     with pytest.raises(TypeError, match="None where"):
         to_json(replace(COMPARED, sentence=None))  # type: ignore[arg-type]
 
@@ -157,7 +159,7 @@ def test_words_that_are_no_choice_and_wrong_truths_are_named() -> None:
         with pytest.raises(InputError, match=f"i.json: field {said}"):
             result_of({**data, **change}, "i.json")
     with pytest.raises(InputError, match=r"field correlations\[0\]\.values is not a list of 2 texts"):
-        added = to_json(Addition(effect="x", actuator="new.toml", error=Errors(None, None), parameters={}))
+        added = to_json(Addition(effect="x", actuator="new.toml", error=ErrorsEntry(None, None), parameters={}))
         result_of({**added, "correlations": [{"values": ["a"], "correlation": 1.0}]}, "a.json")
 
 
@@ -173,16 +175,16 @@ def test_a_file_is_read_as_what_its_command_writes(tmp_path: Any) -> None:
     path = tmp_path / "i.json"
     path.write_text(json.dumps(to_json(IDENTIFIED)), encoding="utf-8")
     assert read_result(path) == IDENTIFIED
-    assert kind_of({"command": "demo", "page": "p"}, "") is not kind_of({"command": "demo"}, "") is Identification
-    assert kind_of({"csj_Nm": {}}, "") is Identification and kind_of({"balances": {}}, "") is Comparison
+    assert kind_of({"command": "demo", "page": "p"}, "") is not kind_of({"command": "demo"}, "") is IdentificationResult
+    assert kind_of({"csj_Nm": {}}, "") is IdentificationResult and kind_of({"balances": {}}, "") is ComparisonResult
     for data in ({"rows": 5}, {"command": ["compare"]}, {"command": "fly"}):
         with pytest.raises(InputError, match=r"x\.json: holds no `command` of ema"):
             kind_of(data, "x.json")
 
 
 def test_the_value_of_a_union_is_the_type_that_fits() -> None:
-    assert isinstance(result_of(to_json(IDENTIFIED), "i.json"), Identification)
-    for error in (Errors(2.0, 1.0), WeightedErrors(2.0, 1.0)):
+    assert isinstance(result_of(to_json(IDENTIFIED), "i.json"), IdentificationResult)
+    for error in (ErrorsEntry(2.0, 1.0), WeightedErrors(2.0, 1.0)):
         added = Addition(effect="x", actuator="new.toml", error=error, parameters={})
         read = from_json(to_json(added), Addition, "a.json")
         assert read == added and type(read.error) is type(error)
@@ -198,7 +200,7 @@ def test_a_spare_field_is_no_key_where_it_is_none() -> None:
 
     assert to_json(Small()) == {"format": FORMAT, "kept": None}
     assert "curves" not in to_json(COMPARED)
-    assert Series == tuple[float, ...] and Curves(period_s=1.0, measured=None).start_s == 0.0  # type: ignore[arg-type]
+    assert Series == tuple[float, ...] and CurvesEntry(period_s=1.0, measured=None).start_s == 0.0  # type: ignore[arg-type]
 
 
 def _without_long_rows(value: Any) -> Any:
@@ -213,6 +215,6 @@ def test_every_frozen_answer_reads_as_its_type_and_is_written_as_it_was() -> Non
     assert len(answers) > 50
     for data in answers:
         found = result_of(data, "frozen")
-        assert isinstance(found, Diagnosis | DiagnosisByLaps)
+        assert isinstance(found, DiagnosisResult | DiagnosisByLapsResult)
         again = json.loads(json.dumps(to_json(found)))
         assert {key: value for key, value in again.items() if key not in ("format", "provenance")} == data

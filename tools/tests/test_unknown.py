@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ema_tools.compare.localisation import where
-from ema_tools.compare.unexplained import KINDS, NODES, Learned, Unknown, learned, left_over
+from ema_tools.compare.unexplained import KINDS, NODES, LearnedTable, Unknown, learned, left_over
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.results.codec import to_json
@@ -26,7 +26,7 @@ def left(changes: Mapping[str, float] | Record, text: str = WIDE, healthy: bool 
     return left_over(model, record, where(model, record, repeats(text) if healthy else ()))
 
 
-def table(unknowns: tuple[Unknown, ...]) -> Learned:
+def table(unknowns: tuple[Unknown, ...]) -> LearnedTable:
     found = learned(unknowns[0])
     assert found is not None
     return found

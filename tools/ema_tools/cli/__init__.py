@@ -125,7 +125,7 @@ def simulate(
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.commands import make_command
     from ema_tools.data.records import write_record
-    from ema_tools.results.files import Simulated
+    from ema_tools.results.files import SimulationResult
     from ema_tools.tasks import simulate as work
 
     writable(out, json_path=json_path, force=force, inputs=(actuator, *filter(os.path.isfile, (command_text,))))
@@ -139,7 +139,7 @@ def simulate(
     if std:
         comments.append(f"White noise: {', '.join(f'{name} {value:g}' for name, value in std.items())}, seed {seed}.")
     write_record(out, record, tuple(comments), force, 17 if precision == "64" else 9)
-    found = Simulated("simulate", actuator, out, record.rows, record.period_s, tuple(settings), std, seed, int(precision))
+    found = SimulationResult("simulate", actuator, out, record.rows, record.period_s, tuple(settings), std, seed, int(precision))
     save(json_path, found, force)
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
@@ -561,7 +561,7 @@ def export(
     from ema_tools.base.files import write_text
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
-    from ema_tools.results.files import Exported
+    from ema_tools.results.files import ExportResult
     from ema_tools.tasks import export as work
     from ema_tools.tasks import signature_table as onboard
 
@@ -580,7 +580,7 @@ def export(
     if signatures and table:
         write_text(signatures, work.signatures_text(table), force)
     made = table.summary() if table is not None else None
-    save(json_path, Exported("export", actuator, out, flat, model.active_effects, signatures if made else None, made), force)
+    save(json_path, ExportResult("export", actuator, out, flat, model.active_effects, signatures if made else None, made), force)
     if table and table.warning:
         complain(table.warning)
     told = [f"{path} written" for path in (out, flat) if path]
@@ -595,12 +595,12 @@ def export(
 @json_option
 def report(results: tuple[str, ...], out: str, json_path: str | None, force: bool) -> None:
     """Make a page of results that identify or compare wrote with --json."""
-    from ema_tools.results.files import Reported
+    from ema_tools.results.files import ReportResult
     from ema_tools.words.page import write_report
 
     writable(out, json_path=json_path, force=force, inputs=results)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
-    save(json_path, Reported("report", results, out), force)
+    save(json_path, ReportResult("report", results, out), force)
     output().print(f"{out} written", highlight=False)
 
 
@@ -611,13 +611,13 @@ def demo_command(folder: str | None, json_path: str | None, force: bool) -> None
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools.base.files import keep_apart
     from ema_tools.cli import demo as work
-    from ema_tools.results.files import Shown
+    from ema_tools.results.files import DemoResult
 
     target = Path(folder) if folder else work.output_folder()
     keep_apart([*work.written(target), *filter(None, (json_path,))])
     writable(json_path=json_path, force=force, made=target)
     page = work.run(output(), target)
-    save(json_path, Shown("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
+    save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
 @cli.group(name="import")
@@ -635,7 +635,7 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     from ema_tools.data.emps import PUBLISHED, PUBLISHED_STD, targets
     from ema_tools.data.emps import import_emps as work
     from ema_tools.results.calibration import RodModel
-    from ema_tools.results.files import Imported
+    from ema_tools.results.files import ImportResult
     from ema_tools.results.provenance import provenance
     from ema_tools.words.terminal import show
 
@@ -644,7 +644,11 @@ def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> N
     found = work(file, folder, force)
     origin = provenance(command_line(), source=found.actuator.about["source"])
     record = found.record
-    save(json_path, Imported("import emps", str(found.actuator_path), str(found.record_path), record.rows, record.period_s, origin), force)
+    save(
+        json_path,
+        ImportResult("import emps", str(found.actuator_path), str(found.record_path), record.rows, record.period_s, origin),
+        force,
+    )
     console = output()
     show.say(
         console,

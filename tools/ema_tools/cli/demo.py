@@ -23,7 +23,7 @@ from ema_tools.library.definitions import library_folder
 from ema_tools.library.faults import FAULTS as CHANGEABLE
 from ema_tools.plant.native import Progress, SearchSettings
 from ema_tools.results.codec import to_json
-from ema_tools.results.identification import Identification
+from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.parts import Provenance
 from ema_tools.results.provenance import curves, provenance
 from ema_tools.results.reading import Result
@@ -35,7 +35,7 @@ from ema_tools.words.answers.comparison import comparison
 from ema_tools.words.answers.diagnosis import diagnosis
 from ema_tools.words.answers.identification import identification
 from ema_tools.words.page import write_report
-from ema_tools.words.page.results import FAULTS, Identified, identified
+from ema_tools.words.page.results import FAULTS, ShownIdentification, identified
 from ema_tools.words.page.text import shift, signed
 from ema_tools.words.sentences.identification import TITLES
 from ema_tools.words.terminal import console as terminal
@@ -202,14 +202,14 @@ def _command(output: Console, place: int, line: str) -> None:
     output.print(Text(f"{place}  {line}", style="bold"))
 
 
-def _searched(unit: _Unit, actuator: Actuator, model: str) -> Identification:
+def _searched(unit: _Unit, actuator: Actuator, model: str) -> IdentificationResult:
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
         found = identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
     drawn = curves(unit.today, before=simulated(found.healthy, unit.today), after=simulated(found.actuator, unit.today))
     return identification(found, f"{unit.today.file}, {model}", _origin(unit), drawn)
 
 
-def _verdict(found: Identification) -> str:
+def _verdict(found: IdentificationResult) -> str:
     """Verdict and shifts in a few words."""
     shifts = ", ".join(f"{show.FAULTS[name]} {shift(estimate.shift_percent)}" for name, estimate in found.estimates.items())
     return f"{found.verdict.capitalize()}: {'the search reads ' if found.verdict == 'undecided' else ''}{shifts}"
@@ -228,7 +228,7 @@ def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]
     """The paper's cases, for which the model holds all there is."""
     actuator = reference_actuator()
     budget = actuator["search.evaluation_budget"]
-    results: list[Identified] = []
+    results: list[ShownIdentification] = []
     with terminal.progress("identifying", budget * len(cases)) as bar:
         for place, (shipped, path) in enumerate(cases):
             found = _identified(actuator, shipped, path, partial(_tell, bar, place * budget))
@@ -243,7 +243,7 @@ def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best:
     bar.update(before + run_number, f"best {best:.2g} mm2 s")
 
 
-def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Progress) -> Identification:
+def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Progress) -> IdentificationResult:
     """The result of one recording, with the curves for the page."""
     record = read_record(path, actuator)
     found = identify(actuator, record, bits=_BITS, progress=progress)
@@ -260,7 +260,7 @@ def _shown(path: Path) -> str:
     return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
 
 
-def _print_cases(output: Console, results: list[Identified]) -> None:
+def _print_cases(output: Console, results: list[ShownIdentification]) -> None:
     table = terminal.table(
         "The paper's cases, where nothing is missing: found by the onboard module, beside the paper (shifts and errors in % of the healthy value)",
         "case", "fault", "true", "found", "error", "paper's", "runs", "paper's", "time", "paper's",
@@ -272,7 +272,7 @@ def _print_cases(output: Console, results: list[Identified]) -> None:
     output.print(table)
 
 
-def _row(result: Identified, place: int) -> list[str]:
+def _row(result: ShownIdentification, place: int) -> list[str]:
     """One fault of one result; what belongs to the whole case stands in its first row."""
     name, label = FAULTS[place], ("CSJ", "BLK")[place]
     case, paper = result.case, result.paper

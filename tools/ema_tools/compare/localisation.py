@@ -479,9 +479,9 @@ class Bins:
         """Mean square of the bins' means."""
         return float(np.sum(self.time_share * self.mean**2))
 
-    def drawn(self) -> picture.Bins:
+    def drawn(self) -> picture.BinsEntry:
         """With the digits that a picture needs."""
-        return picture.Bins(*map(short, (self.centers, self.mean, self.low, self.high, 100.0 * self.share, 100.0 * self.time_share)))
+        return picture.BinsEntry(*map(short, (self.centers, self.mean, self.low, self.high, 100.0 * self.share, 100.0 * self.time_share)))
 
 
 def binned(axis: Axis, values: Reals, bins: int = _BINS) -> Bins | None:
@@ -551,10 +551,10 @@ def _orders(balance: Balance, motion: MachineState, lines: tuple[Lines, Lines]) 
     """Amplitudes over orders, in turns of the motor and in leads of the screw."""
     at = motion.at(balance.time_s)
 
-    def drawn(one: Lines) -> picture.Lines:
+    def drawn(one: Lines) -> picture.LinesEntry:
         amplitudes, chance = one.amplitudes(balance.residual, at)
         known = np.isfinite(amplitudes)
-        return picture.Lines(short(one.orders[known]), short(amplitudes[known]), short(chance[known]))
+        return picture.LinesEntry(short(one.orders[known]), short(amplitudes[known]), short(chance[known]))
 
     turns, leads = map(drawn, lines)
     return picture.Orders(

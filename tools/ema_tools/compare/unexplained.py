@@ -85,7 +85,7 @@ class Unknown:
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnedTable:
     """A table effect that stands for an unknown: `changes` for `Actuator.changed`, the range that it was seen in, and what it explained out of sample."""
 
     effect: str
@@ -240,7 +240,7 @@ def _stiffness(columns: Reals, periodic: bool) -> Reals:
     return weight * bend
 
 
-def learned(unknown: Unknown) -> Learned | None:
+def learned(unknown: Unknown) -> LearnedTable | None:
     """The table for the best axis that a learned effect can have; None when the unknown repeats with no such axis. A constant becomes a flat table over position."""
     for one in unknown.ranked:
         name = learned_effect(unknown.balance, one.friction)
@@ -256,7 +256,7 @@ def learned(unknown: Unknown) -> Learned | None:
     return None
 
 
-def _table(effect: str, one: Ranked) -> Learned:
+def _table(effect: str, one: Ranked) -> LearnedTable:
     values = {
         "gain": 1.0,
         "axis": float(one.kind),
@@ -264,7 +264,7 @@ def _table(effect: str, one: Ranked) -> Learned:
         "last": one.last,
         **{f"node_{place:02d}": float(node) for place, node in enumerate(one.nodes)},
     }
-    return Learned(
+    return LearnedTable(
         effect,
         one.axis,
         one.unit,

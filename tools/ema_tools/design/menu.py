@@ -47,7 +47,7 @@ class Offence:
 
 
 @dataclass(frozen=True)
-class Limits:
+class SafeRange:
     """Largest excursion, speed, current, and share of the controller's range, of which the simulated run must stay inside."""
 
     stroke_mm: float
@@ -93,7 +93,7 @@ def _largest_current_A(actuator: Actuator) -> float:
     return min(found)
 
 
-def limits_of(actuator: Actuator, own: Mapping[str, float] | None = None) -> Limits:
+def limits_of(actuator: Actuator, own: Mapping[str, float] | None = None) -> SafeRange:
     """What is safe on the actuator; `own` limits (stroke_mm, speed_mm_s, current_A) in place of those."""
     emf = actuator["motor.back_emf_V_s_per_rad"]
     free = actuator["drive.supply_V"] / emf * actuator.lead_mm_per_rad if emf > 0.0 else math.inf
@@ -102,14 +102,14 @@ def limits_of(actuator: Actuator, own: Mapping[str, float] | None = None) -> Lim
         "speed_mm_s": _SPEED_SHARE * free,
         "current_A": _CURRENT_SHARE * _largest_current_A(actuator),
     }
-    return Limits(**{**usual, **(own or {})}, output=_OUTPUT_SHARE)
+    return SafeRange(**{**usual, **(own or {})}, output=_OUTPUT_SHARE)
 
 
 def _two_digits(value: float) -> float:
     return float(f"{value:.2g}")
 
 
-def menu(actuator: Actuator, limits: Limits) -> dict[str, str]:
+def menu(actuator: Actuator, limits: SafeRange) -> dict[str, str]:
     """Commands as `make_command` takes them, by what they are; the first is the reference."""
     lead, period_s = actuator["screw.lead_mm"], actuator.record_period_s
     amplitude = min(_CHIRP_LEADS * lead, 0.5 * limits.stroke_mm)

@@ -22,7 +22,7 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, nearest, parsed, row_of, shown
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record, from_simulation
-from ema_tools.design.menu import LIMIT_NAMES, Limits, Offence, limits_of, menu
+from ema_tools.design.menu import LIMIT_NAMES, Offence, SafeRange, limits_of, menu
 from ema_tools.design.typical import scaled, typical_change, zero_of
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import Evidence, View, view
@@ -83,7 +83,7 @@ class Next:
     values: Mapping[str, Mapping[str, float]]
     options: tuple[Option, ...]
     unsafe: Mapping[str, Offence]
-    limits: Limits
+    limits: SafeRange
     larger: float = 1.0
     with_channels: tuple[tuple[str, ...], Option] | None = None
 
@@ -269,7 +269,7 @@ def sizes_for(actuator: Actuator, effects: Sequence[str], evidence: Evidence, gi
 
 
 def _safe(
-    runs: Sequence[_Run], actuator: Actuator, values: Mapping[str, Mapping[str, float]], limits: Limits
+    runs: Sequence[_Run], actuator: Actuator, values: Mapping[str, Mapping[str, float]], limits: SafeRange
 ) -> tuple[list[_Run], dict[str, Offence]]:
     """The commands that are safe on the machine as known and with each of the effects, and why the others are not."""
 

@@ -75,7 +75,7 @@ class Onboard:
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnedKind:
     """A table that is learned: what is left of which balance it holds, as friction or as it is, and the axes (by number, see EMA_TABLE) of which it can be a function."""
 
     balance: str
@@ -115,7 +115,7 @@ class EffectRecord:
     # What tells it from others that are separated by the same, where a command does not.
     separated_by: tuple[Measurement, ...] = ()
     onboard: Onboard = Onboard()
-    learned: Learned | None = None
+    learned: LearnedKind | None = None
 
 
 # Of an effect of the user's own.

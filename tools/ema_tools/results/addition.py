@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE
-from ema_tools.results.parts import Curves, Errors, FittedValue, Provenance, Step, WeightedErrors
+from ema_tools.results.parts import CurvesEntry, ErrorsEntry, FittedValue, Provenance, StepEntry, WeightedErrors
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,12 @@ class Addition:
     actuator: str  # the file that was written
     effect: str
     sentence: str = ""
-    error: Errors | WeightedErrors  # the latter where it was fitted
+    error: ErrorsEntry | WeightedErrors  # the latter where it was fitted
     parameters: dict[str, FittedValue]  # by full name
     replaced: dict[str, float] | None = None  # what the effect was in the actuator as given; None where it was absent
     correlations: tuple[Correlation, ...] | None = field(default=None, metadata=SPARE)
-    steps: tuple[Step, ...] | None = field(default=None, metadata=SPARE)
+    steps: tuple[StepEntry, ...] | None = field(default=None, metadata=SPARE)
     recommended: bool | None = field(default=None, metadata=SPARE)
     reason: str | None = field(default=None, metadata=SPARE)  # why it is recommended, or not
     provenance: Provenance = field(default_factory=dict)
-    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+    curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record

@@ -41,7 +41,7 @@ class ChannelErrors:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class CalibrationResult:
     """Base parameters fitted to healthy records."""
 
     command: Literal["calibrate"]

@@ -41,7 +41,7 @@ def key(name: str) -> Mapping[str, Any]:
 
 
 @dataclass(frozen=True)
-class _Row:
+class _Field:
     """One field: its name in Python, its key in JSON, its type, whether a file must hold it, whether None is left out."""
 
     name: str
@@ -52,12 +52,12 @@ class _Row:
 
 
 @cache
-def _rows(kind: Any) -> tuple[_Row, ...]:
+def _rows(kind: Any) -> tuple[_Field, ...]:
     hints = get_type_hints(kind)
 
-    def row(one: Field[Any]) -> _Row:
+    def row(one: Field[Any]) -> _Field:
         required = one.default is MISSING and one.default_factory is MISSING
-        return _Row(one.name, one.metadata.get(_KEY, one.name), hints[one.name], required, one.metadata.get(_SPARE, False))
+        return _Field(one.name, one.metadata.get(_KEY, one.name), hints[one.name], required, one.metadata.get(_SPARE, False))
 
     return tuple(row(one) for one in fields(kind))
 

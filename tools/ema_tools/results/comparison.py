@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE
-from ema_tools.results.parts import Curves, Place, Provenance
+from ema_tools.results.parts import CurvesEntry, Place, Provenance
 
 
 @dataclass(frozen=True)
-class ChannelError:
+class ChannelErrorEntry:
     """Measured minus simulated of one channel."""
 
     rmse: float  # in the unit
@@ -19,7 +19,7 @@ class ChannelError:
 
 
 @dataclass(frozen=True)
-class BalanceError:
+class BalanceErrorEntry:
     """The residual of one balance; numbers are None where it cannot be drawn."""
 
     rms: float | None  # in the unit
@@ -32,15 +32,15 @@ class BalanceError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class ComparisonResult:
     """A model against a record."""
 
     command: Literal["compare"] = "compare"
     name: str | None = None  # of the record
-    channels: dict[str, ChannelError]  # by column
-    balances: dict[str, BalanceError]  # mechanical, electrical, kinematic, controller
+    channels: dict[str, ChannelErrorEntry]  # by column
+    balances: dict[str, BalanceErrorEntry]  # mechanical, electrical, kinematic, controller
     where: tuple[Place, ...] = ()  # largest share first
     sentence: str = ""
     unlocated_event_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
     provenance: Provenance = field(default_factory=dict)
-    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+    curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record

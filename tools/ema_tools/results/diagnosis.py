@@ -7,7 +7,7 @@ from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
 from ema_tools.results.localisation import Localisation
-from ema_tools.results.parts import Curves, EffectEntry, Errors, Provenance, Step, WeightedErrors
+from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry, WeightedErrors
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Validity
 
@@ -29,7 +29,7 @@ class Sensor:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Diagnosis:
+class DiagnosisResult:
     """Which effect is missing, by simulation."""
 
     command: Literal["diagnose"] = "diagnose"
@@ -44,13 +44,13 @@ class Diagnosis:
     error: WeightedErrors
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1
-    steps: tuple[Step, ...] = ()
+    steps: tuple[StepEntry, ...] = ()
     gate: Validity = field(default_factory=Validity)
     where: Localisation = field(default_factory=Localisation)
     unknown: Unexplained | None = None
     sensor: Sensor | None = None
     provenance: Provenance = field(default_factory=dict)
-    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+    curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Elsewhere:
 
 
 @dataclass(frozen=True)
-class ForceStep(ForceErrors):
+class ForceStepEntry(ForceErrors):
     """One effect that was added, with the errors after it."""
 
     effects: tuple[str, ...]
@@ -116,7 +116,7 @@ class ForceSummary:
 
 
 @dataclass(frozen=True)
-class Laps:
+class LapsEntry:
     """How the record was divided."""
 
     count: int
@@ -130,15 +130,15 @@ class Forces:
     """The mechanical balance, effect by effect."""
 
     error: ForceSummary
-    steps: tuple[ForceStep, ...]
+    steps: tuple[ForceStepEntry, ...]
     refused: tuple[ForceRefusal, ...]
     values: dict[str, float]  # of the last model, by full name
-    laps: Laps
+    laps: LapsEntry
     curves: dict[str, Series]  # torque and residuals before and after, Nm, for a picture
 
 
 @dataclass(frozen=True, kw_only=True)
-class DiagnosisByLaps:
+class DiagnosisByLapsResult:
     """Which effects are missing, by the mechanical balance of a command that repeats."""
 
     command: Literal["diagnose"] = "diagnose"
@@ -148,13 +148,13 @@ class DiagnosisByLaps:
     mode: Literal["laps of one record"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
     faults: dict[str, EffectEntry] = field(default_factory=dict)  # none: the balance knows no play
-    error: Errors
+    error: ErrorsEntry
     error_unit: str
     next_experiment: str = ""  # what to do next
-    steps: tuple[Step, ...] = ()
+    steps: tuple[StepEntry, ...] = ()
     forces: Forces
     gate: Validity = field(default_factory=Validity)
     where: Localisation = field(default_factory=Localisation)
     unknown: Unexplained | None = None  # none: nothing is drawn of it
     provenance: Provenance = field(default_factory=dict)
-    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+    curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record

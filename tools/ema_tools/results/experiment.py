@@ -17,7 +17,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class Option:
+class OptionEntry:
     """One command of the menu."""
 
     title: str
@@ -50,8 +50,8 @@ class Experiment:
     larger: float  # how many times larger than first asked
     needed: float  # separation from which on two effects are told apart
     sentence: str
-    best: Option | None  # None where no command separates them all
-    options: tuple[Option, ...]  # best first
+    best: OptionEntry | None  # None where no command separates them all
+    options: tuple[OptionEntry, ...]  # best first
     unsafe: dict[str, str]  # commands that were left out, and why
     limits: SafeLimits
     confused: tuple[tuple[str, str], ...]  # pairs that no command separates

@@ -10,7 +10,7 @@ from ema_tools.results.parts import Provenance
 
 
 @dataclass(frozen=True)
-class Simulated:
+class SimulationResult:
     """A recording that was made."""
 
     command: Literal["simulate"]
@@ -41,7 +41,7 @@ class SignatureTable:
 
 
 @dataclass(frozen=True)
-class Exported:
+class ExportResult:
     """The configuration that firmware compiles in."""
 
     command: Literal["export"]
@@ -54,7 +54,7 @@ class Exported:
 
 
 @dataclass(frozen=True)
-class Imported:
+class ImportResult:
     """A foreign measurement in this project's formats."""
 
     command: Literal["import emps"]
@@ -66,7 +66,7 @@ class Imported:
 
 
 @dataclass(frozen=True)
-class Reported:
+class ReportResult:
     """A page of results."""
 
     command: Literal["report"]
@@ -75,7 +75,7 @@ class Reported:
 
 
 @dataclass(frozen=True)
-class Shown:
+class DemoResult:
     """What the demo left."""
 
     command: Literal["demo"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
-from ema_tools.results.parts import Curves, Provenance
+from ema_tools.results.parts import CurvesEntry, Provenance
 
 # Values that can be identified.
 KEYS = ("csj_Nm", "blk_mm")
@@ -16,7 +16,7 @@ GuardVerdict = Literal["adequate", "missing", "unknown"]
 
 
 @dataclass(frozen=True)
-class Estimate:
+class EstimateEntry:
     """One identified value, in the unit of its name."""
 
     estimate: float
@@ -62,7 +62,7 @@ class Guard:
 
 
 @dataclass(frozen=True)
-class Baseline:
+class BaselineEntry:
     """Healthy values found on healthy records."""
 
     values: dict[str, float]  # by full name
@@ -71,7 +71,7 @@ class Baseline:
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchEntry:
     """The search, run by run."""
 
     cost_mm2s: Series  # of every model run; of one given up early what had come together; with weights no longer mm2 s
@@ -104,15 +104,15 @@ class TableFinding:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identification:
+class IdentificationResult:
     """CSJ and BLK of one record."""
 
     command: Literal["identify", "demo"] = "identify"
     name: str | None = None  # of the record
     case: str | None = field(default=None, metadata=SPARE)  # letter of the paper's case whose truth is known
     noise: str | None = field(default=None, metadata=SPARE)  # the sensor noise in a record of a case, in words
-    csj_Nm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # static dry friction
-    blk_mm: Estimate | NotIdentified | None = field(default=None, metadata=SPARE)  # backlash at the rod
+    csj_Nm: EstimateEntry | NotIdentified | None = field(default=None, metadata=SPARE)  # static dry friction
+    blk_mm: EstimateEntry | NotIdentified | None = field(default=None, metadata=SPARE)  # backlash at the rod
     objective_before_mm2s: float  # with healthy values; with weights no longer mm2 s
     objective_after_mm2s: float
     evaluations: int  # model runs
@@ -132,16 +132,16 @@ class Identification:
     wall_s: float | None = None  # time of the search
     seed: int | None = None
     precision: int | None = None  # bits of the module's numbers
-    baseline: Baseline | None = None  # None where the actuator's healthy values were taken
-    search: Search | None = None
+    baseline: BaselineEntry | None = None  # None where the actuator's healthy values were taken
+    search: SearchEntry | None = None
     seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
     provenance: Provenance = field(default_factory=dict)
-    curves: Curves | None = field(default=None, metadata=SPARE)  # None for a very long record
+    curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
 
     @property
-    def estimates(self) -> dict[str, Estimate]:
+    def estimates(self) -> dict[str, EstimateEntry]:
         """What was identified, by key."""
-        return {name: one for name in KEYS if isinstance(one := getattr(self, name), Estimate)}
+        return {name: one for name in KEYS if isinstance(one := getattr(self, name), EstimateEntry)}
 
     @property
     def left_out(self) -> dict[str, NotIdentified]:

@@ -10,7 +10,7 @@ from ema_tools.results.parts import Place
 
 
 @dataclass(frozen=True)
-class Term:
+class TermEntry:
     """A simple description of a residual."""
 
     words: str  # what it is like: proportional to ..., with the sign of ...
@@ -19,7 +19,7 @@ class Term:
 
 
 @dataclass(frozen=True)
-class Block:
+class BlockEntry:
     """One balance: measured signals and one group of blocks. Numbers are None where it cannot be drawn."""
 
     name: str
@@ -29,12 +29,12 @@ class Block:
     relative_percent: float | None  # of the measured side
     share_percent: float  # of the excess of all balances
     telling: bool  # whether it exceeds the floor
-    terms: tuple[Term, ...]  # best first
+    terms: tuple[TermEntry, ...]  # best first
     reason: str | None = None  # why it cannot be drawn
 
 
 @dataclass(frozen=True)
-class Signal:
+class SignalErrorEntry:
     """One signal of the closed loop."""
 
     name: str
@@ -45,7 +45,7 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Bins:
+class BinsEntry:
     """A quantity over an axis in equal bins, empty ones left out."""
 
     center: Series  # in the unit of the axis
@@ -68,7 +68,7 @@ class BinsOf:
 
 
 @dataclass(frozen=True)
-class BinPicture(Bins, BinsOf):
+class BinPicture(BinsEntry, BinsOf):
     """The residual of a balance over an axis; the file states first what it is."""
 
 
@@ -88,12 +88,12 @@ class TorqueSpeed:
     axis_unit: str
     other: Literal["healthy", "model"]  # what is expected: the healthy repeats, or the model
     points: Points  # of the record
-    measured: Bins | None  # of the record; None where the speed does not change, as is the next
-    expected: Bins | None
+    measured: BinsEntry | None  # of the record; None where the speed does not change, as is the next
+    expected: BinsEntry | None
 
 
 @dataclass(frozen=True)
-class Lines:
+class LinesEntry:
     """Amplitudes over orders, which are periods per turn."""
 
     order: Series
@@ -106,8 +106,8 @@ class Orders:
     """The spectrum of a balance over the angle."""
 
     unit: str
-    turns: Lines  # per turn of the motor
-    leads: Lines  # per lead of the screw
+    turns: LinesEntry  # per turn of the motor
+    leads: LinesEntry  # per lead of the screw
     stroke_turns: float  # of the motor
     stroke_leads: float
 
@@ -147,7 +147,7 @@ class Localisation:
 
     relative_to_healthy: bool = False  # whether the record is held against healthy repeats, not against the model
     sentence: str = ""
-    blocks: tuple[Block, ...] = ()
-    channels: tuple[Signal, ...] = ()  # largest share first
+    blocks: tuple[BlockEntry, ...] = ()
+    channels: tuple[SignalErrorEntry, ...] = ()  # largest share first
     places: tuple[Place, ...] = ()  # most telling first
     pictures: Pictures = field(default_factory=Pictures)

@@ -23,7 +23,7 @@ class Channels:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Curves:
+class CurvesEntry:
     """A record beside simulations of it, for the page; a comparison has `model`, the others `before` and, where something was found, `after`."""
 
     start_s: float = 0.0  # time of the first row
@@ -35,7 +35,7 @@ class Curves:
 
 
 @dataclass(frozen=True)
-class Errors:
+class ErrorsEntry:
     """The error from the first model to the last, one weighting throughout: weighted rms, 1 is sensor noise; by the balance % of the drive's force."""
 
     before: float | None  # of the first model; None where nothing was fitted
@@ -46,14 +46,14 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class WeightedErrors(Errors):
+class WeightedErrors(ErrorsEntry):
     """Errors as weighted rms, with the floor of the record held out."""
 
     holdout_floor: float | None = None  # what the record held out would have with nothing new
 
 
 @dataclass(frozen=True)
-class Step:
+class StepEntry:
     """One model of the way from the first to the last."""
 
     effects: tuple[str, ...]  # that it holds

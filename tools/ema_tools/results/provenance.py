@@ -11,7 +11,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.records import Record
 from ema_tools.plant.native import OUTPUTS, Simulation
 from ema_tools.results.codec import Series
-from ema_tools.results.parts import Channels, Curves, Provenance
+from ema_tools.results.parts import Channels, CurvesEntry, Provenance
 
 # Longer records are left out of result files; the page would not show more.
 CURVE_ROWS_MAX = 200_000
@@ -28,7 +28,7 @@ def rounded(values: Reals) -> Series:
 
 def curves(
     record: Record, *, model: Simulation | None = None, before: Simulation | None = None, after: Simulation | None = None
-) -> Curves | None:
+) -> CurvesEntry | None:
     """Measured and simulated channels for the page; None for a very long record."""
     if record.rows > CURVE_ROWS_MAX:
         return None
@@ -39,7 +39,7 @@ def curves(
             return None
         return Channels(**{name: rounded(getattr(simulation, name)) for name in OUTPUTS if name in measured or name == "position_mm"})
 
-    return Curves(
+    return CurvesEntry(
         start_s=record.first_time_s,
         period_s=record.period_s,
         measured=Channels(**measured),

@@ -9,42 +9,42 @@ from typing import Any
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import read_json
 from ema_tools.results.addition import Addition
-from ema_tools.results.calibration import Calibration
+from ema_tools.results.calibration import CalibrationResult
 from ema_tools.results.codec import check_format, from_json
-from ema_tools.results.comparison import Comparison
-from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
+from ema_tools.results.comparison import ComparisonResult
+from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
-from ema_tools.results.files import Exported, Imported, Reported, Shown, Simulated
-from ema_tools.results.identification import Identification
+from ema_tools.results.files import DemoResult, ExportResult, ImportResult, ReportResult, SimulationResult
+from ema_tools.results.identification import IdentificationResult
 
 Result = (
     Addition
-    | Calibration
-    | Comparison
-    | Diagnosis
-    | DiagnosisByLaps
+    | CalibrationResult
+    | ComparisonResult
+    | DiagnosisResult
+    | DiagnosisByLapsResult
     | Effects
     | Experiment
-    | Exported
-    | Identification
-    | Imported
-    | Reported
-    | Shown
-    | Simulated
+    | ExportResult
+    | IdentificationResult
+    | ImportResult
+    | ReportResult
+    | DemoResult
+    | SimulationResult
 )
 
 _BY_COMMAND: Mapping[str, type[Result]] = {
     "add": Addition,
-    "calibrate": Calibration,
-    "compare": Comparison,
+    "calibrate": CalibrationResult,
+    "compare": ComparisonResult,
     "effects": Effects,
-    "export": Exported,
-    "identify": Identification,
-    "import emps": Imported,
+    "export": ExportResult,
+    "identify": IdentificationResult,
+    "import emps": ImportResult,
     "next": Experiment,
-    "report": Reported,
-    "simulate": Simulated,
+    "report": ReportResult,
+    "simulate": SimulationResult,
 }
 
 
@@ -52,13 +52,13 @@ def kind_of(data: Mapping[str, Any], source: str) -> type[Result]:
     """The type of a result: by its command, and by its keys where one command writes two kinds. Raises InputError for what is no result."""
     command = data.get("command")
     if command == "diagnose":
-        return DiagnosisByLaps if "forces" in data else Diagnosis
+        return DiagnosisByLapsResult if "forces" in data else DiagnosisResult
     if command == "demo":
-        return Shown if "page" in data else Identification
+        return DemoResult if "page" in data else IdentificationResult
     if command is None and ("csj_Nm" in data or "blk_mm" in data):
-        return Identification
+        return IdentificationResult
     if command is None and "balances" in data:
-        return Comparison
+        return ComparisonResult
     kind = _BY_COMMAND.get(command) if isinstance(command, str) else None
     if kind is None:
         raise InputError(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ema_tools.results.codec import Series
-from ema_tools.results.localisation import Bins
+from ema_tools.results.localisation import BinsEntry
 
 
 @dataclass(frozen=True)
-class Ranked:
+class RankedEntry:
     """One axis that the unknown may repeat with."""
 
     axis: str
@@ -30,12 +30,12 @@ class UnknownOver:
 
 
 @dataclass(frozen=True)
-class UnknownPicture(Bins, UnknownOver):
+class UnknownPicture(BinsEntry, UnknownOver):
     """The unknown over an axis; the file states first what it is."""
 
 
 @dataclass(frozen=True)
-class Unknown:
+class UnknownEntry:
     """What one balance leaves."""
 
     balance: str
@@ -44,12 +44,12 @@ class Unknown:
     rms: float
     floor_rms: float  # of healthy repeats; 0 without them
     sentence: str
-    ranking: tuple[Ranked, ...]  # best first
+    ranking: tuple[RankedEntry, ...]  # best first
     pictures: tuple[UnknownPicture, ...]
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnedEntry:
     """A table effect that stands for an unknown."""
 
     effect: str  # of the library
@@ -67,5 +67,5 @@ class Unexplained:
     """All that is left, the most telling balance first."""
 
     sentence: str
-    balances: tuple[Unknown, ...]
-    learned: Learned | None  # what could be flown without a name; None where nothing repeats
+    balances: tuple[UnknownEntry, ...]
+    learned: LearnedEntry | None  # what could be flown without a name; None where nothing repeats

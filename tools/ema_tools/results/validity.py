@@ -9,7 +9,7 @@ Severity = Literal["blocks", "weakens", "fine"]
 
 
 @dataclass(frozen=True)
-class Signal:
+class SignalEntry:
     """One signal of the record."""
 
     present: bool
@@ -32,6 +32,6 @@ class Validity:
 
     answerable: bool = True  # whether anything that follows means something
     sentence: str = ""
-    signals: dict[str, Signal] = field(default_factory=dict)  # by column
+    signals: dict[str, SignalEntry] = field(default_factory=dict)  # by column
     remarks: tuple[Remark, ...] = ()  # the gravest first
     coverage: dict[str, float | None] = field(default_factory=dict)  # numbers about the motion, units in their names

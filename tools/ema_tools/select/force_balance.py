@@ -70,7 +70,7 @@ def _size_of_load() -> str:
 
 
 @dataclass(frozen=True)
-class Errors:
+class FoldErrors:
     """Relative errors in %: of the laps fitted, of the laps held out, and of each part when it is held out and the others are fitted."""
 
     training: float
@@ -86,7 +86,7 @@ class ForceStep:
     values: Mapping[str, float]
     std: Mapping[str, float]
     alike: tuple[str, ...]
-    errors: Errors
+    errors: FoldErrors
     elsewhere: Mapping[str, tuple[float, float]]
 
 
@@ -98,7 +98,7 @@ class Refusal:
     reason: str
     values: Mapping[str, float] = field(default_factory=dict)
     std: Mapping[str, float] = field(default_factory=dict)
-    errors: Errors | None = None
+    errors: FoldErrors | None = None
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,8 @@ class ForceSteps:
     and how the record was divided. `curves` are the torque and the residuals before and after, [samples], for a picture."""
 
     actuator: Actuator
-    given: Errors
-    refitted: Errors
+    given: FoldErrors
+    refitted: FoldErrors
     steps: tuple[ForceStep, ...]
     refused: tuple[Refusal, ...]
     floor_percent: float
@@ -141,7 +141,7 @@ class Fitted:
     values: Mapping[str, float]
     residual: Reals
     std: Mapping[str, float] = field(default_factory=dict)
-    errors: Errors = field(default_factory=lambda: Errors(math.nan, math.nan, ()))
+    errors: FoldErrors = field(default_factory=lambda: FoldErrors(math.nan, math.nan, ()))
 
     def square(self, rows: Rows) -> float:
         """Mean squared residual of some samples."""
@@ -241,10 +241,10 @@ class Bench:
         matrix, target = fit.matrix, fit.samples.target
         return self.relative(target - matrix @ solved(matrix[fitted], target[fitted]), fit.samples.drive, told)
 
-    def _errors(self, fit: Fitted) -> Errors:
+    def _errors(self, fit: Fitted) -> FoldErrors:
         drive, held_out = fit.samples.drive, self.held_out(fit)
         each = tuple(self.relative(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.laps.folds))
-        return Errors(self.relative(fit.residual, drive, self.training), self.relative(fit.residual, drive, self.held), each)
+        return FoldErrors(self.relative(fit.residual, drive, self.training), self.relative(fit.residual, drive, self.held), each)
 
     def _std(self, fit: Fitted) -> dict[str, float]:
         """Standard errors of the values, jointly; sizes that are searched are taken as linear where they are."""
@@ -713,9 +713,9 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
     )
 
 
-def _given(actuator: Actuator, bench: Bench) -> Errors:
+def _given(actuator: Actuator, bench: Bench) -> FoldErrors:
     """Errors of the actuator as it was given, from the balance as `ema compare` draws it."""
     balance = mechanical(actuator, bench.record, bench.smoother)
     parts = [bench.fold == part for part in range(bench.laps.folds)]
     *training, held = (bench.relative(balance.residual, balance.measured, part) for part in parts)
-    return Errors(bench.relative(balance.residual, balance.measured, ~parts[-1]), held, (*training, held))
+    return FoldErrors(bench.relative(balance.residual, balance.measured, ~parts[-1]), held, (*training, held))

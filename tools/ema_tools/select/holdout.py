@@ -29,7 +29,7 @@ UNIT = "the unit's own parameters"
 
 
 @dataclass(frozen=True)
-class Errors:
+class ErrorFall:
     """Weighted rms: of the first model, of the last, what a record with nothing new has; and the same on the record held out, None without one."""
 
     before: float
@@ -94,7 +94,7 @@ def error_of(evidence: Evidence, values: Mapping[str, float]) -> float:
 
 def walk(
     diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None, healthy: Sequence[Record] = ()
-) -> tuple[Errors, tuple[Step, ...]]:
+) -> tuple[ErrorFall, tuple[Step, ...]]:
     """The fall of the error from the first model over every accepted set of effects, with its twin on `holdout`, a record that nothing was fitted to.
 
     `healthy`: repeats of the command of `holdout`, where there are any.
@@ -115,7 +115,7 @@ def walk(
         known = fit.effects
     last = steps[-1]
     floor = weighted(diagnosis.cost_floor, evidence)
-    return Errors(
+    return ErrorFall(
         steps[0].error,
         last.error,
         floor,

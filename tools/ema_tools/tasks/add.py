@@ -22,7 +22,7 @@ from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather
 from ema_tools.select.beside_fault import beside_faults, known_machine
 from ema_tools.select.candidates import signatures
-from ema_tools.select.holdout import Errors, Step, fitted_machine, walk
+from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, walk
 from ema_tools.select.outcome import Diagnosis
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
@@ -70,7 +70,7 @@ class Added:
     effect: str
     actuator: Actuator
     fit: Fit
-    errors: Errors
+    errors: ErrorFall
     steps: tuple[Step, ...]
     judgement: Judgement
     correlations: tuple[tuple[str, str, float], ...]
@@ -200,7 +200,7 @@ def _correlations(fit: Fit) -> list[tuple[str, str, float]]:
     return sorted((pair for pair in pairs if abs(pair[2]) > _CORRELATED), key=lambda pair: -abs(pair[2]))
 
 
-def _judged(fit: Fit, effect: str, errors: Errors, before: float, correlations: Sequence[tuple[str, str, float]]) -> Judgement:
+def _judged(fit: Fit, effect: str, errors: ErrorFall, before: float, correlations: Sequence[tuple[str, str, float]]) -> Judgement:
     if before - fit.cost < LEAST_LIMIT:
         return Judgement(Why.NOISE)
     if not fit.determined(effect):

@@ -53,7 +53,7 @@ _LOOP_GAIN = 0.02
 
 
 @dataclass(frozen=True)
-class Parameter:
+class FittedParameter:
     """One calibrated value in its unit: before, after, its standard error, and what gave it (`balance` or `loop`)."""
 
     name: str
@@ -69,7 +69,7 @@ class Calibration:
     """The calibrated actuator, its parameters, rms errors per channel before and after, the noise of the sensors there, and what could not be calibrated and why."""
 
     actuator: Actuator
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[FittedParameter, ...]
     errors_before: dict[str, float]
     errors_after: dict[str, float]
     noise: dict[str, float]
@@ -152,7 +152,7 @@ def _base_of(actuator: Actuator, name: str, effective: float) -> tuple[float, fl
 
 def _taken(
     actuator: Actuator, fitted: leastsquares.LinearFit, names: Sequence[str], scale: Sequence[float]
-) -> tuple[Actuator, list[Parameter]]:
+) -> tuple[Actuator, list[FittedParameter]]:
     """The actuator with the fitted effective values times `scale`, held inside their ranges."""
     found = []
     changes = {}
@@ -160,12 +160,12 @@ def _taken(
         base, slope = _base_of(actuator, name, float(effective) * factor)
         lower, upper = range_of(actuator, name)
         held = min(max(base, lower), upper)
-        found.append(Parameter(name, actuator[name], held, abs(slope) * float(std) * factor, "balance", held != base))
+        found.append(FittedParameter(name, actuator[name], held, abs(slope) * float(std) * factor, "balance", held != base))
         changes[name] = held
     return actuator.changed(changes), found
 
 
-def from_mechanics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
+def from_mechanics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[FittedParameter]]:
     """Inertia, viscous damping, dry friction and load from the mechanical balance. Raises MissingSignal and InputError."""
     models = [mechanical_model(actuator, record) for record in records]
     values = adjusted(actuator)
@@ -193,7 +193,7 @@ def _with_rest(model: Mechanical, parameters: Reals, ratio: float) -> tuple[Real
     return use.decimated(model.drive_Nm - model.load_Nm - friction), np.column_stack([use.decimated(column) for column in columns.T])
 
 
-def from_electrics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
+def from_electrics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[FittedParameter]]:
     """Resistance, inductance and back-EMF constant from the electrical balance. Raises MissingSignal and InputError."""
     models = [electrical_model(actuator, record) for record in records]
     fitted = leastsquares.fit(
@@ -202,7 +202,7 @@ def from_electrics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actua
     return _taken(actuator, fitted, ELECTRICAL_PARAMETERS, (1.0, 1.0, 1.0))
 
 
-def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[Parameter]]:
+def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actuator, list[FittedParameter]]:
     """The play from rod and motor position. Raises MissingSignal."""
     from scipy.optimize import minimize_scalar
 
@@ -229,7 +229,7 @@ def from_kinematics(actuator: Actuator, records: Sequence[Record]) -> tuple[Actu
     )
     std = np.sqrt(scores) / normal if normal > 0.0 else np.inf
     return actuator.changed({PLAY: found}), [
-        Parameter(PLAY, actuator[PLAY], found, float(std), "balance", not lower + _AT_BOUND_MM < found < upper - _AT_BOUND_MM)
+        FittedParameter(PLAY, actuator[PLAY], found, float(std), "balance", not lower + _AT_BOUND_MM < found < upper - _AT_BOUND_MM)
     ]
 
 
@@ -308,7 +308,7 @@ class _Loop:
 
 def in_the_loop(
     actuator: Actuator, records: Sequence[Record], names: Sequence[str], given: Actuator, report: Report | None = None
-) -> tuple[Actuator, list[Parameter]]:
+) -> tuple[Actuator, list[FittedParameter]]:
     """Fit `names` so that the simulated loop follows every recorded channel, each weighted by its own rms error; `given`: the actuator before any fit.
 
     Raises InputError when the records do not determine a parameter.
@@ -347,7 +347,9 @@ def in_the_loop(
     for place, name in enumerate(loop.names):
         after = float(np.clip(point[place], loop.lower[place], loop.upper[place]) * loop.size[place])
         at_bound = bool(np.isclose(point[place], (loop.lower[place], loop.upper[place]), rtol=1e-6, atol=1e-9).any())
-        found.append(Parameter(name, actuator[name], after, float(np.sqrt(covariance[place, place]) * loop.size[place]), "loop", at_bound))
+        found.append(
+            FittedParameter(name, actuator[name], after, float(np.sqrt(covariance[place, place]) * loop.size[place]), "loop", at_bound)
+        )
     return loop.at(point), found
 
 
@@ -381,7 +383,7 @@ def calibrate(
     """
     before = channel_errors(actuator, records)
     free = tuple(row_of(name).name for name in names) if names is not None else free_parameters(actuator, records)
-    found: dict[str, Parameter] = {}
+    found: dict[str, FittedParameter] = {}
     left_out: dict[str, str] = {}
     fitted = actuator
     for group, take in ((MECHANICAL_PARAMETERS, from_mechanics), (ELECTRICAL_PARAMETERS, from_electrics), ((PLAY,), from_kinematics)):
@@ -415,6 +417,6 @@ def _gain(before: dict[str, float], after: dict[str, float]) -> float:
     return 1.0 - float(np.exp(np.mean([np.log(max(after[name], 1e-300) / max(before[name], 1e-300)) for name in before])))
 
 
-def _begun(parameter: Parameter, actuator: Actuator) -> Parameter:
+def _begun(parameter: FittedParameter, actuator: Actuator) -> FittedParameter:
     """The parameter with the value before any calibration."""
-    return Parameter(parameter.name, actuator[parameter.name], parameter.after, parameter.std, parameter.source, parameter.at_bound)
+    return FittedParameter(parameter.name, actuator[parameter.name], parameter.after, parameter.std, parameter.source, parameter.at_bound)

@@ -18,7 +18,7 @@ from ema_tools.fit.evidence import Evidence
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
-from ema_tools.select.holdout import Errors, Step, fitted_machine, refuted, walk
+from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, refuted, walk
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
@@ -39,12 +39,12 @@ class Answer:
     where: Where
     evidence: Evidence
     diagnosis: Diagnosis
-    errors: Errors
+    errors: ErrorFall
     steps: tuple[Step, ...]
     known: Actuator
     actuator: Actuator
     left: tuple[unknowns.Unknown, ...]
-    learned: unknowns.Learned | None
+    learned: unknowns.LearnedTable | None
     refuted: tuple[str, ...] = ()
     sensor: Suspect | None = None
 

@@ -57,7 +57,7 @@ _INDEPENDENT = 1e-3
 
 
 @dataclass(frozen=True)
-class Pattern:
+class TablePattern:
     """One effect in one shape: `rows` rows (1 or 2) of the table from `first`. `turn` [3] makes sizes of products p: turn[0] p0 + turn[1] p1, and turn[2] p1 a quarter period apart.
 
     `one_sided`: a negative product does not mean the effect; `penalty`: what the choice among the effect's shapes explains of pure noise, units of cost.
@@ -99,7 +99,7 @@ class Signatures:
     weight: Reals
     nuisances: int
     rows: Reals
-    patterns: tuple[Pattern, ...]
+    patterns: tuple[TablePattern, ...]
     faults: tuple[Fault, ...]
     limit: float = LIMIT
     energy: float = 0.0
@@ -299,11 +299,11 @@ def _row(bench: _Bench, space: _Space, wanted: _Wanted, values: Mapping[str, flo
     return found
 
 
-def _patterns(bench: _Bench, space: _Space, first: int) -> tuple[list[Pattern], list[Reals]]:
+def _patterns(bench: _Bench, space: _Space, first: int) -> tuple[list[TablePattern], list[Reals]]:
     """Patterns of all effects, and their rows [n], the first of which is row `first` of the table."""
     tasks = [one for effect in load_definitions().effects if not effect.is_learned for one in _wanted(bench, effect)]
     made = each(lambda one: [_row(bench, space, one, values) for values in one.rows], tasks)
-    patterns: list[Pattern] = []
+    patterns: list[TablePattern] = []
     rows: list[Reals] = []
     for one, found in zip(tasks, made, strict=True):
         present = [row for row in found if row is not None]
@@ -318,7 +318,7 @@ def _patterns(bench: _Bench, space: _Space, first: int) -> tuple[list[Pattern], 
         back[: len(present), : len(present)] = np.linalg.inv(turn)
         sizes = [change for change, _ in present] * 2
         patterns.append(
-            Pattern(
+            TablePattern(
                 one.effect,
                 first + len(rows),
                 len(present),

@@ -58,7 +58,7 @@ ASSUMED_STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.004, "enc
 
 
 @dataclass(frozen=True)
-class Setting:
+class MachineSetting:
     """How machines of one kind of trial differ from the others: factor on SCATTER, days up to `temperature_degC` warmer or colder, units' deviations, sensors (fields of Sensors), values that
     stand on each, and whether the voltage is recorded at the motor. `text` says it in the document."""
 
@@ -73,22 +73,26 @@ class Setting:
     at_terminals: bool = False
 
 
-def _assumed_times(factor: float, text: str) -> Setting:
+def _assumed_times(factor: float, text: str) -> MachineSetting:
     units = {names: factor * std for names, std in ASSUMED.items()}
     standing = {name: factor * std for name, std in ASSUMED_STANDING.items()}
-    return Setting(text, scatter=factor, units=units, standing=standing, ripple=factor * RIPPLE)
+    return MachineSetting(text, scatter=factor, units=units, standing=standing, ripple=factor * RIPPLE)
 
 
-SETTINGS: Mapping[str, Setting] = {
-    "": Setting(),
-    "scatter": Setting("four times the scatter, and days of +-8 degC", scatter=4.0, temperature_degC=8.0),
+SETTINGS: Mapping[str, MachineSetting] = {
+    "": MachineSetting(),
+    "scatter": MachineSetting("four times the scatter, and days of +-8 degC", scatter=4.0, temperature_degC=8.0),
     "twice": _assumed_times(2.0, "units and scatter twice as wide as the search assumes"),
     "half": _assumed_times(0.5, "units and scatter half as wide as the search assumes"),
-    "coloured": Setting("noise of both positions with a corner at 30 Hz", sensors={"position_corner_hz": 30.0}),
-    "counts_5um": Setting("positions in counts of 5 um", sensors={"position_resolution_mm": 0.005, "motor_position_resolution_mm": 0.005}),
-    "counts_20um": Setting("positions in counts of 20 um", sensors={"position_resolution_mm": 0.02, "motor_position_resolution_mm": 0.02}),
+    "coloured": MachineSetting("noise of both positions with a corner at 30 Hz", sensors={"position_corner_hz": 30.0}),
+    "counts_5um": MachineSetting(
+        "positions in counts of 5 um", sensors={"position_resolution_mm": 0.005, "motor_position_resolution_mm": 0.005}
+    ),
+    "counts_20um": MachineSetting(
+        "positions in counts of 20 um", sensors={"position_resolution_mm": 0.02, "motor_position_resolution_mm": 0.02}
+    ),
     # every bridge and line loses a little, which the voltage asked for does not show and that of the motor does
-    "terminals": Setting(
+    "terminals": MachineSetting(
         "voltage recorded at the motor, behind a bridge that drops 50 mV and 20 mohm of line",
         values={"inverter_dead_time.drop_V": 0.05, "inverter_dead_time.width_A": 0.2, "source_resistance.resistance_ohm": 0.02},
         at_terminals=True,
@@ -136,7 +140,7 @@ class Machine:
     setting: str = ""
 
     @property
-    def is_set(self) -> Setting:
+    def is_set(self) -> MachineSetting:
         """How it differs from the machines of most trials."""
         return SETTINGS[self.setting]
 

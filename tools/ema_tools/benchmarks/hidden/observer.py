@@ -112,7 +112,7 @@ def bank(number: int, own: bool, command: str, setting: str = "") -> Bank:
 
 
 @dataclass(frozen=True)
-class _Space:
+class _ObservedSpace:
     """Vectors in some channels, scaled by what `repeats` leave of a difference, with the scatter taken off, and without repeats the unit's own errors; `place` of this unit among them."""
 
     channels: tuple[int, ...]
@@ -122,12 +122,12 @@ class _Space:
     alone: bool
 
     @staticmethod
-    def of(known: Bank, channels: Sequence[str] | None, repeats: int) -> _Space:
+    def of(known: Bank, channels: Sequence[str] | None, repeats: int) -> _ObservedSpace:
         chosen = tuple(CHANNELS.index(name) for name in channels or CHANNELS)
         own, place = ([], np.empty(0)) if repeats else known.unit_directions()
         columns = np.column_stack([direction[list(chosen)].ravel() for direction in (*known.directions, *own)])
         basis, _ = np.linalg.qr(np.vstack([columns, -np.eye(columns.shape[1])]))
-        return _Space(
+        return _ObservedSpace(
             chosen,
             1.0 / np.sqrt(1.0 + 1.0 / repeats) if repeats else 1.0,
             basis,
@@ -148,7 +148,7 @@ class _Judge:
 
     names = (*LIBRARY, *FAULTS)
 
-    def __init__(self, known: Bank, space: _Space) -> None:
+    def __init__(self, known: Bank, space: _ObservedSpace) -> None:
         self._known, self._space = known, space
         self._units: dict[str, Reals] = {}
         self._signed = np.array([name in FAULTS or LIBRARY[name].signed for name in self.names])
@@ -189,7 +189,7 @@ def judged(
     pair, `apart` says how far each lies from what the other one alone can make. Of a form the observer knows the very form beside the library's effects.
     """
     known = bank(number, own, command, setting)
-    space = _Space.of(known, channels, len(healthy))
+    space = _ObservedSpace.of(known, channels, len(healthy))
     judge = _judge(number, own, command, tuple(channels or CHANNELS), len(healthy), setting)
     reference = np.mean([signals(other) for other in healthy], axis=0) if healthy else known.healthy
     seen_run = known.whitened(signals(run) - reference)
@@ -222,4 +222,4 @@ def judged(
 @lru_cache(maxsize=4)
 def _judge(number: int, own: bool, command: str, channels: tuple[str, ...], repeats: int, setting: str) -> _Judge:
     known = bank(number, own, command, setting)
-    return _Judge(known, _Space.of(known, channels, repeats))
+    return _Judge(known, _ObservedSpace.of(known, channels, repeats))

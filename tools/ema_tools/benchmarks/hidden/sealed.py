@@ -67,7 +67,7 @@ class Said:
 
 
 @dataclass(frozen=True)
-class Answer:
+class SealedAnswer:
     """What the result says. `said`: the effects to be added, then the faults, then the others, each as listed; `standing`: values of the effects in the healthy machine's model.
 
     `error`: weighted errors `before` anything is added, `after` and `floor`, those of the record held out in `held_out` over its floor; `sensor`: the channel that is suspected;
@@ -112,7 +112,7 @@ def _said(one: Mapping[str, Any]) -> Said:
     return Said(one["name"], ordered, dict(one["parameters"]), dict(one["std"]), float(one["score"]), bool(one["accepted"]))
 
 
-def read(result: Mapping[str, Any], run_s: float = 0.0, cpu_s: float = 0.0) -> Answer:
+def read(result: Mapping[str, Any], run_s: float = 0.0, cpu_s: float = 0.0) -> SealedAnswer:
     """The answer in a result of `diagnosed`."""
     effects = [_said(one) for one in result["effects"]]
     faults = [_said(one) for one in result["faults"].values()]
@@ -125,7 +125,7 @@ def read(result: Mapping[str, Any], run_s: float = 0.0, cpu_s: float = 0.0) -> A
         held_out = {"before": before["error_holdout"] / floor, "after": error["holdout_after"] / floor}
     errors = {"before": before["error_training"], "after": error["after"], "floor": error["floor"]}
     sensor = result.get("sensor")
-    return Answer(
+    return SealedAnswer(
         result["verdict"],
         tuple(said),
         result.get("standing", {}),
@@ -145,7 +145,7 @@ def answered(
     channels: Sequence[str] | None = None,
     other: Recording | None = None,
     others: Sequence[Recording] = (),
-) -> Answer:
+) -> SealedAnswer:
     """The diagnosis of one run against healthy repeats (none: against the data sheet), in `channels` or all signals; `other` is held out, with healthy repeats `others` of its command."""
     records = [record_of(one, number, channels) for number, one in enumerate((run, *healthy, *others))]
     holdout = record_of(other, len(records), channels) if other is not None else None
@@ -153,5 +153,5 @@ def answered(
     try:
         result = diagnosed(reference_actuator(), records[0], records[1:], holdout)
     except InputError as error:
-        return Answer("refused", (), {}, {}, None, 0.0, None, str(error), time.perf_counter() - begun, time.process_time() - work)
+        return SealedAnswer("refused", (), {}, {}, None, 0.0, None, str(error), time.perf_counter() - begun, time.process_time() - work)
     return read(result, time.perf_counter() - begun, time.process_time() - work)

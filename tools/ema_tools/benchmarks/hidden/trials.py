@@ -218,7 +218,7 @@ def _dealt(run: Recording, healthy: Sequence[Recording], seed: int) -> Recording
     return Recording(**{**{name: getattr(run, name) for name in run.__dataclass_fields__}, **changed})
 
 
-def _sizes(answer: sealed.Answer, hidden: Sequence[Change], effects: Sequence[str]) -> list[dict[str, Any]]:
+def _sizes(answer: sealed.SealedAnswer, hidden: Sequence[Change], effects: Sequence[str]) -> list[dict[str, Any]]:
     """Per hidden effect that was accepted by its own name: true change of its size, estimate, its standard error, whether the 95 % interval holds."""
     found = []
     for name, one in zip(effects, hidden, strict=True):
@@ -231,7 +231,7 @@ def _sizes(answer: sealed.Answer, hidden: Sequence[Change], effects: Sequence[st
     return found
 
 
-def _estimated_change(answer: sealed.Answer, said: sealed.Said, size: str) -> float:
+def _estimated_change(answer: sealed.SealedAnswer, said: sealed.Said, size: str) -> float:
     """From the healthy machine's model, which may hold a little of the effect already; what has a phase changes as a vector."""
     stood = answer.standing.get(said.name, {})
     if "phase_rad" in said.values:

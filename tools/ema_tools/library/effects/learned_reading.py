@@ -1,8 +1,8 @@
 """An error of the rod sensor that was learned."""
 
-from ema_tools.library.record import EffectRecord, Learned
+from ema_tools.library.record import EffectRecord, LearnedKind
 
 EFFECT = EffectRecord(
     shows="kinematic balance: whatever error of the rod sensor repeats against the axis of the table",
-    learned=Learned("kinematic", frozenset({0, 1, 2, 3})),
+    learned=LearnedKind("kinematic", frozenset({0, 1, 2, 3})),
 )

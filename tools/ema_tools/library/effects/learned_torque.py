@@ -1,8 +1,8 @@
 """A torque that was learned."""
 
-from ema_tools.library.record import EffectRecord, Learned
+from ema_tools.library.record import EffectRecord, LearnedKind
 
 EFFECT = EffectRecord(
     shows="mechanical balance: whatever torque repeats against the axis of the table",
-    learned=Learned("mechanical", frozenset({0, 1, 2, 3, 4})),
+    learned=LearnedKind("mechanical", frozenset({0, 1, 2, 3, 4})),
 )

@@ -14,7 +14,7 @@ from ema_tools.fit.nuisance import is_slight
 from ema_tools.fit.refit import Fit, best_of_each, jointly
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
-from ema_tools.select.strategies.strategy import LEAST_LIMIT, Limits, Strategy, refined_near
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, refined_near
 
 # Rounds of the fit of a finalist together with the machine, and the share of the limit that makes it worth them.
 _JOINT_ROUNDS = 3
@@ -33,7 +33,7 @@ class DataSheetAlone(Strategy):
 
     # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are; there is nothing to take a limit from: twice the least, which of nearly 300
     # healthy machines of the benchmark's kind hardly one exceeds; and what no parameter of a unit holds, such as a slight ripple of its friction, leaves 5 %
-    limits = Limits(finalists=8, finalist_share=0.1, least=2.0 * LEAST_LIMIT, model_error=0.05)
+    limits = SearchLimits(finalists=8, finalist_share=0.1, least=2.0 * LEAST_LIMIT, model_error=0.05)
 
     def __init__(self, evidence: Evidence) -> None:
         super().__init__(evidence)

@@ -10,7 +10,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.refit import Fit, polished
 from ema_tools.select.candidates import Signature
-from ema_tools.select.strategies.strategy import Limits, Strategy, refined_near
+from ema_tools.select.strategies.strategy import SearchLimits, Strategy, refined_near
 
 _STANDING_SHARE = 0.05
 _POLISH_ROUNDS = 3
@@ -20,7 +20,7 @@ _POLISH_REACH = 0.3
 class HealthyMachine(Strategy):
     """Standing effects are worth having only when they are large against what repeats leave, and against each other."""
 
-    limits = Limits(finalists=5, finalist_share=0.4, least=100.0, model_error=0.0)
+    limits = SearchLimits(finalists=5, finalist_share=0.4, least=100.0, model_error=0.0)
 
     def __init__(self, evidence: Evidence) -> None:
         super().__init__(evidence)

@@ -24,7 +24,7 @@ _NOISE = 6.0  # standard deviations
 
 
 @dataclass(frozen=True)
-class Limits:
+class SearchLimits:
     """Numbers that differ from strategy to strategy; costs in variances of the noise."""
 
     finalists: int  # effects whose refit is worth its time, at most
@@ -38,7 +38,7 @@ class Limits:
 class Strategy(ABC):
     """One way to seek what is missing in `evidence`. `start`: where nothing is added and what scatters is at its best; `floor`: the cost of a record with nothing new."""
 
-    limits: Limits
+    limits: SearchLimits
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence = evidence

@@ -13,7 +13,7 @@ from ema_tools.fit.refit import Fit, polished, refit, seen_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
-from ema_tools.select.strategies.strategy import LEAST_LIMIT, Limits, Strategy, refined_near
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, refined_near
 
 _REPEAT_MARGIN = 1.5
 _POLISH_ROUNDS = 1
@@ -29,7 +29,7 @@ class WithRepeats(Strategy):
     """The repeats say what a record with nothing new is like, and what the same signatures make of it."""
 
     # the model is trusted to 2 % of what changed: what a missing interplay of a change and a standing error may leave
-    limits = Limits(finalists=5, finalist_share=0.4, least=LEAST_LIMIT, model_error=0.02)
+    limits = SearchLimits(finalists=5, finalist_share=0.4, least=LEAST_LIMIT, model_error=0.02)
 
     def __init__(self, evidence: Evidence) -> None:
         self._repeats = repeat_residuals(evidence)

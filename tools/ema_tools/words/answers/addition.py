@@ -5,13 +5,13 @@ from __future__ import annotations
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results import addition as result
-from ema_tools.results.parts import Curves, Errors, FittedValue, Provenance
+from ema_tools.results.parts import CurvesEntry, ErrorsEntry, FittedValue, Provenance
 from ema_tools.tasks.add import Added
 from ema_tools.words.answers.steps import errors, steps
 from ema_tools.words.sentences.addition import reason, sentence, set_sentence
 
 
-def addition(found: Added, record: str, actuator: str, provenance: Provenance, curves: Curves | None = None) -> result.Addition:
+def addition(found: Added, record: str, actuator: str, provenance: Provenance, curves: CurvesEntry | None = None) -> result.Addition:
     """What was fitted on a record of that name; `actuator` is the file that was written."""
     fit = found.fit
     return result.Addition(
@@ -41,7 +41,7 @@ def setting(made: Actuator, effect: str, before: Actuator, actuator: str, proven
         actuator=actuator,
         effect=effect,
         sentence=set_sentence(effect, before[row.size.name] if there else None),
-        error=Errors(None, None),
+        error=ErrorsEntry(None, None),
         parameters={f"effects.{name}": FittedValue(made[name], None, row_of(f"effects.{name}").unit) for name in names},
         replaced={f"effects.{name}": before[name] for name in names} if there else None,
         provenance=provenance,

@@ -7,12 +7,12 @@ from dataclasses import asdict
 from ema_tools.data.actuator import row_of
 from ema_tools.results import calibration as result
 from ema_tools.results.parts import Provenance
-from ema_tools.tasks.calibrate import Calibration, Parameter
+from ema_tools.tasks.calibrate import Calibration, FittedParameter
 
 
-def calibration(found: Calibration, actuator: str, provenance: Provenance) -> result.Calibration:
+def calibration(found: Calibration, actuator: str, provenance: Provenance) -> result.CalibrationResult:
     """What was found; `actuator` is the file that was written."""
-    return result.Calibration(
+    return result.CalibrationResult(
         command="calibrate",
         actuator=actuator,
         parameters={parameter.name: _calibrated(parameter) for parameter in found.parameters},
@@ -23,6 +23,6 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance) -> re
     )
 
 
-def _calibrated(one: Parameter) -> result.Calibrated:
+def _calibrated(one: FittedParameter) -> result.Calibrated:
     change_percent = 100.0 * (one.after - one.before) / one.before if one.before else None
     return result.Calibrated(one.before, one.after, one.std, change_percent, row_of(one.name).unit, one.source, one.at_bound)

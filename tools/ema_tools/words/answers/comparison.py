@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from ema_tools.compare.comparison import UNITS, BalanceError, Comparison, ErrorPart
 from ema_tools.results import comparison as result
-from ema_tools.results.parts import Curves, Place, Provenance
+from ema_tools.results.parts import CurvesEntry, Place, Provenance
 from ema_tools.words.sentences.comparison import place_name, sentence
 
 
-def comparison(found: Comparison, provenance: Provenance, curves: Curves | None = None) -> result.Comparison:
+def comparison(found: Comparison, provenance: Provenance, curves: CurvesEntry | None = None) -> result.ComparisonResult:
     """What was found on the record."""
-    return result.Comparison(
+    return result.ComparisonResult(
         name=found.record,
-        channels={name: result.ChannelError(error.rmse, error.relative_percent, UNITS[name]) for name, error in found.channels.items()},
+        channels={
+            name: result.ChannelErrorEntry(error.rmse, error.relative_percent, UNITS[name]) for name, error in found.channels.items()
+        },
         balances={name: _balance(error) for name, error in found.balances.items()},
         where=tuple(map(_place, found.where)),
         sentence=sentence(found),
@@ -22,10 +24,10 @@ def comparison(found: Comparison, provenance: Provenance, curves: Curves | None 
     )
 
 
-def _balance(error: BalanceError) -> result.BalanceError:
+def _balance(error: BalanceError) -> result.BalanceErrorEntry:
     if error.reason:
-        return result.BalanceError(None, None, error.unit, reason=error.reason)
-    return result.BalanceError(error.rms, error.relative_percent, error.unit, error.noise_rms, error.method_rms, error.resting_percent)
+        return result.BalanceErrorEntry(None, None, error.unit, reason=error.reason)
+    return result.BalanceErrorEntry(error.rms, error.relative_percent, error.unit, error.noise_rms, error.method_rms, error.resting_percent)
 
 
 def _place(place: ErrorPart) -> Place:

@@ -7,7 +7,7 @@ from typing import cast
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.results import diagnosis as result
-from ema_tools.results.parts import Curves, EffectEntry, Provenance
+from ema_tools.results.parts import CurvesEntry, EffectEntry, Provenance
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.select.outcome import Named
 from ema_tools.select.sensors import Suspect
@@ -24,11 +24,11 @@ _LISTED = 12
 INTERVAL = 1.96
 
 
-def diagnosis(found: Answer, provenance: Provenance, curves: Curves | None = None) -> result.Diagnosis:
+def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None = None) -> result.DiagnosisResult:
     """What was found on the record."""
     named = [one for one in found.diagnosis.named if one.name not in FAULTS]
     relative = found.evidence.relative
-    return result.Diagnosis(
+    return result.DiagnosisResult(
         name=found.record.file,
         verdict=cast(result.Verdict, found.verdict),
         sentence=sentence(found),

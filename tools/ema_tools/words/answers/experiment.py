@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ema_tools.design.menu import Limits
+from ema_tools.design.menu import SafeRange
 from ema_tools.design.next_experiment import SEPARATE, Next, Option
 from ema_tools.results import experiment as result
 from ema_tools.results.parts import Provenance
@@ -32,13 +32,13 @@ def experiment(found: Next, provenance: Provenance) -> result.Experiment:
     )
 
 
-def _limits(found: Limits) -> result.SafeLimits:
+def _limits(found: SafeRange) -> result.SafeLimits:
     speed_mm_s = found.speed_mm_s if math.isfinite(found.speed_mm_s) else None
     return result.SafeLimits(found.stroke_mm, speed_mm_s, found.current_A, found.output)
 
 
-def _option(option: Option) -> result.Option:
-    return result.Option(
+def _option(option: Option) -> result.OptionEntry:
+    return result.OptionEntry(
         option.title,
         option.command,
         option.separation,

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
-from ema_tools.results.parts import Curves, Provenance
+from ema_tools.results.parts import CurvesEntry, Provenance
 from ema_tools.select.beside_fault import Guarded
 from ema_tools.tasks.identify import KEYS, Identified, identified_of
 from ema_tools.words.answers.steps import field_of
@@ -17,11 +17,11 @@ _ZERO = "the healthy value is zero, and a shift is counted in % of it"
 
 
 def identification(
-    found: Identified, name: str, provenance: Provenance, curves: Curves | None = None, **case: Any
-) -> result.Identification:
+    found: Identified, name: str, provenance: Provenance, curves: CurvesEntry | None = None, **case: Any
+) -> result.IdentificationResult:
     """What was found on a record of that name; `case` and `noise` where the truth is known."""
     answer = found.answer
-    return result.Identification(
+    return result.IdentificationResult(
         **case,
         name=name,
         **_values(found),
@@ -48,8 +48,8 @@ def identification(
         precision=found.precision,
         baseline=None
         if found.baseline is None
-        else result.Baseline(dict(found.baseline.values), dict(found.baseline.std), found.baseline.records),
-        search=result.Search(found.costs),
+        else result.BaselineEntry(dict(found.baseline.values), dict(found.baseline.std), found.baseline.records),
+        search=result.SearchEntry(found.costs),
         seeds=tuple(map(_seed, found.seeds)),
         provenance=provenance,
         curves=curves,
@@ -61,7 +61,7 @@ def _values(found: Identified) -> Mapping[str, Any]:
         key: result.NotIdentified(None, None, None, 0.0, _ZERO) for name, key in KEYS.items() if name not in identified_of(found.healthy)
     }
     return absent | {
-        KEYS[one.name]: result.Estimate(one.estimate, one.std, one.shift_percent, found.healthy[one.name], one.at_bound, one.bias)
+        KEYS[one.name]: result.EstimateEntry(one.estimate, one.std, one.shift_percent, found.healthy[one.name], one.at_bound, one.bias)
         for one in found.answer.identified
     }
 

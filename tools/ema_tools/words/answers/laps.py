@@ -9,7 +9,7 @@ from ema_tools.data.actuator import row_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.results import diagnosis as result
-from ema_tools.results.parts import Curves, EffectEntry, Errors, Provenance, Step
+from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select import force_balance as forces
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
 from ema_tools.tasks.diagnose_by_laps import LapsAnswer
@@ -22,18 +22,18 @@ from ema_tools.words.sentences.laps import next_step, sentence
 REFITTED = "base values refitted"
 
 
-def diagnosis_by_laps(found: LapsAnswer, provenance: Provenance, curves: Curves | None = None) -> result.DiagnosisByLaps:
+def diagnosis_by_laps(found: LapsAnswer, provenance: Provenance, curves: CurvesEntry | None = None) -> result.DiagnosisByLapsResult:
     """What was found on the record."""
     way = found.forces
     last = way.steps[-1].errors if way.steps else way.refitted
     kept = {step.effect for step in found.accepted}
-    return result.DiagnosisByLaps(
+    return result.DiagnosisByLapsResult(
         name=found.record.file,
         verdict=found.verdict,
         sentence=sentence(found),
         mode="laps of one record",
         effects=(*(_accepted(way, step) for step in found.accepted), *(_refused(one) for one in way.refused if one.effect not in kept)),
-        error=Errors(way.given.training, last.training, way.floor_percent, way.given.holdout, last.holdout),
+        error=ErrorsEntry(way.given.training, last.training, way.floor_percent, way.given.holdout, last.holdout),
         error_unit="% of the drive's force",
         next_experiment=next_step(found),
         steps=_steps(way),
@@ -45,12 +45,15 @@ def diagnosis_by_laps(found: LapsAnswer, provenance: Provenance, curves: Curves 
     )
 
 
-def _steps(way: ForceSteps) -> tuple[Step, ...]:
-    steps = [Step((), FIRST, way.given.training, way.given.holdout), Step((), REFITTED, way.refitted.training, way.refitted.holdout)]
+def _steps(way: ForceSteps) -> tuple[StepEntry, ...]:
+    steps = [
+        StepEntry((), FIRST, way.given.training, way.given.holdout),
+        StepEntry((), REFITTED, way.refitted.training, way.refitted.holdout),
+    ]
     names: tuple[str, ...] = ()
     for step in way.steps:
         names = (*names, step.effect)
-        steps.append(Step(names, step.effect, step.errors.training, step.errors.holdout))
+        steps.append(StepEntry(names, step.effect, step.errors.training, step.errors.holdout))
     return tuple(steps)
 
 
@@ -102,12 +105,12 @@ def forces_of(way: ForceSteps) -> result.Forces:
         tuple(_step(step, step.effect in effects) for step in way.steps),
         tuple(map(_refusal, way.refused)),
         {name: known[name] for name in names},
-        result.Laps(way.laps.count, way.laps.period_rows * way.period_s or None, folds, folds),
+        result.LapsEntry(way.laps.count, way.laps.period_rows * way.period_s or None, folds, folds),
         {name: tuple(values.tolist()) for name, values in way.curves.items()},
     )
 
 
-def _errors(one: forces.Errors) -> result.ForceErrors:
+def _errors(one: forces.FoldErrors) -> result.ForceErrors:
     return result.ForceErrors(one.training, one.holdout, one.each)
 
 
@@ -115,8 +118,8 @@ def _values(values: Mapping[str, float], std: Mapping[str, float]) -> dict[str, 
     return {name: result.ForceValue(value, std.get(name), row_of(name).unit) for name, value in values.items()}
 
 
-def _step(step: ForceStep, kept: bool) -> result.ForceStep:
-    return result.ForceStep(
+def _step(step: ForceStep, kept: bool) -> result.ForceStepEntry:
+    return result.ForceStepEntry(
         **vars(_errors(step.errors)),
         effects=(step.effect,),
         added=step.effect,

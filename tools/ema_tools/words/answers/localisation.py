@@ -25,9 +25,9 @@ def localisation(found: Where) -> result.Localisation:
     )
 
 
-def _block(block: Block) -> result.Block:
-    terms = tuple(result.Term(term.words, 100.0 * block.of_excess(term), term.coefficient) for term in block.terms[:_TERMS])
-    return result.Block(
+def _block(block: Block) -> result.BlockEntry:
+    terms = tuple(result.TermEntry(term.words, 100.0 * block.of_excess(term), term.coefficient) for term in block.terms[:_TERMS])
+    return result.BlockEntry(
         block.name,
         block.unit,
         block.rms,
@@ -40,8 +40,8 @@ def _block(block: Block) -> result.Block:
     )
 
 
-def _signal(one: Channel) -> result.Signal:
-    return result.Signal(one.name, UNITS[one.name], one.rms, one.floor_rms, 100.0 * one.share)
+def _signal(one: Channel) -> result.SignalErrorEntry:
+    return result.SignalErrorEntry(one.name, UNITS[one.name], one.rms, one.floor_rms, 100.0 * one.share)
 
 
 def _place(place: ErrorPart) -> Place:

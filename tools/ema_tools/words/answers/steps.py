@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ema_tools.results import parts
-from ema_tools.select.holdout import Errors, Step
+from ema_tools.select.holdout import ErrorFall, Step
 
 FIRST = "as given"
 
 
-def errors(found: Errors) -> parts.WeightedErrors:
+def errors(found: ErrorFall) -> parts.WeightedErrors:
     """From the first model to the last."""
     return parts.WeightedErrors(found.before, found.after, found.floor, found.holdout_before, found.holdout_after, found.holdout_floor)
 
 
-def steps(way: Sequence[Step]) -> tuple[parts.Step, ...]:
+def steps(way: Sequence[Step]) -> tuple[parts.StepEntry, ...]:
     """Model by model."""
-    return tuple(parts.Step(tuple(step.effects), step.added or FIRST, step.error, step.holdout) for step in way)
+    return tuple(parts.StepEntry(tuple(step.effects), step.added or FIRST, step.error, step.holdout) for step in way)
 
 
 def field_of(name: str) -> str:

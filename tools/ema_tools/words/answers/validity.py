@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ema_tools.compare.validity import HIDES, Gate
-from ema_tools.results.validity import Remark, Signal, Validity
+from ema_tools.results.validity import Remark, SignalEntry, Validity
 from ema_tools.words.sentences.validity import sentence
 
 
@@ -12,7 +12,7 @@ def validity(gate: Gate) -> Validity:
     return Validity(
         gate.answerable,
         sentence(gate),
-        {name: Signal(there, None if there else HIDES[name]) for name, there in gate.signals.items()},
+        {name: SignalEntry(there, None if there else HIDES[name]) for name, there in gate.signals.items()},
         tuple(Remark(one.topic, one.severity, one.text, one.next or None) for one in gate.remarks),
         dict(gate.coverage),
     )

@@ -10,8 +10,8 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
-from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
-from ema_tools.results.localisation import Bins, Block, Localisation, Pictures, Points, Signal
+from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.localisation import BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
@@ -31,7 +31,7 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Suspect:
+class ShownSuspect:
     """One effect of the ranking: what looks alike (itself included), its score and the limit that it must exceed."""
 
     name: str
@@ -69,7 +69,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownSignal:
     """One addition: the effects that the model then holds, the error on both records, and of the last one the values; `recommended` is None where nothing is said about it."""
 
     effects: tuple[str, ...]
@@ -89,21 +89,21 @@ class Diagnosed:
     added: str
     verdict: str
     sentence: str
-    suspects: tuple[Suspect, ...]
+    suspects: tuple[ShownSuspect, ...]
     errors: dict[str, float]
     next_experiment: str
     gate_sentence: str
     remarks: tuple[Remark, ...]
     where_sentence: str
     relative: bool
-    blocks: tuple[Block, ...]
-    signals: tuple[Signal, ...]
+    blocks: tuple[BlockEntry, ...]
+    signals: tuple[SignalErrorEntry, ...]
     places: tuple[Place, ...]
     pictures: tuple[Picture, ...]
     unknown_sentence: str
     unknown_pictures: tuple[Picture, ...]
     learned_sentence: str
-    steps: tuple[Shown, ...]
+    steps: tuple[ShownSignal, ...]
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
 
@@ -113,7 +113,7 @@ class Diagnosed:
         return f"{self.added} added, on {self.name}" if self.added else f"Diagnosis of {self.name}"
 
 
-def diagnosed(found: Diagnosis | DiagnosisByLaps | Addition, source: str, stem: str) -> Diagnosed:
+def diagnosed(found: DiagnosisResult | DiagnosisByLapsResult | Addition, source: str, stem: str) -> Diagnosed:
     """What the page shows of a diagnosis or an addition. Raises InputError for curves of unlike lengths."""
     added = found.effect if isinstance(found, Addition) else ""
     gate, where, next_experiment, verdict = Validity(), Localisation(), "", "missing"
@@ -148,8 +148,8 @@ def diagnosed(found: Diagnosis | DiagnosisByLaps | Addition, source: str, stem: 
     )
 
 
-def _suspect(one: EffectEntry) -> Suspect:
-    return Suspect(one.name, one.alike or (one.name,), _own_values(one), one.score, one.limit, one.accepted, one.reason or "")
+def _suspect(one: EffectEntry) -> ShownSuspect:
+    return ShownSuspect(one.name, one.alike or (one.name,), _own_values(one), one.score, one.limit, one.accepted, one.reason or "")
 
 
 def _own_values(one: EffectEntry) -> tuple[Value, ...]:
@@ -163,9 +163,9 @@ def _full_name(effect: str, field_name: str) -> str:
     return f"screw.{field_name}" if field_name.startswith(f"{effect}_") else f"effects.{effect}.{field_name}"
 
 
-def _steps(found: Diagnosis | DiagnosisByLaps | Addition, suspects: tuple[Suspect, ...]) -> tuple[Shown, ...]:
+def _steps(found: DiagnosisResult | DiagnosisByLapsResult | Addition, suspects: tuple[ShownSuspect, ...]) -> tuple[ShownSignal, ...]:
     """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
-    steps = [Shown(one.effects, one.added, one.error_training, one.error_holdout) for one in found.steps or ()]
+    steps = [ShownSignal(one.effects, one.added, one.error_training, one.error_holdout) for one in found.steps or ()]
     # the model as it was given is the first model, which the page shows anyhow
     given = bool(steps) and not steps[0].effects and steps[0].training == found.error.before
     if given:
@@ -173,7 +173,7 @@ def _steps(found: Diagnosis | DiagnosisByLaps | Addition, suspects: tuple[Suspec
     after = found.error.after
     names = (found.effect,) if isinstance(found, Addition) else tuple(one.name for one in suspects if one.accepted)
     if not steps and not given and after is not None and names:
-        steps.append(Shown(names, " + ".join(names), after, found.error.holdout_after, (), True))
+        steps.append(ShownSignal(names, " + ".join(names), after, found.error.holdout_after, (), True))
     if not steps or not steps[-1].effects:
         return tuple(steps)
     # what was fitted is stated once, for the last model
@@ -183,7 +183,7 @@ def _steps(found: Diagnosis | DiagnosisByLaps | Addition, suspects: tuple[Suspec
     return (*steps[:-1], last)
 
 
-def _last_values(found: Diagnosis | DiagnosisByLaps | Addition) -> tuple[Value, ...]:
+def _last_values(found: DiagnosisResult | DiagnosisByLapsResult | Addition) -> tuple[Value, ...]:
     """Values of the last model: those that were added, or those of every accepted effect and of the faults that changed beside them."""
     if isinstance(found, Addition):
         return tuple(Value(name, one.value, one.std, one.at_bound) for name, one in found.parameters.items())
@@ -194,7 +194,7 @@ def _array(values: Series) -> Reals:
     return np.asarray(values, dtype=np.float64)
 
 
-def _binned(one: Bins) -> Line:
+def _binned(one: BinsEntry) -> Line:
     return Line(_array(one.center), _array(one.mean), _array(one.low), _array(one.high))
 
 

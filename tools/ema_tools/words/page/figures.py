@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ema_tools.results.parts import Place
-from ema_tools.words.page.results import FAULTS, Identified
+from ema_tools.words.page.results import FAULTS, ShownIdentification
 from ema_tools.words.page.text import number, shift
 
 LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
@@ -26,7 +26,7 @@ SMALLEST_ERROR_PERCENT = 1e-4
 Figure = dict[str, Any]
 
 
-def scalars(result: Identified) -> Figure:
+def scalars(result: ShownIdentification) -> Figure:
     """Diagnostic scalars: estimated against actual shift in % of the healthy value, one row per fault parameter."""
     names = [LABELS[name] for name in result.faults]
     estimates = [result.faults[name].shift_percent for name in result.faults]
@@ -64,13 +64,13 @@ def scalars(result: Identified) -> Figure:
     return {"data": traces, "layout": layout, "height": 260, "label": _scalars_label(result)}
 
 
-def _spread(result: Identified, name: str) -> float:
+def _spread(result: ShownIdentification, name: str) -> float:
     """Half the width of the 95 % interval in %; zero, which draws none, where the record does not determine the value."""
     std_percent = result.faults[name].std_percent
     return 0.0 if math.isnan(std_percent) else _WIDTH_95 * std_percent
 
 
-def _reading(result: Identified, name: str, place: int) -> Figure:
+def _reading(result: ShownIdentification, name: str, place: int) -> Figure:
     """The numbers of one row, above it at the left."""
     spread = _spread(result, name)
     text = f"<b>{shift(result.faults[name].shift_percent, 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2)}</b>"
@@ -107,7 +107,7 @@ def _marker(x: list[float], y: list[str], name: str, role: str, symbol: str, siz
     }
 
 
-def _scalars_label(result: Identified) -> str:
+def _scalars_label(result: ShownIdentification) -> str:
     parts = []
     for name in result.faults:
         text = f"{LABELS[name]} estimated {shift(result.faults[name].shift_percent, 2)}"
@@ -119,7 +119,7 @@ def _scalars_label(result: Identified) -> str:
     return "Shift of the fault parameters. " + "; ".join(parts)
 
 
-def search(result: Identified) -> Figure:
+def search(result: ShownIdentification) -> Figure:
     """Objective of every model run as a dot, best so far as a line, logarithmic."""
     assert result.search is not None
     runs = np.arange(1, result.search.cost.size + 1)
@@ -174,7 +174,7 @@ def _short(values: np.ndarray) -> list[float]:
     return [float(f"{value:.5g}") for value in values]
 
 
-def accuracy(results: list[Identified]) -> Figure:
+def accuracy(results: list[ShownIdentification]) -> Figure:
     """Size of the error of every estimate, in % of the healthy value, here and in the paper, logarithmic."""
     rows, here, paper_rows, paper = [], [], [], []
     for result in results:

@@ -16,7 +16,7 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.results import Compared, Identified, Result
+from ema_tools.words.page.results import Compared, Result, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
@@ -47,14 +47,14 @@ class _Page:
 def render(results: list[Result], command: str) -> str:
     """The page as text. `command` made it and stands in its provenance."""
     page = _Page()
-    identified = [result for result in results if isinstance(result, Identified)]
+    identified = [result for result in results if isinstance(result, ShownIdentification)]
     compared = [result for result in results if isinstance(result, Compared)]
     page.add('<a class="skip" href="#main">Skip to the results</a>', '<header><div class="wrap">')
     _head(page, results)
     page.add("</div></header>", '<main id="main">')
     for index, result in enumerate(results, start=1):
         page.add(f'<section id="result-{index}" aria-labelledby="result-{index}-title"><div class="wrap">')
-        if isinstance(result, Identified):
+        if isinstance(result, ShownIdentification):
             _identified(page, result, f"result-{index}")
         elif isinstance(result, Diagnosed):
             diagnosis.section(page, result, f"result-{index}", partial(_curves, page))
@@ -70,7 +70,7 @@ def render(results: list[Result], command: str) -> str:
     return _document(_short_title(results[0]), page)
 
 
-def sentence(result: Identified) -> str:
+def sentence(result: ShownIdentification) -> str:
     """The verdict in one sentence, e.g. for the page's title and the terminal."""
     shifts = " and ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults)
     subject = "this recorded chirp of the reference actuator" if result.case is not None else f"the record {result.name}"
@@ -81,7 +81,7 @@ def sentence(result: Identified) -> str:
     return f"No verdict on {subject}: the search reads {shifts}."
 
 
-def finding(result: Identified) -> str:
+def finding(result: ShownIdentification) -> str:
     """How it was found and what became of the error, in one sentence."""
     time = f" in {words.duration(result.wall_s)}" if result.wall_s is not None else ""
     return (
@@ -91,12 +91,12 @@ def finding(result: Identified) -> str:
     )
 
 
-def _error(result: Identified) -> str:
+def _error(result: ShownIdentification) -> str:
     """Objective before and after."""
     return f"{words.number(result.before_mm2s)} → {words.number(result.after_mm2s)} mm² s"
 
 
-def verdict(result: Identified) -> str:
+def verdict(result: ShownIdentification) -> str:
     """What the module concludes, in one sentence."""
     if result.verdict == "fault":
         return "a shift exceeds its threshold with the stated confidence."
@@ -110,7 +110,7 @@ def verdict(result: Identified) -> str:
 def _title(result: Result) -> str:
     if isinstance(result, Diagnosed):
         return diagnosis.headline(result)
-    return sentence(result) if isinstance(result, Identified) else _worst(result)
+    return sentence(result) if isinstance(result, ShownIdentification) else _worst(result)
 
 
 def _worst(result: Compared) -> str:
@@ -124,7 +124,7 @@ def _worst(result: Compared) -> str:
 
 
 def _short_title(result: Result) -> str:
-    if not isinstance(result, Identified):
+    if not isinstance(result, ShownIdentification):
         return result.title
     return (
         ", ".join(f"{_NAMES[name][0]} {words.shift(result.faults[name].shift_percent)}" for name in result.faults) + f": {result.verdict}"
@@ -134,7 +134,7 @@ def _short_title(result: Result) -> str:
 def _head(page: _Page, results: list[Result]) -> None:
     first = results[0]
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
-    if isinstance(first, Identified):
+    if isinstance(first, ShownIdentification):
         made = (
             " The record was made by an independent model of this actuator in double precision; the module saw the record alone."
             if first.case
@@ -167,7 +167,7 @@ def _tile(result: Result) -> str:
     )
 
 
-def _identified(page: _Page, result: Identified, identity: str) -> None:
+def _identified(page: _Page, result: ShownIdentification, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     page.add(f'<p><span class="verdict {result.verdict}">{result.verdict.capitalize()}:</span> {escape(verdict(result))}</p>')
     page.add('<dl class="facts">')
@@ -244,7 +244,7 @@ def _role(model: str) -> str:
     return "before" if model == "before" else "after"
 
 
-def _paper(page: _Page, results: list[Identified]) -> None:
+def _paper(page: _Page, results: list[ShownIdentification]) -> None:
     page.add('<section id="paper" aria-labelledby="paper-title"><div class="wrap"><h2 id="paper-title">Beside the paper</h2>')
     page.add(
         "<p>Dalla Vedova, Lauria, Maggiore and Pace search the same two parameters with simulated annealing. They print no electrical data, gear ratio, gains or "
@@ -281,7 +281,7 @@ def _compared(page: _Page, result: Compared, identity: str) -> None:
         )
 
 
-def _next(page: _Page, identified: list[Identified], compared: list[Compared], diagnosed: bool) -> None:
+def _next(page: _Page, identified: list[ShownIdentification], compared: list[Compared], diagnosed: bool) -> None:
     page.add('<section id="next" aria-labelledby="next-title"><div class="wrap"><h2 id="next-title">What to do next</h2>')
     for result in identified:
         for reason in result.reasons:

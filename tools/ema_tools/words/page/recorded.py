@@ -52,7 +52,7 @@ def fault(source: str, path: str, problem: str) -> InputError:
     return InputError(f"{source}: field {path} {problem}: write the result again with --json")
 
 
-def curves_of(found: parts.Curves, source: str) -> Curves:
+def curves_of(found: parts.CurvesEntry, source: str) -> Curves:
     """Curves as arrays, the speed derived where it is not recorded. Raises InputError for curves of unlike lengths."""
     if not found.period_s > 0.0:
         raise fault(source, "curves.period_s", "is not positive")

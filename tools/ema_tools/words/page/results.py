@@ -16,10 +16,10 @@ from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.results import codec
 from ema_tools.results import reading as results
 from ema_tools.results.addition import Addition
-from ema_tools.results.comparison import Comparison
-from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps
-from ema_tools.results.identification import KEYS, Identification
-from ema_tools.results.identification import Estimate as ResultEstimate
+from ema_tools.results.comparison import ComparisonResult
+from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.identification import KEYS, IdentificationResult
+from ema_tools.results.identification import EstimateEntry as ResultEstimate
 from ema_tools.results.parts import Place
 from ema_tools.results.reading import result_of
 from ema_tools.words.page.diagnosis_results import Diagnosed, diagnosed
@@ -30,7 +30,7 @@ BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ShownEstimate:
     """One identified parameter, in its own unit; shift in % of the healthy value. `std` is NaN when the record does not determine it."""
 
     estimate: float
@@ -45,7 +45,7 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Search:
+class ShownSearch:
     """Cost of every model run of a search, in the order they were made; mm2 s. A run given up early holds what had come together."""
 
     cost: Series
@@ -53,12 +53,12 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Identified:
+class ShownIdentification:
     """A result of `ema identify`. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known,
     `noise` names the sensor noise in the record."""
 
     name: str
-    faults: dict[str, Estimate]
+    faults: dict[str, ShownEstimate]
     before_mm2s: float
     after_mm2s: float
     evaluations: int
@@ -68,7 +68,7 @@ class Identified:
     wall_s: float | None
     case: PaperCase | None
     noise: str
-    search: Search | None
+    search: ShownSearch | None
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
@@ -109,7 +109,7 @@ class Compared:
         return f"Model against {self.name}"
 
 
-Result = Identified | Compared | Diagnosed
+Result = ShownIdentification | Compared | Diagnosed
 
 
 def read_result(path: Path) -> Result:
@@ -124,18 +124,18 @@ def parse_result(data: Mapping[str, Any], source: str, stem: str) -> Result:
 
 def shown(found: results.Result, source: str, stem: str) -> Result:
     """What the page shows of a result. Raises InputError for a result that has no page, and for numbers that do not belong together."""
-    if isinstance(found, Diagnosis | DiagnosisByLaps | Addition):
+    if isinstance(found, DiagnosisResult | DiagnosisByLapsResult | Addition):
         return diagnosed(found, source, stem)
-    if isinstance(found, Identification):
+    if isinstance(found, IdentificationResult):
         return identified(found, source, stem)
-    if isinstance(found, Comparison):
+    if isinstance(found, ComparisonResult):
         return compared(found, source, stem)
     raise InputError(
         f"{source}: the result of `ema {found.command}` has no page: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`"
     )
 
 
-def identified(found: Identification, source: str, stem: str) -> Identified:
+def identified(found: IdentificationResult, source: str, stem: str) -> ShownIdentification:
     """Of `ema identify`. Raises InputError for what cannot be shown."""
     left_out = {name: one.reason for name, one in found.left_out.items()}
     if not found.estimates:
@@ -146,7 +146,7 @@ def identified(found: Identification, source: str, stem: str) -> Identified:
     cases = {case.letter: case for case in CASES}
     if letter and letter not in cases:
         raise fault(source, "case", f"names no case ({letter!r}; known: {', '.join(cases)})")
-    return Identified(
+    return ShownIdentification(
         name=found.name or stem,
         faults={name: _estimate(one, source, name) for name, one in found.estimates.items()},
         before_mm2s=found.objective_before_mm2s,
@@ -165,14 +165,14 @@ def identified(found: Identification, source: str, stem: str) -> Identified:
     )
 
 
-def _estimate(one: ResultEstimate, source: str, name: str) -> Estimate:
+def _estimate(one: ResultEstimate, source: str, name: str) -> ShownEstimate:
     if one.shift_percent <= -100.0:
         raise fault(source, f"{name}.shift_percent", "is not above -100")
     healthy = one.healthy if one.healthy is not None else one.estimate / (1.0 + one.shift_percent / 100.0)
-    return Estimate(one.estimate, math.nan if one.std is None else one.std, one.shift_percent, healthy)
+    return ShownEstimate(one.estimate, math.nan if one.std is None else one.std, one.shift_percent, healthy)
 
 
-def compared(found: Comparison, source: str, stem: str) -> Compared:
+def compared(found: ComparisonResult, source: str, stem: str) -> Compared:
     """Of `ema compare`."""
     balances: dict[str, tuple[float, float] | str] = {
         name: (one.rms, one.relative_percent) if one.rms is not None and one.relative_percent is not None else one.reason or "not available"
@@ -189,8 +189,8 @@ def compared(found: Comparison, source: str, stem: str) -> Compared:
     )
 
 
-def _search(costs: codec.Series, source: str) -> Search:
+def _search(costs: codec.Series, source: str) -> ShownSearch:
     if not costs:
         raise fault(source, "search.cost_mm2s", "is not a list of numbers")
     cost = np.asarray(costs, dtype=np.float64)
-    return Search(cost, np.minimum.accumulate(cost))
+    return ShownSearch(cost, np.minimum.accumulate(cost))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from ema_tools.words.page import text as words
-from ema_tools.words.page.results import BALANCES, FAULTS, Compared, Identified
+from ema_tools.words.page.results import BALANCES, FAULTS, Compared, ShownIdentification
 
 _LABELS = {"csj_Nm": ("CSJ", "Nm"), "blk_mm": ("BLK", "mm")}
 _CHANNELS = {
@@ -28,7 +28,7 @@ _SUB, _HERE = ' class="sub"', ' class="here"'
 _PAPER_HERE = '<th scope="col">paper</th><th scope="col">here</th>'
 
 
-def beside_paper(results: list[Identified]) -> str:
+def beside_paper(results: list[ShownIdentification]) -> str:
     """Truth, estimate and error of every case, here and in the paper."""
     rows = []
     for result in results:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ema_tools.compare.unexplained import NODES, REPEATS_SHARE, RICHER, Learned, Ranked, Unknown
+from ema_tools.compare.unexplained import NODES, REPEATS_SHARE, RICHER, LearnedTable, Ranked, Unknown
 
 _WORDS = {
     "speed": "with speed",
@@ -24,7 +24,7 @@ def words(one: Ranked) -> str:
     return _WORDS[one.axis] + (", against the motion" if one.friction else "")
 
 
-def learned_sentence(one: Learned) -> str:
+def learned_sentence(one: LearnedTable) -> str:
     """What a table is and where it holds."""
     return f"{one.effect}, a table over {one.axis} seen from {one.first:.4g} to {one.last:.4g} {one.unit}: outside that range it holds its edge value and nothing is known"
 

@@ -12,11 +12,11 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
-from ema_tools.results.calibration import Calibration, RodModel
-from ema_tools.results.comparison import Comparison
-from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps, ForceStep
-from ema_tools.results.identification import Identification
-from ema_tools.results.parts import Step
+from ema_tools.results.calibration import CalibrationResult, RodModel
+from ema_tools.results.comparison import ComparisonResult
+from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult, ForceStepEntry
+from ema_tools.results.identification import IdentificationResult
+from ema_tools.results.parts import StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.identification import table_sentence
 from ema_tools.words.sentences.sizes import size_text
@@ -35,7 +35,7 @@ def say(console: Console, text: str) -> None:
     console.print(Text(text))
 
 
-def comparison(console: Console, found: Comparison, actuator: str) -> None:
+def comparison(console: Console, found: ComparisonResult, actuator: str) -> None:
     """What `ema compare` found."""
     say(console, found.sentence)
     console.print()
@@ -72,7 +72,7 @@ def comparison(console: Console, found: Comparison, actuator: str) -> None:
         console.print(shown)
 
 
-def calibration(console: Console, found: Calibration) -> None:
+def calibration(console: Console, found: CalibrationResult) -> None:
     """What `ema calibrate` found."""
     shown_table = table("Calibrated", "value", "unit", "before", "after", "std error", "from", text_columns=2)
     shown_table.columns[-1].justify = "left"
@@ -104,7 +104,7 @@ def calibration(console: Console, found: Calibration) -> None:
         )
 
 
-def identification(console: Console, found: Identification) -> None:
+def identification(console: Console, found: IdentificationResult) -> None:
     """What `ema identify` found."""
     say(console, found.sentence)
     console.print()
@@ -146,15 +146,15 @@ def identification(console: Console, found: Identification) -> None:
         say(console, table_sentence(found.table))
 
 
-def diagnosed(console: Console, found: Diagnosis | DiagnosisByLaps, searched: Searched | None) -> None:
+def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByLapsResult, searched: Searched | None) -> None:
     """What `ema diagnose` found by its method; `searched` is there for the one by simulation."""
-    if isinstance(found, DiagnosisByLaps):
+    if isinstance(found, DiagnosisByLapsResult):
         laps(console, found)
     elif searched is not None:
         diagnosis(console, found, searched)
 
 
-def diagnosis(console: Console, found: Diagnosis, searched: Searched) -> None:
+def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> None:
     """What `ema diagnose` found, in the order in which a user asks; `searched` ranks effects and faults together."""
     say(console, found.sentence)
     console.print()
@@ -189,7 +189,7 @@ def _candidates(console: Console, found: Searched) -> None:
     console.print(rows)
 
 
-def laps(console: Console, found: DiagnosisByLaps) -> None:
+def laps(console: Console, found: DiagnosisByLapsResult) -> None:
     """What `ema diagnose` found by the laps of one record."""
     say(console, found.sentence)
     console.print()
@@ -227,7 +227,7 @@ def laps(console: Console, found: DiagnosisByLaps) -> None:
     say(console, found.next_experiment)
 
 
-def _size_of(step: ForceStep, last: ForceStep) -> str:
+def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
     """The size of a step's effect as the last fit has it, with its standard error."""
     for name, size in last.parameters.items():
         if f"{step.added}." in name or name == record_of(step.added).base_value:
@@ -235,7 +235,7 @@ def _size_of(step: ForceStep, last: ForceStep) -> str:
     return ""
 
 
-def steps(console: Console, way: Sequence[Step], floor: float | None) -> None:
+def steps(console: Console, way: Sequence[StepEntry], floor: float | None) -> None:
     """The fall of the error."""
     held = any(step.error_holdout is not None for step in way)
     rows = table("Weighted error", "model", "on the record", *(("held out",) if held else ()))
