@@ -50,7 +50,8 @@ def _circles(trees: Mapping[str, ast.Module]) -> int:
         wanted: set[str] = set()
         for node in ast.walk(trees[path]):
             if isinstance(node, ast.ImportFrom) and node.module:
-                wanted |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+                inner = [f"{node.module}.{alias.name}" for alias in node.names]
+                wanted |= {name if name.removeprefix("ema_tools.") in names else node.module for name in inner}
         uses[module] = {other for other in names if f"ema_tools.{other}" in wanted and other != module}
     reach = {module: _reached(module, uses) for module in names}
     return len({frozenset(other for other in reach[one] if one in reach[other]) for one in names if one in reach[one]})
