@@ -1,7 +1,7 @@
 """What a record says beyond what is already known of the machine.
 
 Some of the model's parameters move within a known spread: from run to run, or as units differ from their data sheet. They stay in every answer as directions with that spread,
-not as free parameters, so that a change of the same parameter beyond it can still be named. `gathering` makes evidence from records.
+not as free parameters, so that a change of the same parameter beyond it can still be named. `select.baseline` makes evidence from records.
 """
 
 from __future__ import annotations
