@@ -47,7 +47,9 @@ typedef struct {
     ema_forces_t forces; /* at the start */
     ema_real input_rise;
     ema_real torque_rise_Nm;
-    ema_real turn_rad; /* from start to end */
+    ema_real turn_rad;       /* from start to end */
+    bool touches;            /* the play makes or loses contact inside */
+    ema_real play_gain_mm_s; /* of the speed of the play's output, where it does not */
 } ema_segment_t;
 
 /* What the current does over a segment that is located. */

@@ -109,6 +109,10 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
                   + (node->turn * bend_rad_s))),
     };
     ema_forces_at(plant, state, work, &here);
+    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        work->forces.torque_Nm += work->rod.reaction_start_Nm
+                                  + (node->at * (work->rod.reaction_end_Nm - work->rod.reaction_start_Nm));
+    }
     work->forces.torque_Nm -= segment->forces.torque_Nm + (node->at * segment->torque_rise_Nm);
     work->forces.input -= segment->forces.input + (node->at * segment->input_rise);
 }
@@ -197,7 +201,8 @@ static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, 
 {
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
+        const ema_transmission_t step = {play_start_mm, state->play_mm, work->segment.play_gain_mm_s, span_s,
+                                         plant->gearbox.lead_mm_per_rad};
         ema_site_transmission(plant, &step, state->effect_memory, &work->rod);
         state->rod_mm = work->rod.rod_mm;
         state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
@@ -216,6 +221,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
                 && ema_motion_smooth(plant, state, work, whole);
     if (!done && !whole) {
         ema_motion_events(plant, state, work);
+        work->segment.play_gain_mm_s = EMA_R(0.0);
         done = true;
     }
     if (done) {

@@ -86,8 +86,7 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     /* what is late is tried part by part, whether effects ask for it or not */
     plant->tries_whole_step =
         (plant->substeps == 1U) && (options->substeps == 0)
-        && (plant->drive.delayed
-            || ((wanted > 1U) && ema_acts_on_motion(plant) && !ema_acts(plant, EMA_SITE_TRANSMISSION)));
+        && (plant->drive.delayed || ((wanted > 1U) && ema_acts_on_motion(plant)));
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
