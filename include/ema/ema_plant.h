@@ -68,8 +68,8 @@ typedef struct {
     ema_real speed_mm_s; /* rod; zero while it rests in the play */
 } ema_output_t;
 
-/* Exact response of current, speed and angle over a span: to themselves, to an input that is constant, that rises as the
- * fraction s of the span, that bends as s (1 - s) and that twists as s (1 - s) (2 s - 1). */
+/* Exact response of current, speed and angle over a span: to themselves, to an input that is constant, that rises as
+ * the fraction s of the span, that bends as s (1 - s) and that twists as s (1 - s) (2 s - 1). */
 typedef struct {
     ema_real from_current;
     ema_real from_speed;

@@ -47,9 +47,7 @@ typedef struct {
     ema_forces_t forces; /* at the start */
     ema_real input_rise;
     ema_real torque_rise_Nm;
-    ema_real turn_rad;       /* from start to end */
-    bool touches;            /* the play makes or loses contact inside */
-    ema_real play_gain_mm_s; /* of the speed of the play's output, where it does not */
+    ema_real turn_rad; /* from start to end */
 } ema_segment_t;
 
 /* What the current does over a segment that is located. */
@@ -109,9 +107,9 @@ typedef struct {
 } ema_series_t;
 
 typedef struct {
-    const ema_circuit_t* circuit; /* that it drives */
+    const ema_circuit_t* circuit;     /* that it drives */
     const ema_responses_t* responses; /* of it over the span, where they are prepared */
-    ema_real span_s;              /* of the segment */
+    ema_real span_s;                  /* of the segment */
     ema_drive_output_t applied;
     ema_regime_t regime;
     ema_event_t event; /* the last one of the step */

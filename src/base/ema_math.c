@@ -61,8 +61,8 @@ const ema_real ema_inverse[EMA_INVERSE_COUNT] = {
 #endif
 };
 
-/* Polynomials, highest power first: e^x for |x| <= ln2 / 2, and in the square of t the sine of t turns over t for |t| <=
- * 1/4. Taylor's, or in float32, where every term counts, the one of least error. */
+/* Polynomials, highest power first: e^x for |x| <= ln2 / 2, and in the square of t the sine of t turns over t for |t|
+ * <= 1/4. Taylor's, or in float32, where every term counts, the one of least error. */
 #if EMA_REAL64
 static const ema_real ema_exp_terms[] = {
     1.1470745597729725e-11,
@@ -82,21 +82,13 @@ static const ema_real ema_exp_terms[] = {
     1.0,
 };
 static const ema_real ema_sin_terms[] = {
-    -8.8235335992429962e-05,
-    0.0011309237482517954,
-    -0.012031585942120619,
-    0.10422916220813978,
-    -0.71812230177850012,
-    3.8199525848482803,
-    -15.094642576822984,
-    42.058693944897634,
-    -76.705859753061361,
-    81.605249276075043,
-    -41.341702240399755,
-    6.2831853071795862,
+    -8.8235335992429962e-05, 0.0011309237482517954, -0.012031585942120619, 0.10422916220813978,
+    -0.71812230177850012,    3.8199525848482803,    -15.094642576822984,   42.058693944897634,
+    -76.705859753061361,     81.605249276075043,    -41.341702240399755,   6.2831853071795862,
 };
 #else
-static const ema_real ema_exp_terms[] = {0.00138368038f, 0.00837484561f, 0.0416682288f, 0.166664198f, 0.499999911f, 1.0f, 1.0f};
+static const ema_real ema_exp_terms[] = {0.00138368038f, 0.00837484561f, 0.0416682288f, 0.166664198f,
+                                         0.499999911f,   1.0f,           1.0f};
 static const ema_real ema_sin_terms[] = {39.7109184f, -76.5749893f, 81.6022339f, -41.3416786f, 6.28318548f};
 #endif
 
@@ -247,8 +239,8 @@ static ema_real ema_wave(ema_real x, bool cosine)
 {
     const ema_real part = ema_turn_part(x);
     /* folded before the quarter turn comes in: at |part| <= 1/2 nothing of the angle is lost */
-    const ema_real folded = cosine ? (EMA_R(0.25) - ema_abs(part))
-                                   : ema_min(ema_max(part, EMA_R(-0.5) - part), EMA_R(0.5) - part);
+    const ema_real folded =
+        cosine ? (EMA_R(0.25) - ema_abs(part)) : ema_min(ema_max(part, EMA_R(-0.5) - part), EMA_R(0.5) - part);
     return folded * EMA_POLYNOMIAL(ema_sin_terms, folded * folded);
 }
 

@@ -280,12 +280,13 @@ void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* s
 #undef EMA_CALL_TRANSMISSION
 }
 
-void ema_site_transmission_trial(const ema_plant_t* plant, const ema_transmission_t* step, const ema_state_t* state,
-                                 ema_rod_t* rod)
+void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,
+                                 ema_real span_s, ema_rod_t* rod)
 {
     ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
     for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
         memory[k] = state->effect_memory[k];
     }
-    ema_site_transmission(plant, step, memory, rod);
+    const ema_transmission_t step = {state->play_mm, play_end_mm, span_s, plant->gearbox.lead_mm_per_rad};
+    ema_site_transmission(plant, &step, memory, rod);
 }

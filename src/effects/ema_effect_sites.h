@@ -21,7 +21,6 @@ typedef struct {
 typedef struct {
     ema_real play_start_mm; /* output of the play at the start and at the end of the step */
     ema_real play_end_mm;
-    ema_real play_gain_mm_s; /* of its speed over the step, even */
     ema_real step_s;
     ema_real lead_mm_per_rad;
 } ema_transmission_t;
@@ -107,8 +106,8 @@ ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
  * range that they were seen in. */
 ema_real ema_site_learned(const ema_plant_t* plant, ema_state_t* state);
 void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod);
-/* The same from the state, which it leaves as it is. */
-void ema_site_transmission_trial(const ema_plant_t* plant, const ema_transmission_t* step, const ema_state_t* state,
-                                 ema_rod_t* rod);
+/* The same from the state, which it leaves as it is, to the end `play_end_mm` of the play. */
+void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,
+                                 ema_real span_s, ema_rod_t* rod);
 
 #endif

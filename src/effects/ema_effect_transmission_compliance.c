@@ -1,7 +1,7 @@
 /* Rod mass on a spring and damper behind the play.
  *
  * memory[0] is the stretch of the spring, play minus rod in mm, memory[1] the rod's speed in mm/s. With the play's
- * output gaining speed evenly over the step the stretch d obeys d'' + 2 zeta W d' + W^2 d = a, which is solved exactly.
+ * output moving evenly over the step the stretch d obeys d'' + 2 zeta W d' + W^2 d = 0, which is solved exactly.
  */
 #include "ema_effect_sites.h"
 #include "ema_math.h"
@@ -25,21 +25,16 @@ ema_rod_t ema_effect_transmission_compliance(const ema_effect_transmission_compl
     const ema_real sine = ema_sin(damped_rad_s * step->step_s) / damped_rad_s;
     const ema_real cosine = ema_cos(damped_rad_s * step->step_s);
 
-    const ema_real square_per_s2 = natural_rad_s * natural_rad_s;
-    const ema_real play_speed_mm_s = ((step->play_end_mm - step->play_start_mm) / step->step_s)
-                                     - (EMA_R(0.5) * step->play_gain_mm_s);
-    /* stretched by this the rod would gain speed as the play does */
-    const ema_real steady_mm = step->play_gain_mm_s / (step->step_s * square_per_s2);
+    const ema_real play_speed_mm_s = (step->play_end_mm - step->play_start_mm) / step->step_s;
     const ema_real stretch_mm = memory[0];
-    const ema_real beyond_mm = stretch_mm - steady_mm;
     const ema_real rate_mm_s = play_speed_mm_s - memory[1];
-    const ema_real stretch_end_mm =
-        steady_mm + (fade * ((beyond_mm * (cosine + (decay_per_s * sine))) + (rate_mm_s * sine)));
+    const ema_real stretch_end_mm = fade * ((stretch_mm * (cosine + (decay_per_s * sine))) + (rate_mm_s * sine));
     const ema_real rate_end_mm_s =
-        fade * ((rate_mm_s * (cosine - (decay_per_s * sine))) - (beyond_mm * square_per_s2 * sine));
+        fade * ((rate_mm_s * (cosine - (decay_per_s * sine))) - (stretch_mm * natural_rad_s * natural_rad_s * sine));
     memory[0] = stretch_end_mm;
-    memory[1] = (play_speed_mm_s + step->play_gain_mm_s) - rate_end_mm_s;
+    memory[1] = play_speed_mm_s - rate_end_mm_s;
 
+    const ema_real square_per_s2 = natural_rad_s * natural_rad_s;
     const ema_real torque_per_acceleration = effect->mass_kg * step->lead_mm_per_rad * EMA_R(1.0e-6);
     const ema_rod_t rod = {
         step->play_end_mm - stretch_end_mm,

@@ -6,9 +6,6 @@
 #include "ema_motor.h"
 #include "ema_screw.h"
 
-/* Farther than rounding takes the play's output from what carries it. */
-#define EMA_TOUCH_MM EMA_R(4.0e-6)
-
 static ema_real ema_level(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm, ema_real load_Nm,
                           ema_real direction)
 {
@@ -103,24 +100,6 @@ void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_wo
     segment->forces = work->forces;
     segment->input_rise = EMA_R(0.0);
     segment->torque_rise_Nm = EMA_R(0.0);
-    work->rod.reaction_start_Nm = EMA_R(0.0);
-}
-
-/* What lies behind the play, over the segment. */
-static void ema_segment_transmit(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
-{
-    ema_segment_t* const segment = &work->segment;
-    const ema_real lead_mm_per_rad = plant->gearbox.lead_mm_per_rad;
-    ema_transmission_t step = {state->play_mm, state->play_mm, EMA_R(0.0), work->span_s, lead_mm_per_rad};
-    step.play_end_mm = ema_screw_play_at(&plant->screw, state->play_mm, lead_mm_per_rad * segment->end.angle_rad);
-    const ema_real moved_mm = step.play_end_mm - state->play_mm;
-    const ema_real carried_mm = lead_mm_per_rad * (segment->end.angle_rad - segment->start.angle_rad);
-    segment->touches = (moved_mm != EMA_R(0.0)) && (ema_abs(moved_mm - carried_mm) > EMA_TOUCH_MM);
-    if ((moved_mm != EMA_R(0.0)) && !segment->touches) {
-        step.play_gain_mm_s = lead_mm_per_rad * (segment->end.speed_rad_s - segment->start.speed_rad_s);
-    }
-    segment->play_gain_mm_s = step.play_gain_mm_s;
-    ema_site_transmission_trial(plant, &step, state, &work->rod);
 }
 
 void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
@@ -128,8 +107,9 @@ void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema
     ema_segment_t* const segment = &work->segment;
     ema_real reaction_Nm = EMA_R(0.0);
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        segment->forces.torque_Nm -= work->rod.reaction_start_Nm;
-        ema_segment_transmit(plant, state, work);
+        const ema_real play_end_mm =
+            ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
+        ema_site_transmission_trial(plant, state, play_end_mm, work->span_s, &work->rod);
         segment->forces.torque_Nm += work->rod.reaction_start_Nm;
         reaction_Nm = work->rod.reaction_end_Nm;
     }

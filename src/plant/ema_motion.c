@@ -4,10 +4,12 @@
 #include "ema_forces.h"
 #include "ema_math.h"
 
-/* How far the forces inside a step may be off an even rise, as a share of the torques at work, to be taken for one, and
- * off the polynomial through four points where that is needed; of the voltage a quarter as much, which has no twist. */
+/* How far the forces inside a step may be off an even rise to be taken for one, as a share of the torques at work; and
+ * off the polynomial through four points where they are not even. Of the voltage a quarter as much, which has no twist.
+ * What rises or twists more than is tame may be a ripple too fast for so few points, and has to fit at more. */
 #define EMA_UNEVEN EMA_R(1.0e-5)
 #define EMA_UNRESOLVED EMA_R(1.0e-3)
+#define EMA_TAME EMA_R(1.0e-3)
 #define EMA_SHARE_OF_INPUT EMA_R(0.25)
 
 /* Bend and twist, as in ema_response_t, of what is off an even rise at the nodes. */
@@ -21,12 +23,13 @@ typedef struct {
     ema_real turn;
 } ema_node_t;
 
-/* The inner two of the four points of Lobatto's rule, which integrates fifth powers, and one that
- * shows a twist, and an end that was predicted badly, as well as what is left between them. */
-static const ema_node_t ema_nodes[3] = {
+/* The inner two of the four points of Lobatto's rule, which integrates fifth powers; and two to look at afterwards: one
+ * that shows an end that was predicted badly as well as what is left between the four, and the middle. */
+static const ema_node_t ema_nodes[4] = {
     {EMA_R(0.27639320225002101), EMA_R(0.19999999999999998), EMA_R(0.03115841385833824)},
     {EMA_R(0.72360679774997894), EMA_R(0.20000000000000001), EMA_R(0.1355082528083284)},
     {EMA_R(0.90000000000000002), EMA_R(0.089999999999999983), EMA_R(0.16200000000000001)},
+    {EMA_R(0.5), EMA_R(0.25), EMA_R(0.083333333333333329)},
 };
 
 /* Adds to the segment's end what the work's span drives by the responses in the columns `from` to `to`. */
@@ -39,18 +42,25 @@ static void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from,
     const ema_real* const stuck = &responses->stuck_from_current;
     const ema_real* const driven = (const ema_real*)(const void*)&work->span; /* EMA-D4 */
     ema_segment_t* const segment = &work->segment;
+    ema_real current_A = segment->end.current_A;
     if (motion != (int32_t)EMA_MOTION_STUCK) {
+        ema_real speed_rad_s = segment->end.speed_rad_s;
+        ema_real turn_rad = segment->turn_rad;
         for (uint32_t k = from; k < to; ++k) {
-            segment->end.current_A += current[k] * driven[k];
-            segment->end.speed_rad_s += speed[k] * driven[k];
-            segment->turn_rad += angle[k] * driven[k];
+            const ema_real drive = driven[k];
+            current_A += current[k] * drive;
+            speed_rad_s += speed[k] * drive;
+            turn_rad += angle[k] * drive;
         }
+        segment->end.speed_rad_s = speed_rad_s;
+        segment->turn_rad = turn_rad;
     } else {
         /* torques drive nothing */
         for (uint32_t k = from / 2U; k < (to / 2U); ++k) {
-            segment->end.current_A += stuck[k] * driven[2U * k];
+            current_A += stuck[k] * driven[2U * k];
         }
     }
+    segment->end.current_A = current_A;
     segment->end.angle_rad = segment->start.angle_rad + segment->turn_rad;
 }
 
@@ -98,8 +108,9 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     }
     const ema_real bend_A = circuit->algebraic
                                 ? (circuit->rate_speed * bend_rad_s)
-                                : (-half_s * ((circuit->rate_current * gained_A) + (circuit->rate_speed * gained_rad_s)
-                                              + (circuit->rate_voltage * segment->input_rise)));
+                                : (-half_s
+                                   * ((circuit->rate_current * gained_A) + (circuit->rate_speed * gained_rad_s)
+                                      + (circuit->rate_voltage * segment->input_rise)));
     const ema_point_t here = {
         segment->start.current_A + (node->at * gained_A) + (node->bubble * bend_A),
         segment->start.speed_rad_s + (node->at * gained_rad_s) + (node->bubble * bend_rad_s),
@@ -110,8 +121,8 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     };
     ema_forces_at(plant, state, work, &here);
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        work->forces.torque_Nm += work->rod.reaction_start_Nm
-                                  + (node->at * (work->rod.reaction_end_Nm - work->rod.reaction_start_Nm));
+        work->forces.torque_Nm +=
+            work->rod.reaction_start_Nm + (node->at * (work->rod.reaction_end_Nm - work->rod.reaction_start_Nm));
     }
     work->forces.torque_Nm -= segment->forces.torque_Nm + (node->at * segment->torque_rise_Nm);
     work->forces.input -= segment->forces.input + (node->at * segment->input_rise);
@@ -137,21 +148,28 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
         return false;
     }
     ema_segment_off(plant, state, work, &ema_nodes[0]);
-    bool resolved = ema_segment_within(plant, work, here->input, here->torque_Nm, EMA_UNEVEN);
+    bool resolved = ema_segment_within(plant, work, here->input, here->torque_Nm, EMA_UNEVEN)
+                    && ema_segment_within(plant, work, EMA_R(0.0), segment->torque_rise_Nm, EMA_TAME);
     if (!resolved) {
         ema_span_t* const span = &work->span;
-        const ema_real bubble = ema_nodes[2].bubble;
         const ema_real first_input = here->input;
         const ema_real first_Nm = here->torque_Nm;
         ema_segment_off(plant, state, work, &ema_nodes[1]);
         span->input_bend = EMA_BEND_OF_SUM * (first_input + here->input);
         span->torque_bend_Nm = EMA_BEND_OF_SUM * (first_Nm + here->torque_Nm);
-        span->torque_twist_Nm = EMA_TWIST_OF_DIFFERENCE * (here->torque_Nm - first_Nm);
+        const ema_real twists_Nm = here->torque_Nm - first_Nm;
+        const uint32_t nodes = ema_segment_within(plant, work, EMA_R(0.0), twists_Nm, EMA_TAME) ? 3U : 4U;
+        span->torque_twist_Nm = EMA_TWIST_OF_DIFFERENCE * twists_Nm;
         ema_segment_respond(state->motion, work, 6U, EMA_RESPONSES);
-        ema_segment_off(plant, state, work, &ema_nodes[2]);
-        resolved = ema_segment_within(
-            plant, work, here->input - (bubble * span->input_bend),
-            here->torque_Nm - (bubble * (span->torque_bend_Nm + (EMA_R(0.8) * span->torque_twist_Nm))), EMA_UNRESOLVED);
+        resolved = true;
+        for (uint32_t k = 2; resolved && (k < nodes); ++k) {
+            const ema_node_t* const node = &ema_nodes[k];
+            ema_segment_off(plant, state, work, node);
+            const ema_real bent_Nm =
+                span->torque_bend_Nm + (((EMA_R(2.0) * node->at) - EMA_R(1.0)) * span->torque_twist_Nm);
+            resolved = ema_segment_within(plant, work, here->input - (node->bubble * span->input_bend),
+                                          here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
+        }
     }
     return resolved;
 }
@@ -201,8 +219,7 @@ static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, 
 {
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, work->segment.play_gain_mm_s, span_s,
-                                         plant->gearbox.lead_mm_per_rad};
+        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
         ema_site_transmission(plant, &step, state->effect_memory, &work->rod);
         state->rod_mm = work->rod.rod_mm;
         state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
@@ -221,7 +238,6 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
                 && ema_motion_smooth(plant, state, work, whole);
     if (!done && !whole) {
         ema_motion_events(plant, state, work);
-        work->segment.play_gain_mm_s = EMA_R(0.0);
         done = true;
     }
     if (done) {
@@ -233,12 +249,13 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
 {
     const ema_responses_t* const prepared =
-        (ema_acts_on_motion(plant) && !plant->drive.delayed && (span_s == plant->substep_s)) ? &plant->responses[0] : NULL;
+        (ema_acts_on_motion(plant) && !plant->drive.delayed && (span_s == plant->substep_s)) ? &plant->responses[0]
+                                                                                             : NULL;
     (void)ema_motion_try(plant, state, work, prepared, span_s, false);
 }
 
-void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
-                     const ema_responses_t* responses, ema_real span_s)
+void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
+                     ema_real span_s)
 {
     if (!plant->tries_whole_step || !ema_motion_try(plant, state, work, responses, span_s, true)) {
         for (uint32_t k = 0; k < plant->substeps; ++k) {

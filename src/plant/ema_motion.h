@@ -21,8 +21,8 @@ void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t*
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad);
 
 /* `span_s` with effects: in one by the responses, if nothing happens in it that needs its substeps. */
-void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
-                     const ema_responses_t* responses, ema_real span_s);
+void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
+                     ema_real span_s);
 
 static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s,
                                        ema_real input, ema_real torque_Nm)
@@ -45,7 +45,8 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
         const ema_real torque_Nm = forward ? plant->screw.forward_torque_Nm : plant->screw.backward_torque_Nm;
         const ema_real speed_rad_s = state->speed_rad_s;
         const ema_real next_A = ema_response_at(&responses->current, current_A, speed_rad_s, applied->input, torque_Nm);
-        const ema_real next_rad_s = ema_response_at(&responses->speed, current_A, speed_rad_s, applied->input, torque_Nm);
+        const ema_real next_rad_s =
+            ema_response_at(&responses->speed, current_A, speed_rad_s, applied->input, torque_Nm);
         ema_real angle_rad = state->angle_rad;
         ema_real low_rad = state->angle_low_rad;
         ema_add_compensated(&angle_rad, &low_rad,

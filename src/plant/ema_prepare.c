@@ -13,6 +13,9 @@
 /* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
 #define EMA_SUBSTEPS_MAX 64U
 
+/* Model steps in a period of a rod behind a compliance from which on one integration step follows it. */
+#define EMA_STEPS_OF_A_SWING EMA_R(8.0)
+
 /* Back-calculation gain times control period from which on the integrator swings up. */
 #define EMA_ANTI_WINDUP_MAX EMA_R(2.0)
 
@@ -84,9 +87,12 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : plant->active.substeps;
     /* what is late is tried part by part, whether effects ask for it or not */
-    plant->tries_whole_step =
-        (plant->substeps == 1U) && (options->substeps == 0)
-        && (plant->drive.delayed || ((wanted > 1U) && ema_acts_on_motion(plant)));
+    /* a rod that swings within few steps is not followed by one that takes its play and its reaction for even */
+    const bool swings =
+        ema_acts(plant, EMA_SITE_TRANSMISSION)
+        && !(plant->effects.transmission_compliance.period_s >= (EMA_STEPS_OF_A_SWING * params->step_s));
+    plant->tries_whole_step = (plant->substeps == 1U) && (options->substeps == 0)
+                              && (plant->drive.delayed || ((wanted > 1U) && ema_acts_on_motion(plant) && !swings));
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }

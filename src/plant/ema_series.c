@@ -101,7 +101,8 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
 }
 
 /* Responses at the end of the work's span, `column` of those of current, speed and angle. */
-static void ema_responses_column(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, uint32_t column)
+static void ema_responses_column(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work,
+                                 uint32_t column)
 {
     ema_series_build(&work->series, plant, work->circuit, &work->span);
     ema_series_angle(&work->series, work->span.span_s, work->terms);
@@ -115,8 +116,8 @@ void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant,
     const ema_span_t none = {.span_s = span_s, .torque_gain_Nm_per_A = plant->motor.torque_constant_Nm_per_A};
     /* bend and twist are of use where a whole step is tried alone */
     const uint32_t columns = plant->tries_whole_step ? EMA_RESPONSES : EMA_RESPONSES_EVEN;
-    /* at rest first: its responses, to current, voltage and its rise and bend, are kept aside before those of the motion
-     * take their places */
+    /* at rest first: its responses, to current, voltage and its rise and bend, are kept aside before those of the
+     * motion take their places */
     ema_real* const driven = (ema_real*)(void*)&work->span; /* EMA-D4 */
     work->span = none;
     work->span.at_rest = true;

@@ -140,7 +140,7 @@ static void ema_block_rod(void)
 {
     ema_screw_play(&plant.screw, &state, ema_within(EMA_BOX_POSITION_MM));
     //@ assert play: -2.1e4 <= state.play_mm <= 2.1e4;
-    const ema_transmission_t step = {ema_within(EMA_BOX_POSITION_MM), state.play_mm, ema_within(EMA_BOX_SPEED_MM_S),
+    const ema_transmission_t step = {ema_within(EMA_BOX_POSITION_MM), state.play_mm,
                                      Frama_C_float_interval(1.0e-7f, 2.0e-2f), plant.gearbox.lead_mm_per_rad};
     ema_site_transmission(&plant, &step, state.effect_memory, &work.rod);
     const ema_real share = ema_site_presliding(&plant, state.effect_memory, ema_within(EMA_BOX_ANGLE_RAD));
