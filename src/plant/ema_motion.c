@@ -213,20 +213,8 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
     return smooth;
 }
 
-/* Moves the rod behind the play over an integration step. */
-static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
-                                  ema_real play_start_mm, ema_real span_s)
-{
-    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
-        ema_site_transmission(plant, &step, state->effect_memory, &work->rod);
-        state->rod_mm = work->rod.rod_mm;
-        state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
-    }
-}
-
-/* A span by the prepared responses, where there are any; else, and where something happens, event by event. */
+/* A span by the prepared responses, where there are any; false, and nothing changed, where it has to be taken event by
+ * event, or in substeps. */
 static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
                            const ema_responses_t* responses, ema_real span_s, bool whole)
 {
@@ -234,14 +222,10 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
     work->circuit = ema_circuit_of(plant, &work->applied);
     work->responses = responses;
     work->span_s = span_s;
-    bool done = (responses != NULL) && (work->applied.current_loop == plant->drive.current_mode)
-                && ema_motion_smooth(plant, state, work, whole);
-    if (!done && !whole) {
-        ema_motion_events(plant, state, work);
-        done = true;
-    }
+    const bool done = (responses != NULL) && (work->applied.current_loop == plant->drive.current_mode)
+                      && ema_motion_smooth(plant, state, work, whole);
     if (done) {
-        ema_transmission_move(plant, state, work, play_start_mm, span_s);
+        ema_motion_rod(plant, state, work, play_start_mm, span_s);
     }
     return done;
 }
@@ -251,7 +235,10 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t
     const ema_responses_t* const prepared =
         (ema_acts_on_motion(plant) && !plant->drive.delayed && (span_s == plant->substep_s)) ? &plant->responses[0]
                                                                                              : NULL;
-    (void)ema_motion_try(plant, state, work, prepared, span_s, false);
+    /* events are found without the frame of a try below them */
+    if (!ema_motion_try(plant, state, work, prepared, span_s, false)) {
+        ema_motion_events(plant, state, work);
+    }
 }
 
 void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
