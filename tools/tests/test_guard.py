@@ -21,7 +21,7 @@ from ema_tools.tasks.add import add, add_to_known
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 from ema_tools.words.answers.identification import identification
-from ema_tools.words.sentences.identification import sentence
+from ema_tools.words.sentences.identification import reasons, sentence
 from support import REFERENCE, chirp_record, complaint, run_ema
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
@@ -66,7 +66,7 @@ def named(found: Identified) -> Guarded:
     """The guard's word on an answer that it took back."""
     assert found.verdict == "undecided" and not found.adequate
     assert found.guarded is not None and found.guarded.verdict == "missing"
-    assert any("ema add ACTUATOR" in reason for reason in found.reasons)
+    assert any("ema add ACTUATOR" in reason for reason in reasons(found))
     return found.guarded
 
 
@@ -156,10 +156,10 @@ def test_a_strange_answer_on_a_record_that_cannot_answer_says_why() -> None:
     record = chirp_record(reference_actuator().changed(WORN))
     found = identify(reference_actuator(), replace(record, command_mm=record.command_mm / 25.4, position_mm=record.position_mm / 25.4))
     assert found.verdict == "undecided" and not found.adequate
-    assert found.reasons[0].startswith("nothing can be told from this record: the motor position is ") and found.reasons[0].endswith(
+    assert reasons(found)[0].startswith("nothing can be told from this record: the motor position is ") and reasons(found)[0].endswith(
         "give motor_position_mm in mm"
     )
-    assert len(found.reasons) > 1
+    assert len(reasons(found)) > 1
 
 
 def test_a_small_error_that_the_module_overlooks_is_no_fault() -> None:

@@ -341,7 +341,7 @@ def diagnose(
     kept = fitted if found.recommended else None
     if kept:
         found.actuator.write(kept, force)
-    show.diagnosed(output(), result, found)
+    show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
 
 

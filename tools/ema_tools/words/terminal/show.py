@@ -18,8 +18,6 @@ from ema_tools.results.diagnosis import Diagnosis, DiagnosisByLaps, ForceStep
 from ema_tools.results.identification import Identification
 from ema_tools.results.parts import Step
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.tasks.diagnose import Answer
-from ema_tools.tasks.diagnose_by_laps import LapsAnswer
 from ema_tools.words.sentences.identification import table_sentence
 from ema_tools.words.sentences.sizes import size_text
 from ema_tools.words.terminal.console import number, table
@@ -148,12 +146,12 @@ def identification(console: Console, found: Identification) -> None:
         say(console, table_sentence(found.table))
 
 
-def diagnosed(console: Console, found: Diagnosis | DiagnosisByLaps, answer: Answer | LapsAnswer) -> None:
-    """What `ema diagnose` found by its method."""
+def diagnosed(console: Console, found: Diagnosis | DiagnosisByLaps, searched: Searched | None) -> None:
+    """What `ema diagnose` found by its method; `searched` is there for the one by simulation."""
     if isinstance(found, DiagnosisByLaps):
         laps(console, found)
-    elif isinstance(answer, Answer):
-        diagnosis(console, found, answer.diagnosis)
+    elif searched is not None:
+        diagnosis(console, found, searched)
 
 
 def diagnosis(console: Console, found: Diagnosis, searched: Searched) -> None:
