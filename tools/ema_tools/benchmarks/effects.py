@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from ema_tools.actuator import reference_actuator
-from ema_tools.definitions import load_definitions
-from ema_tools.diagnosis.typical import typical_change
-from ema_tools.native import Simulation, library
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.design.typical import typical_change
+from ema_tools.library.definitions import load_definitions
+from ema_tools.plant.native import Simulation, library
 from ema_tools.reference import simulate
 
 Reals = NDArray[np.float64]
