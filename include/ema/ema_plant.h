@@ -67,8 +67,8 @@ typedef struct {
     ema_real speed_mm_s; /* rod; zero while it rests in the play */
 } ema_output_t;
 
-/* Exact response of current, speed and angle over one integration step: to themselves, to a constant and to a rising
- * input. */
+/* Exact response of current, speed and angle over a span: to themselves, to an input that is constant, that rises as
+ * the fraction s of the span, that bends as s (1 - s) and that twists as s (1 - s) (2 s - 1). */
 typedef struct {
     ema_real from_current;
     ema_real from_speed;
@@ -76,9 +76,24 @@ typedef struct {
     ema_real from_torque;
     ema_real from_voltage_rise;
     ema_real from_torque_rise;
+    ema_real from_voltage_bend;
+    ema_real from_torque_bend;
+    ema_real from_torque_twist;
 } ema_response_t;
 
-#define EMA_RESPONSES 6U
+#define EMA_RESPONSES 9U
+#define EMA_RESPONSES_EVEN 6U /* of an input that rises evenly */
+
+/* The responses of one circuit over one span. */
+typedef struct {
+    ema_response_t current;
+    ema_response_t speed;
+    ema_response_t angle;
+    ema_real stuck_from_current; /* at rest: the current is its own and the voltage's response alone */
+    ema_real stuck_from_voltage;
+    ema_real stuck_from_voltage_rise;
+    ema_real stuck_from_voltage_bend;
+} ema_responses_t;
 
 /* One electrical law: lag di/dt = a_i i + a_w w + a_v v, or algebraic i = a_w w + a_v v. */
 typedef struct {
@@ -86,12 +101,6 @@ typedef struct {
     ema_real rate_current;
     ema_real rate_speed;
     ema_real rate_voltage;
-    ema_response_t current;
-    ema_response_t speed;
-    ema_response_t angle;
-    ema_real stuck_from_current; /* at rest: the current is its own and the voltage's response alone */
-    ema_real stuck_from_voltage;
-    ema_real stuck_from_voltage_rise;
 } ema_circuit_t;
 
 /* The six blocks, prepared from an actuator: constant while the model runs. */
@@ -215,7 +224,7 @@ typedef struct {
 } ema_held_effects_t;
 
 typedef struct {
-    bool tries_whole_step; /* effects ask for substeps that the plant itself does not need */
+    bool tries_whole_step; /* a model step, or each part of a late one, is tried in one before it is divided */
     ema_active_t active;
     uint32_t substeps;
     const ema_effects_t* learned; /* where the tables lie; NULL while none acts */
@@ -228,7 +237,9 @@ typedef struct {
     ema_held_effects_t effects;
     ema_circuit_t motor_circuit;
     ema_circuit_t current_loop;
-    ema_circuit_t whole_step;  /* of the circuit that the drive's mode uses, over a whole model step */
+    /* [0] the circuit of the drive's mode over an integration step, [1] the same over a whole model step; where none is
+     * tried, the other circuit over an integration step; with a delayed output both over the parts of the model step */
+    ema_responses_t responses[2];
     ema_real linear_current_A; /* below it neither the drive nor the motor's torque saturates */
     ema_real torque_limit_A;   /* current at which the motor's torque saturates */
     ema_real start_mm;

@@ -47,6 +47,7 @@ typedef struct {
     ema_forces_t forces; /* at the start */
     ema_real input_rise;
     ema_real torque_rise_Nm;
+    ema_real turn_rad; /* from start to end */
 } ema_segment_t;
 
 /* What the current does over a segment that is located. */
@@ -82,7 +83,7 @@ typedef struct {
     ema_real reaction_end_Nm;
 } ema_rod_t;
 
-/* What moves current and speed over a span; the first six in the order of ema_response_t. */
+/* What moves current and speed over a span; the first nine in the order of ema_response_t. */
 typedef struct {
     ema_real current_A;
     ema_real speed_rad_s;
@@ -90,6 +91,9 @@ typedef struct {
     ema_real torque_Nm;  /* on the shaft beside the motor's */
     ema_real input_rise; /* over the span */
     ema_real torque_rise_Nm;
+    ema_real input_bend;
+    ema_real torque_bend_Nm;
+    ema_real torque_twist_Nm;
     ema_real span_s;
     ema_real torque_gain_Nm_per_A; /* of the current; zero while the motor's torque is saturated */
     bool at_rest;                  /* the shaft does not move */
@@ -103,8 +107,9 @@ typedef struct {
 } ema_series_t;
 
 typedef struct {
-    const ema_circuit_t* circuit; /* that it drives */
-    ema_real span_s;              /* of the segment */
+    const ema_circuit_t* circuit;     /* that it drives */
+    const ema_responses_t* responses; /* of it over the span, where they are prepared */
+    ema_real span_s;                  /* of the segment */
     ema_drive_output_t applied;
     ema_regime_t regime;
     ema_event_t event; /* the last one of the step */

@@ -8,12 +8,12 @@ typedef uint64_t ema_bits_t;
 #define EMA_MANTISSA_BITS 52U
 #define EMA_EXPONENT_BIAS 1023
 #define EMA_EXPONENT_MASK 0x7ffU
-#define EMA_EXP_TERMS 14U
 #define EMA_LOG_TERMS 11U
 #define EMA_SIN_TERMS 10U
 #define EMA_REAL_MAX DBL_MAX
 #define EMA_EXP_HIGH 709.0
 #define EMA_EXP_LOW (-708.0)
+#define EMA_WHOLE_FROM 6755399441055744.0
 #define EMA_LN2_HIGH 0.693147180369123816490
 #define EMA_LN2_LOW 1.90821492927058770002e-10
 #else
@@ -21,12 +21,12 @@ typedef uint32_t ema_bits_t;
 #define EMA_MANTISSA_BITS 23U
 #define EMA_EXPONENT_BIAS 127
 #define EMA_EXPONENT_MASK 0xffU
-#define EMA_EXP_TERMS 8U
 #define EMA_LOG_TERMS 5U
 #define EMA_SIN_TERMS 6U
 #define EMA_REAL_MAX FLT_MAX
 #define EMA_EXP_HIGH 88.0f
 #define EMA_EXP_LOW (-87.0f)
+#define EMA_WHOLE_FROM 12582912.0f
 #define EMA_LN2_HIGH 0.693359375f
 #define EMA_LN2_LOW (-2.12194440e-4f)
 #endif
@@ -60,6 +60,56 @@ const ema_real ema_inverse[EMA_INVERSE_COUNT] = {
     0.041666666666666664,
 #endif
 };
+
+/* Polynomials, highest power first: e^x for |x| <= ln2 / 2, and in the square of t the sine of t turns over t for |t|
+ * <= 1/4. Taylor's, or in float32, where every term counts, the one of least error. */
+#if EMA_REAL64
+static const ema_real ema_exp_terms[] = {
+    1.1470745597729725e-11,
+    1.6059043836821613e-10,
+    2.08767569878681e-09,
+    2.505210838544172e-08,
+    2.7557319223985888e-07,
+    2.7557319223985893e-06,
+    2.4801587301587302e-05,
+    0.00019841269841269841,
+    0.0013888888888888889,
+    0.0083333333333333332,
+    0.041666666666666664,
+    0.16666666666666666,
+    0.5,
+    1.0,
+    1.0,
+};
+static const ema_real ema_sin_terms[] = {
+    -8.8235335992429962e-05, 0.0011309237482517954, -0.012031585942120619, 0.10422916220813978,
+    -0.71812230177850012,    3.8199525848482803,    -15.094642576822984,   42.058693944897634,
+    -76.705859753061361,     81.605249276075043,    -41.341702240399755,   6.2831853071795862,
+};
+#else
+static const ema_real ema_exp_terms[] = {0.00138368038f, 0.00837484561f, 0.0416682288f, 0.166664198f,
+                                         0.499999911f,   1.0f,           1.0f};
+static const ema_real ema_sin_terms[] = {39.7109184f, -76.5749893f, 81.6022339f, -41.3416786f, 6.28318548f};
+#endif
+
+static ema_real ema_polynomial(const ema_real* terms, uint32_t count, ema_real x)
+{
+    ema_real sum = terms[0];
+    for (uint32_t k = 1; k < count; ++k) {
+        sum = (sum * x) + terms[k];
+    }
+    return sum;
+}
+
+#define EMA_POLYNOMIAL(terms, x) ema_polynomial(terms, (uint32_t)(sizeof(terms) / sizeof(ema_real)), x)
+
+/* The whole number next to x, |x| < 2^22: beside 3/2 of the power of two from which on there are only whole numbers,
+ * which the sum is rounded to. No branch, since nothing would predict it. */
+static ema_real ema_nearest(ema_real x)
+{
+    const ema_real whole = x + EMA_WHOLE_FROM;
+    return whole - EMA_WHOLE_FROM;
+}
 
 #define EMA_QUARTER_RAD EMA_R(1.5707963267948966)
 
@@ -96,14 +146,9 @@ ema_real ema_exp(ema_real x)
     if (!(x > EMA_EXP_LOW)) {
         return EMA_R(0.0);
     }
-    const ema_real turns = ema_floor((x * EMA_R(1.4426950408889634)) + EMA_R(0.5));
+    const ema_real turns = ema_nearest(x * EMA_R(1.4426950408889634));
     const ema_real rest = (x - (turns * EMA_LN2_HIGH)) - (turns * EMA_LN2_LOW);
-    /* Taylor by Horner: |rest| <= ln2 / 2, so the first term left out is below half a unit in the last place */
-    ema_real sum = EMA_R(1.0);
-    for (uint32_t k = EMA_EXP_TERMS; k > 0U; --k) {
-        sum = EMA_R(1.0) + (sum * (rest * ema_inverse[k]));
-    }
-    return sum * ema_power_of_two((int32_t)turns);
+    return EMA_POLYNOMIAL(ema_exp_terms, rest) * ema_power_of_two((int32_t)turns);
 }
 
 ema_real ema_log(ema_real x)
@@ -182,24 +227,29 @@ uint64_t ema_turn64(ema_real x)
     return ((uint64_t)high << 32U) | (uint32_t)rest;
 }
 
-ema_real ema_sin(ema_real x)
+/* The part of a turn, -1/2 to 1/2, that x rad are beyond whole ones. */
+static ema_real ema_turn_part(ema_real x)
 {
     const ema_real turns = x * EMA_R(0.15915494309189535);
-    ema_real part = turns - ema_floor(turns + EMA_R(0.5));
-    if (part > EMA_R(0.25)) {
-        part = EMA_R(0.5) - part;
-    } else if (part < EMA_R(-0.25)) {
-        part = EMA_R(-0.5) - part;
-    } else {
-        /* already within a quarter turn */
-    }
-    return ema_sin_quarter(part * EMA_R(6.283185307179586));
+    return (ema_abs(turns) < EMA_R(4194304.0)) ? (turns - ema_nearest(turns)) : EMA_R(0.0);
+}
+
+/* Sine or cosine, folded at a quarter turn without a branch, which nothing would predict. */
+static ema_real ema_wave(ema_real x, bool cosine)
+{
+    const ema_real part = ema_turn_part(x);
+    /* folded before the quarter turn comes in: at |part| <= 1/2 nothing of the angle is lost */
+    const ema_real folded =
+        cosine ? (EMA_R(0.25) - ema_abs(part)) : ema_min(ema_max(part, EMA_R(-0.5) - part), EMA_R(0.5) - part);
+    return folded * EMA_POLYNOMIAL(ema_sin_terms, folded * folded);
+}
+
+ema_real ema_sin(ema_real x)
+{
+    return ema_wave(x, false);
 }
 
 ema_real ema_cos(ema_real x)
 {
-    /* folded before the quarter turn comes in: at |part| <= 1/2 nothing of the angle is lost */
-    const ema_real turns = x * EMA_R(0.15915494309189535);
-    const ema_real part = ema_abs(turns - ema_floor(turns + EMA_R(0.5)));
-    return ema_sin_quarter((EMA_R(0.25) - part) * EMA_R(6.283185307179586));
+    return ema_wave(x, true);
 }

@@ -5,5 +5,9 @@
 ema_real ema_effect_presliding(const ema_effect_presliding_t* effect, ema_real stretch, ema_real turn_rad)
 {
     const ema_real side = (turn_rad < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0);
+    if (stretch == side) {
+        /* slides already */
+        return side;
+    }
     return side + ((stretch - side) * ema_exp(-ema_abs(turn_rad) / effect->stretch_rad));
 }

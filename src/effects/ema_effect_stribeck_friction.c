@@ -3,7 +3,11 @@
 #include "ema_math.h"
 
 /* Where the exponential is below the resolution of the level. */
+#if EMA_REAL64
 #define EMA_FADED EMA_R(40.0)
+#else
+#define EMA_FADED EMA_R(18.0)
+#endif
 
 /* ratio^shape; the two usual shapes need no logarithm. */
 static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)

@@ -19,20 +19,11 @@ void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t
 
 void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
-    ema_real span_s = plant->substep_s;
-    uint32_t parts = 1U;
-    if (plant->drive.delay_part > EMA_R(0.0)) {
-        span_s = plant->drive.delay_part * plant->substep_s;
-        parts = 2U;
+    const ema_real first_s = plant->drive.delay_part * plant->step_s;
+    if (first_s > EMA_R(0.0)) {
+        ema_motion_span(plant, state, work, &plant->responses[0], first_s);
+        ema_delayed_apply(plant, state, work, plant->drive.delay_steps);
+        ema_drive_current(plant, state, &work->applied);
     }
-    for (; parts > 0U; --parts) {
-        for (uint32_t k = 0; k < plant->substeps; ++k) {
-            ema_motion_located(plant, state, work, span_s);
-        }
-        if (parts == 2U) {
-            span_s = (EMA_R(1.0) - plant->drive.delay_part) * plant->substep_s;
-            ema_delayed_apply(plant, state, work, plant->drive.delay_steps);
-            ema_drive_current(plant, state, &work->applied);
-        }
-    }
+    ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s - first_s);
 }

@@ -54,6 +54,9 @@ void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_wor
     span->input_rise = segment->input_rise;
     span->torque_Nm = segment->forces.torque_Nm + work->regime.saturated_Nm;
     span->torque_rise_Nm = segment->torque_rise_Nm;
+    span->input_bend = EMA_R(0.0);
+    span->torque_bend_Nm = EMA_R(0.0);
+    span->torque_twist_Nm = EMA_R(0.0);
     span->span_s = work->span_s;
     span->torque_gain_Nm_per_A =
         (work->regime.saturated_Nm != EMA_R(0.0)) ? EMA_R(0.0) : plant->motor.torque_constant_Nm_per_A;

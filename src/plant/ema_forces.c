@@ -101,26 +101,20 @@ void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_wo
     segment->forces = work->forces;
     segment->input_rise = EMA_R(0.0);
     segment->torque_rise_Nm = EMA_R(0.0);
-    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        ema_site_transmission_trial(plant, state, state->play_mm, work->span_s, &work->rod);
-        segment->forces.torque_Nm += work->rod.reaction_start_Nm;
-    }
 }
 
 void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
     ema_segment_t* const segment = &work->segment;
+    ema_real reaction_Nm = EMA_R(0.0);
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        ema_forces_at(plant, state, work, &segment->start);
         const ema_real play_end_mm =
             ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
         ema_site_transmission_trial(plant, state, play_end_mm, work->span_s, &work->rod);
-        segment->forces.torque_Nm = work->forces.torque_Nm + work->rod.reaction_start_Nm;
-        ema_forces_at(plant, state, work, &segment->end);
-        segment->torque_rise_Nm = (work->forces.torque_Nm + work->rod.reaction_end_Nm) - segment->forces.torque_Nm;
-    } else {
-        ema_forces_at(plant, state, work, &segment->end);
-        segment->torque_rise_Nm = work->forces.torque_Nm - segment->forces.torque_Nm;
+        segment->forces.torque_Nm += work->rod.reaction_start_Nm;
+        reaction_Nm = work->rod.reaction_end_Nm;
     }
+    ema_forces_at(plant, state, work, &segment->end);
+    segment->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
     segment->input_rise = work->forces.input - segment->forces.input;
 }

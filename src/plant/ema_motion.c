@@ -4,34 +4,81 @@
 #include "ema_forces.h"
 #include "ema_math.h"
 
-/* How far the forces inside a step may be off an even rise, as a share of the torques at work, or of the voltage: far
- * below what an effect that can be seen makes. */
-#define EMA_UNEVEN EMA_R(5.0e-5)
-#define EMA_UNEVEN_INPUT EMA_R(1.0e-4)
+/* How far the forces inside a step may be off an even rise to be taken for one, as a share of the torques at work; and
+ * off the polynomial through four points where they are not even. Of the voltage a quarter as much, which has no twist.
+ * What rises or twists more than is tame may be a ripple too fast for so few points, and has to fit at more. */
+#define EMA_UNEVEN EMA_R(1.0e-5)
+#define EMA_UNRESOLVED EMA_R(1.0e-3)
+#define EMA_TAME EMA_R(1.0e-3)
+#define EMA_SHARE_OF_INPUT EMA_R(0.25)
 
-static ema_real ema_response_rise(const ema_response_t* response, const ema_segment_t* segment)
+/* Bend and twist, as in ema_response_t, of what is off an even rise at the nodes. */
+#define EMA_BEND_OF_SUM EMA_R(2.5)
+#define EMA_TWIST_OF_DIFFERENCE EMA_R(5.590169943749474)
+
+/* A fraction s of a segment, there s (1 - s), and the integral of that up to there. */
+typedef struct {
+    ema_real at;
+    ema_real bubble;
+    ema_real turn;
+} ema_node_t;
+
+/* The inner two of the four points of Lobatto's rule, which integrates fifth powers; and two to look at afterwards: one
+ * that shows an end that was predicted badly as well as what is left between the four, and the middle. */
+static const ema_node_t ema_nodes[4] = {
+    {EMA_R(0.27639320225002101), EMA_R(0.19999999999999998), EMA_R(0.03115841385833824)},
+    {EMA_R(0.72360679774997894), EMA_R(0.20000000000000001), EMA_R(0.1355082528083284)},
+    {EMA_R(0.90000000000000002), EMA_R(0.089999999999999983), EMA_R(0.16200000000000001)},
+    {EMA_R(0.5), EMA_R(0.25), EMA_R(0.083333333333333329)},
+};
+
+/* Adds to the segment's end what the work's span drives by the responses in the columns `from` to `to`. */
+static void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32_t to)
 {
-    return ema_response_at(response, segment->start.current_A, segment->start.speed_rad_s, segment->forces.input,
-                           segment->forces.torque_Nm)
-           + ((response->from_voltage_rise * segment->input_rise)
-              + (response->from_torque_rise * segment->torque_rise_Nm));
+    const ema_responses_t* const responses = work->responses;
+    const ema_real* const current = (const ema_real*)(const void*)&responses->current; /* EMA-D4 */
+    const ema_real* const speed = (const ema_real*)(const void*)&responses->speed;     /* EMA-D4 */
+    const ema_real* const angle = (const ema_real*)(const void*)&responses->angle;     /* EMA-D4 */
+    const ema_real* const stuck = &responses->stuck_from_current;
+    const ema_real* const driven = (const ema_real*)(const void*)&work->span; /* EMA-D4 */
+    ema_segment_t* const segment = &work->segment;
+    ema_real current_A = segment->end.current_A;
+    if (motion != (int32_t)EMA_MOTION_STUCK) {
+        ema_real speed_rad_s = segment->end.speed_rad_s;
+        ema_real turn_rad = segment->turn_rad;
+        for (uint32_t k = from; k < to; ++k) {
+            const ema_real drive = driven[k];
+            current_A += current[k] * drive;
+            speed_rad_s += speed[k] * drive;
+            turn_rad += angle[k] * drive;
+        }
+        segment->end.speed_rad_s = speed_rad_s;
+        segment->turn_rad = turn_rad;
+    } else {
+        /* torques drive nothing */
+        for (uint32_t k = from / 2U; k < (to / 2U); ++k) {
+            current_A += stuck[k] * driven[2U * k];
+        }
+    }
+    segment->end.current_A = current_A;
+    segment->end.angle_rad = segment->start.angle_rad + segment->turn_rad;
 }
 
-/* End of the segment from the prepared responses; answers the angle moved. */
-static ema_real ema_segment_respond(const ema_circuit_t* circuit, int32_t motion, ema_segment_t* segment)
+/* The segment's end under forces that rise evenly. */
+static void ema_segment_drive(int32_t motion, ema_work_t* work, uint32_t columns)
 {
-    ema_real turn_rad = EMA_R(0.0);
-    if (motion != 0) {
-        turn_rad = ema_response_rise(&circuit->angle, segment);
-        segment->end.current_A = ema_response_rise(&circuit->current, segment);
-        segment->end.speed_rad_s = ema_response_rise(&circuit->speed, segment);
-        segment->end.angle_rad = segment->start.angle_rad + turn_rad;
-    } else {
-        segment->end.current_A = (circuit->stuck_from_current * segment->start.current_A)
-                                 + (circuit->stuck_from_voltage * segment->forces.input)
-                                 + (circuit->stuck_from_voltage_rise * segment->input_rise);
-    }
-    return turn_rad;
+    ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
+    span->current_A = segment->start.current_A;
+    span->speed_rad_s = segment->start.speed_rad_s;
+    span->input = segment->forces.input;
+    span->torque_Nm = segment->forces.torque_Nm;
+    span->input_rise = segment->input_rise;
+    span->torque_rise_Nm = segment->torque_rise_Nm;
+    segment->end.current_A = EMA_R(0.0);
+    segment->end.speed_rad_s = EMA_R(0.0);
+    segment->turn_rad = EMA_R(0.0);
+    ema_segment_respond(motion, work, 0U, columns);
 }
 
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
@@ -43,60 +90,107 @@ void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
     ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
-/* Current at the fraction `at` of the segment, from its values and rates at both ends: forces that follow the current
- * bend with it. */
-static ema_real ema_segment_current(const ema_work_t* work, ema_real at)
+/* What the forces at the node are off an even rise, into the work's `forces`. Current and speed bend on their way by
+ * what their rates change from end to end. */
+static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work,
+                            const ema_node_t* node)
 {
     const ema_circuit_t* const circuit = work->circuit;
     const ema_segment_t* const segment = &work->segment;
-    const ema_real change_A = segment->start.current_A - segment->end.current_A;
-    const ema_real slowing_rad_s = segment->start.speed_rad_s - segment->end.speed_rad_s;
-    const ema_real bend_A_s = (circuit->rate_current * change_A) + (circuit->rate_speed * slowing_rad_s)
-                              - (circuit->rate_voltage * segment->input_rise);
-    const ema_real even_A = segment->start.current_A - (at * change_A);
-    return circuit->algebraic ? even_A : (even_A + (EMA_R(0.5) * at * (EMA_R(1.0) - at) * work->span_s * bend_A_s));
+    const ema_real gained_A = segment->end.current_A - segment->start.current_A;
+    const ema_real gained_rad_s = segment->end.speed_rad_s - segment->start.speed_rad_s;
+    const ema_real half_s = EMA_R(0.5) * work->span_s;
+    ema_real bend_rad_s = EMA_R(0.0);
+    if (state->motion != (int32_t)EMA_MOTION_STUCK) {
+        bend_rad_s = (half_s * plant->screw.inverse_inertia_per_kgm2)
+                     * ((plant->screw.viscous_Nm_s_per_rad * gained_rad_s)
+                        - (plant->motor.torque_constant_Nm_per_A * gained_A) - segment->torque_rise_Nm);
+    }
+    const ema_real bend_A = circuit->algebraic
+                                ? (circuit->rate_speed * bend_rad_s)
+                                : (-half_s
+                                   * ((circuit->rate_current * gained_A) + (circuit->rate_speed * gained_rad_s)
+                                      + (circuit->rate_voltage * segment->input_rise)));
+    const ema_point_t here = {
+        segment->start.current_A + (node->at * gained_A) + (node->bubble * bend_A),
+        segment->start.speed_rad_s + (node->at * gained_rad_s) + (node->bubble * bend_rad_s),
+        segment->start.angle_rad
+            + (work->span_s
+               * ((node->at * (segment->start.speed_rad_s + (EMA_R(0.5) * node->at * gained_rad_s)))
+                  + (node->turn * bend_rad_s))),
+    };
+    ema_forces_at(plant, state, work, &here);
+    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        work->forces.torque_Nm +=
+            work->rod.reaction_start_Nm + (node->at * (work->rod.reaction_end_Nm - work->rod.reaction_start_Nm));
+    }
+    work->forces.torque_Nm -= segment->forces.torque_Nm + (node->at * segment->torque_rise_Nm);
+    work->forces.input -= segment->forces.input + (node->at * segment->input_rise);
 }
 
-/* Whether the forces at the fraction `at` are those of an even rise, nearly. */
-static bool ema_segment_even_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, ema_real at)
+static bool ema_segment_within(const ema_plant_t* plant, const ema_work_t* work, ema_real input, ema_real torque_Nm,
+                               ema_real share)
+{
+    const ema_real working_Nm =
+        plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * work->segment.start.current_A);
+    return (ema_abs(torque_Nm) <= (share * working_Nm))
+           && (ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(work->applied.input)));
+}
+
+/* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that. An elastic
+ * contact forgets which way it was stretched, so a turning point inside is too much for it. */
+static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
     const ema_segment_t* const segment = &work->segment;
-    const ema_real gained_rad_s = at * (segment->end.speed_rad_s - segment->start.speed_rad_s);
-    const ema_point_t here = {ema_segment_current(work, at), segment->start.speed_rad_s + gained_rad_s,
-                              segment->start.angle_rad
-                                  + (at * work->span_s * (segment->start.speed_rad_s + (EMA_R(0.5) * gained_rad_s)))};
-    ema_forces_at(plant, state, work, &here);
-    const ema_real torque_Nm =
-        plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
-    const ema_real torque_off_Nm =
-        work->forces.torque_Nm - (segment->forces.torque_Nm + (at * segment->torque_rise_Nm));
-    const ema_real input_off = work->forces.input - (segment->forces.input + (at * segment->input_rise));
-    return (ema_abs(torque_off_Nm) <= (EMA_UNEVEN * torque_Nm))
-           && (ema_abs(input_off) <= (EMA_UNEVEN_INPUT * ema_abs(work->applied.input)));
+    const ema_forces_t* const here = &work->forces;
+    if ((state->motion == (int32_t)EMA_MOTION_ELASTIC)
+        && !((segment->start.speed_rad_s * segment->end.speed_rad_s) > EMA_R(0.0))) {
+        return false;
+    }
+    ema_segment_off(plant, state, work, &ema_nodes[0]);
+    bool resolved = ema_segment_within(plant, work, here->input, here->torque_Nm, EMA_UNEVEN)
+                    && ema_segment_within(plant, work, EMA_R(0.0), segment->torque_rise_Nm, EMA_TAME);
+    if (!resolved) {
+        ema_span_t* const span = &work->span;
+        const ema_real first_input = here->input;
+        const ema_real first_Nm = here->torque_Nm;
+        ema_segment_off(plant, state, work, &ema_nodes[1]);
+        span->input_bend = EMA_BEND_OF_SUM * (first_input + here->input);
+        span->torque_bend_Nm = EMA_BEND_OF_SUM * (first_Nm + here->torque_Nm);
+        const ema_real twists_Nm = here->torque_Nm - first_Nm;
+        const uint32_t nodes = ema_segment_within(plant, work, EMA_R(0.0), twists_Nm, EMA_TAME) ? 3U : 4U;
+        span->torque_twist_Nm = EMA_TWIST_OF_DIFFERENCE * twists_Nm;
+        ema_segment_respond(state->motion, work, 6U, EMA_RESPONSES);
+        resolved = true;
+        for (uint32_t k = 2; resolved && (k < nodes); ++k) {
+            const ema_node_t* const node = &ema_nodes[k];
+            ema_segment_off(plant, state, work, node);
+            const ema_real bent_Nm =
+                span->torque_bend_Nm + (((EMA_R(2.0) * node->at) - EMA_R(1.0)) * span->torque_twist_Nm);
+            resolved = ema_segment_within(plant, work, here->input - (node->bubble * span->input_bend),
+                                          here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
+        }
+    }
+    return resolved;
 }
 
-/* Whether an even rise stands for the whole segment: it does at two points, between which a ripple cannot hide. An
- * elastic contact forgets which way it was stretched, so a turning point inside is too much for it. */
-static bool ema_segment_even(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
-{
-    const bool turns = (state->motion == (int32_t)EMA_MOTION_ELASTIC)
-                       && !((work->segment.start.speed_rad_s * work->segment.end.speed_rad_s) > EMA_R(0.0));
-    return !turns && ema_segment_even_at(plant, state, work, EMA_R(0.5))
-           && ema_segment_even_at(plant, state, work, EMA_R(0.1875));
-}
-
-/* One integration step with effects but without an event, by the work's circuit over its span; false, and nothing
- * changed, when something would happen, or, with `even`, when the effects do not rise evenly over it. */
-static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, bool even)
+/* A span by the work's responses; false, and nothing changed, when something would happen in it, or, with `whole`, when
+ * the effects are not resolved over it. */
+static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, bool whole)
 {
     if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
         return false;
     }
     ema_segment_t* const segment = &work->segment;
     ema_segment_open(plant, state, work);
-    (void)ema_segment_respond(work->circuit, state->motion, segment);
-    ema_segment_correct(plant, state, work);
-    const ema_real turn_rad = ema_segment_respond(work->circuit, state->motion, segment);
+    ema_segment_drive(state->motion, work, 4U);
+    if (ema_acts_on_motion(plant)) {
+        ema_segment_correct(plant, state, work);
+        ema_segment_drive(state->motion, work, EMA_RESPONSES_EVEN);
+        if (whole && !ema_segment_resolve(plant, state, work)) {
+            return false;
+        }
+    }
 
     bool smooth = ema_abs(segment->end.current_A) <= plant->linear_current_A;
     if (state->motion != (int32_t)EMA_MOTION_STUCK) {
@@ -111,51 +205,48 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
         smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment->forces.level_forward_Nm)
                  && (ema_min(first_Nm, last_Nm) >= -segment->forces.level_backward_Nm);
     }
-    smooth = smooth && (!even || ema_segment_even(plant, state, work));
     if (smooth) {
         state->current_A = segment->end.current_A;
         state->speed_rad_s = segment->end.speed_rad_s;
-        ema_motion_turn(plant, state, turn_rad);
+        ema_motion_turn(plant, state, segment->turn_rad);
     }
     return smooth;
 }
 
-/* Moves the rod behind the play over an integration step. */
-static void ema_transmission_move(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
-                                  ema_real play_start_mm, ema_real span_s)
+/* A span by the prepared responses, where there are any; false, and nothing changed, where it has to be taken event by
+ * event, or in substeps. */
+static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
+                           const ema_responses_t* responses, ema_real span_s, bool whole)
 {
-    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
-        ema_site_transmission(plant, &step, state->effect_memory, &work->rod);
-        state->rod_mm = work->rod.rod_mm;
-        state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
+    const ema_real play_start_mm = state->play_mm;
+    work->circuit = ema_circuit_of(plant, &work->applied);
+    work->responses = responses;
+    work->span_s = span_s;
+    const bool done = (responses != NULL) && (work->applied.current_loop == plant->drive.current_mode)
+                      && ema_motion_smooth(plant, state, work, whole);
+    if (done) {
+        ema_motion_rod(plant, state, work, play_start_mm, span_s);
     }
+    return done;
 }
 
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
 {
-    const ema_real play_start_mm = state->play_mm;
-    /* the prepared responses hold for a whole integration step alone */
-    const bool whole = span_s == plant->substep_s;
-    work->circuit = ema_circuit_of(plant, &work->applied);
-    work->span_s = span_s;
-    if (!ema_acts_on_motion(plant) || !whole || !ema_motion_smooth(plant, state, work, false)) {
+    const ema_responses_t* const prepared =
+        (ema_acts_on_motion(plant) && !plant->drive.delayed && (span_s == plant->substep_s)) ? &plant->responses[0]
+                                                                                             : NULL;
+    /* events are found without the frame of a try below them */
+    if (!ema_motion_try(plant, state, work, prepared, span_s, false)) {
         ema_motion_events(plant, state, work);
     }
-    ema_transmission_move(plant, state, work, play_start_mm, span_s);
 }
 
-bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
+                     ema_real span_s)
 {
-    const ema_real play_start_mm = state->play_mm;
-    work->circuit = &plant->whole_step;
-    work->span_s = plant->step_s;
-    /* the whole step is prepared for the circuit of the drive's mode alone */
-    const bool whole =
-        (work->applied.current_loop == plant->drive.current_mode) && ema_motion_smooth(plant, state, work, true);
-    if (whole) {
-        ema_transmission_move(plant, state, work, play_start_mm, plant->step_s);
+    if (!plant->tries_whole_step || !ema_motion_try(plant, state, work, responses, span_s, true)) {
+        for (uint32_t k = 0; k < plant->substeps; ++k) {
+            ema_motion_located(plant, state, work, span_s / (ema_real)plant->substeps);
+        }
     }
-    return whole;
 }

@@ -17,12 +17,16 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t
 /* The same with its events alone, over the work's span: ema_located.c. */
 void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
+/* Moves the rod behind the play over `span_s`, in which the play came from `play_start_mm`: ema_located.c. */
+void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real play_start_mm,
+                    ema_real span_s);
+
 /* Turns the shaft; an elastic contact follows. */
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad);
 
-/* A whole model step in one integration step, with effects; false, and nothing changed, when something happens in it or
- * the effects change too much for it. */
-bool ema_motion_whole(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
+/* `span_s` with effects: in one by the responses, if nothing happens in it that needs its substeps. */
+void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
+                     ema_real span_s);
 
 static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s,
                                        ema_real input, ema_real torque_Nm)
@@ -35,7 +39,8 @@ static inline ema_real ema_response_at(const ema_response_t* response, ema_real 
  */
 static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    const ema_circuit_t* const circuit = ema_circuit_of(plant, applied);
+    const ema_responses_t* const responses =
+        &plant->responses[(applied->current_loop == plant->drive.current_mode) ? 0U : 1U];
     const ema_real current_A = state->current_A;
     /* on a limit or beyond it, the step is not the linear one even when it ends inside */
     bool plain = ema_abs(current_A) < plant->linear_current_A;
@@ -43,12 +48,13 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
         const bool forward = state->motion > 0;
         const ema_real torque_Nm = forward ? plant->screw.forward_torque_Nm : plant->screw.backward_torque_Nm;
         const ema_real speed_rad_s = state->speed_rad_s;
-        const ema_real next_A = ema_response_at(&circuit->current, current_A, speed_rad_s, applied->input, torque_Nm);
-        const ema_real next_rad_s = ema_response_at(&circuit->speed, current_A, speed_rad_s, applied->input, torque_Nm);
+        const ema_real next_A = ema_response_at(&responses->current, current_A, speed_rad_s, applied->input, torque_Nm);
+        const ema_real next_rad_s =
+            ema_response_at(&responses->speed, current_A, speed_rad_s, applied->input, torque_Nm);
         ema_real angle_rad = state->angle_rad;
         ema_real low_rad = state->angle_low_rad;
         ema_add_compensated(&angle_rad, &low_rad,
-                            ema_response_at(&circuit->angle, current_A, speed_rad_s, applied->input, torque_Nm));
+                            ema_response_at(&responses->angle, current_A, speed_rad_s, applied->input, torque_Nm));
         plain = plain && (forward ? (next_rad_s > EMA_R(0.0)) : (next_rad_s < EMA_R(0.0)))
                 && (ema_abs(next_A) <= plant->linear_current_A) && (angle_rad < plant->screw.stop_upper_rad)
                 && (angle_rad > plant->screw.stop_lower_rad);
@@ -60,7 +66,7 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
         }
     } else {
         const ema_real next_A =
-            (circuit->stuck_from_current * current_A) + (circuit->stuck_from_voltage * applied->input);
+            (responses->stuck_from_current * current_A) + (responses->stuck_from_voltage * applied->input);
         const ema_real torque_Nm = plant->motor.torque_constant_Nm_per_A * next_A;
         plain = plain && (torque_Nm <= plant->screw.hold_upper_Nm) && (torque_Nm >= plant->screw.hold_lower_Nm)
                 && (ema_abs(next_A) <= plant->linear_current_A);
@@ -74,12 +80,13 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
 /* What the work says that the drive applies, over a whole model step. */
 static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
-    if (ema_acts_on_motion(plant) && plant->tries_whole_step && ema_motion_whole(plant, state, work)) {
-        return;
-    }
-    for (uint32_t k = 0; k < plant->substeps; ++k) {
-        if (ema_acts_on_motion(plant) || !ema_motion_plain(plant, state, &work->applied)) {
-            ema_motion_located(plant, state, work, plant->substep_s);
+    if (ema_acts_on_motion(plant)) {
+        ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s);
+    } else {
+        for (uint32_t k = 0; k < plant->substeps; ++k) {
+            if (!ema_motion_plain(plant, state, &work->applied)) {
+                ema_motion_located(plant, state, work, plant->substep_s);
+            }
         }
     }
 }

@@ -14,6 +14,9 @@
 /* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
 #define EMA_SUBSTEPS_MAX 64U
 
+/* Model steps in a period of a rod behind a compliance from which on one integration step follows it. */
+#define EMA_STEPS_OF_A_SWING EMA_R(8.0)
+
 /* Back-calculation gain times control period from which on the integrator swings up. */
 #define EMA_ANTI_WINDUP_MAX EMA_R(2.0)
 
@@ -83,14 +86,17 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     /* checked already: the bound says so where it is converted */
     const ema_real needed = ema_clamp(ema_substeps_needed(params, options), EMA_R(0.0), (ema_real)EMA_SUBSTEPS_MAX);
     plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
-    plant->tries_whole_step = plant->substeps == 1U;
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : plant->active.substeps;
+    /* what is late is tried part by part, whether effects ask for it or not */
+    /* a rod that swings within few steps is not followed by one that takes its play and its reaction for even */
+    const bool swings =
+        ema_acts(plant, EMA_SITE_TRANSMISSION)
+        && !(plant->effects.transmission_compliance.period_s >= (EMA_STEPS_OF_A_SWING * params->step_s));
+    plant->tries_whole_step = (plant->substeps == 1U) && (options->substeps == 0)
+                              && (plant->drive.delayed || ((wanted > 1U) && ema_acts_on_motion(plant) && !swings));
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
-    /* what lies behind a compliance moves by itself: forces that rise evenly do not vouch for it */
-    plant->tries_whole_step = plant->tries_whole_step && (plant->substeps > 1U) && (options->substeps == 0)
-                              && ema_acts_on_motion(plant) && !ema_acts(plant, EMA_SITE_TRANSMISSION);
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
     plant->torque_limit_A = plant->motor.torque_limit_Nm / plant->motor.torque_constant_Nm_per_A;
@@ -98,7 +104,6 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad,
                     EMA_R(1.0) / params->resistance_ohm);
     ema_circuit_set(&plant->current_loop, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
-    plant->whole_step = plant->drive.current_mode ? plant->current_loop : plant->motor_circuit;
 }
 
 ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm)
@@ -123,14 +128,22 @@ ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_a
 }
 
 /* The responses that this plant's drive and effects use. */
-static void ema_circuits_prepare(ema_plant_t* plant, ema_work_t* work)
+static void ema_responses_all(ema_plant_t* plant, ema_work_t* work)
 {
-    ema_circuit_prepare(&plant->motor_circuit, plant, work, plant->substep_s);
-    if (plant->drive.current_mode) {
-        ema_circuit_prepare(&plant->current_loop, plant, work, plant->substep_s);
+    ema_real first_s = plant->substep_s;
+    ema_real second_s = plant->step_s;
+    work->circuit = plant->drive.current_mode ? &plant->current_loop : &plant->motor_circuit;
+    if (plant->tries_whole_step && plant->drive.delayed) {
+        first_s = plant->drive.delay_part * plant->step_s;
+        second_s = plant->step_s - first_s;
     }
-    if (plant->tries_whole_step) {
-        ema_circuit_prepare(&plant->whole_step, plant, work, plant->step_s);
+    ema_responses_prepare(&plant->responses[0], plant, work, first_s);
+    if (!plant->tries_whole_step) {
+        second_s = plant->substep_s;
+        work->circuit = &plant->motor_circuit;
+    }
+    if (plant->tries_whole_step || plant->drive.current_mode) {
+        ema_responses_prepare(&plant->responses[1], plant, work, second_s);
     }
 }
 
@@ -168,7 +181,7 @@ ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t*
         status = ema_plant_prepare(plant, work, actuator, start_mm);
     }
     if (status == EMA_OK) {
-        ema_circuits_prepare(plant, work);
+        ema_responses_all(plant, work);
         ema_state_rest(state, plant);
     }
     return status;

@@ -25,8 +25,11 @@ void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_
         follows ? ((circuit->rate_speed * span->speed_rad_s) + (circuit->rate_voltage * span->input)) : span->current_A;
     ema_real input = span->input;
     ema_real torque_Nm = span->torque_Nm;
-    ema_real input_next = span->input_rise;
-    ema_real torque_next_Nm = span->torque_rise_Nm;
+    ema_real input_next = span->input_rise + span->input_bend;
+    ema_real input_last = -span->input_bend;
+    ema_real torque_next_Nm = (span->torque_rise_Nm + span->torque_bend_Nm) - span->torque_twist_Nm;
+    ema_real torque_third_Nm = (EMA_R(3.0) * span->torque_twist_Nm) - span->torque_bend_Nm;
+    ema_real torque_last_Nm = EMA_R(-2.0) * span->torque_twist_Nm;
     for (uint32_t k = 0; k < EMA_SERIES_TERMS; ++k) {
         const ema_real share_s = span->span_s * ema_inverse[k + 1U];
         const ema_real current_A = series->current_A[k];
@@ -50,8 +53,11 @@ void ema_series_build(ema_series_t* series, const ema_plant_t* plant, const ema_
         }
         input = input_next;
         torque_Nm = torque_next_Nm;
-        input_next = EMA_R(0.0);
-        torque_next_Nm = EMA_R(0.0);
+        input_next = input_last;
+        input_last = EMA_R(0.0);
+        torque_next_Nm = torque_third_Nm;
+        torque_third_Nm = torque_last_Nm;
+        torque_last_Nm = EMA_R(0.0);
     }
 }
 
@@ -106,37 +112,39 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
 }
 
 /* Responses at the end of the work's span, `column` of those of current, speed and angle. */
-static void ema_circuit_column(const ema_plant_t* plant, ema_circuit_t* circuit, ema_work_t* work, uint32_t column)
+static void ema_responses_column(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work,
+                                 uint32_t column)
 {
-    ema_series_build(&work->series, plant, circuit, &work->span);
+    ema_series_build(&work->series, plant, work->circuit, &work->span);
     ema_series_angle(&work->series, work->span.span_s, work->terms);
-    ((ema_real*)(void*)&circuit->current)[column] = ema_series_at(work->series.current_A, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&circuit->speed)[column] = ema_series_at(work->series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&circuit->angle)[column] = ema_series_at(work->terms, EMA_R(1.0));              /* EMA-D4 */
+    ((ema_real*)(void*)&responses->current)[column] = ema_series_at(work->series.current_A, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&responses->speed)[column] = ema_series_at(work->series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
+    ((ema_real*)(void*)&responses->angle)[column] = ema_series_at(work->terms, EMA_R(1.0));              /* EMA-D4 */
 }
 
-void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
+void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
 {
-    const ema_span_t none = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0),
-                             EMA_R(0.0), EMA_R(0.0), span_s,     plant->motor.torque_constant_Nm_per_A,
-                             false,      false};
-    /* at rest first: its responses, to current, voltage and rise of the voltage, are kept aside before those of the
+    const ema_span_t none = {.span_s = span_s, .torque_gain_Nm_per_A = plant->motor.torque_constant_Nm_per_A};
+    /* bend and twist are of use where a whole step is tried alone */
+    const uint32_t columns = plant->tries_whole_step ? EMA_RESPONSES : EMA_RESPONSES_EVEN;
+    /* at rest first: its responses, to current, voltage and its rise and bend, are kept aside before those of the
      * motion take their places */
     ema_real* const driven = (ema_real*)(void*)&work->span; /* EMA-D4 */
     work->span = none;
     work->span.at_rest = true;
-    for (uint32_t column = 0; column < EMA_RESPONSES; column += 2U) {
+    for (uint32_t column = 0; column < columns; column += 2U) {
         driven[column] = EMA_R(1.0);
-        ema_circuit_column(plant, circuit, work, column);
+        ema_responses_column(responses, plant, work, column);
         driven[column] = EMA_R(0.0);
     }
-    circuit->stuck_from_current = circuit->current.from_current;
-    circuit->stuck_from_voltage = circuit->current.from_voltage;
-    circuit->stuck_from_voltage_rise = circuit->current.from_voltage_rise;
+    responses->stuck_from_current = responses->current.from_current;
+    responses->stuck_from_voltage = responses->current.from_voltage;
+    responses->stuck_from_voltage_rise = responses->current.from_voltage_rise;
+    responses->stuck_from_voltage_bend = responses->current.from_voltage_bend;
     work->span.at_rest = false;
-    for (uint32_t column = 0; column < EMA_RESPONSES; ++column) {
+    for (uint32_t column = 0; column < columns; ++column) {
         driven[column] = EMA_R(1.0);
-        ema_circuit_column(plant, circuit, work, column);
+        ema_responses_column(responses, plant, work, column);
         driven[column] = EMA_R(0.0);
     }
 }

@@ -1,5 +1,5 @@
 /* Motion over a span as a power series in the fraction of the span: exact for a linear plant with inputs that are
- * constant or rise evenly. The same series gives the response of a whole step and the instant of an event inside it.
+ * constant, or polynomials. The same series gives the response of a whole step and the instant of an event inside it.
  */
 #ifndef EMA_SERIES_H
 #define EMA_SERIES_H
@@ -22,7 +22,7 @@ ema_real ema_series_at(const ema_real* terms, ema_real at);
 /* Where the series crosses zero between the fractions `lower` and 1, at which its signs differ. */
 ema_real ema_series_root(const ema_real* terms, ema_real lower);
 
-/* Prepares the exact responses of the circuit over `span_s`. */
-void ema_circuit_prepare(ema_circuit_t* circuit, const ema_plant_t* plant, ema_work_t* work, ema_real span_s);
+/* Prepares the exact responses of the work's circuit over `span_s`. */
+void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s);
 
 #endif

@@ -83,8 +83,12 @@ static void integrate(const ema_span_t* span, double* current_A, double* speed_r
                 at[i] = y[i] + ((stage == 0U) ? 0.0 : (share * h * slope[stage - 1U][i]));
             }
             const double part = (n + share) / 1000.0;
-            const double input_V = (double)span->input + ((double)span->input_rise * part);
-            const double torque_Nm = (double)span->torque_Nm + ((double)span->torque_rise_Nm * part);
+            const double bubble = part * (1.0 - part);
+            const double input_V =
+                (double)span->input + ((double)span->input_rise * part) + ((double)span->input_bend * bubble);
+            const double torque_Nm = (double)span->torque_Nm + ((double)span->torque_rise_Nm * part)
+                                     + ((double)span->torque_bend_Nm * bubble)
+                                     + ((double)span->torque_twist_Nm * bubble * ((2.0 * part) - 1.0));
             slope[stage][0] = span->current_held ? 0.0 : ((input_V - (0.99 * at[0]) - (0.0612 * at[1])) / 8.0e-4);
             slope[stage][1] = (((double)span->torque_gain_Nm_per_A * at[0]) - (1.0e-4 * at[1]) + torque_Nm) / 6.0e-5;
             slope[stage][2] = at[1];
@@ -172,23 +176,42 @@ static void test_circuit_without_inductance_follows_speed_and_input(void)
     }
 }
 
-static void test_prepared_responses_are_the_series_at_its_end(void)
+static void test_motion_under_polynomials_equals_a_fine_integration(void)
 {
-    const ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
-    const ema_circuit_t* const circuit = &model.plant.motor_circuit;
     ema_span_t span = sliding;
     span.input_rise = EMA_R(6.0);
+    span.input_bend = EMA_R(5.0);
+    span.torque_rise_Nm = EMA_R(-0.3);
+    span.torque_bend_Nm = EMA_R(0.8);
+    span.torque_twist_Nm = EMA_R(-0.9);
+    assert_span(&span, __LINE__);
+}
+
+static void test_prepared_responses_are_the_series_at_its_end(void)
+{
+    /* an effect for which a whole step is tried, with bend and twist */
+    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.01);
+    const ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
+    const ema_responses_t* const responses = &model.plant.responses[1];
+    TEST_ASSERT_TRUE(model.plant.tries_whole_step);
+    ema_span_t span = sliding;
+    span.input_rise = EMA_R(6.0);
+    span.input_bend = EMA_R(5.0);
     span.torque_rise_Nm = EMA_R(0.4);
+    span.torque_bend_Nm = EMA_R(0.8);
+    span.torque_twist_Nm = EMA_R(-0.9);
     ema_series_t series;
     ema_real angle_rad[EMA_SERIES_TERMS + 1U];
-    ema_series_build(&series, &model.plant, circuit, &span);
+    ema_series_build(&series, &model.plant, &model.plant.motor_circuit, &span);
     ema_series_angle(&series, span.span_s, angle_rad);
-    const ema_response_t* const rows[3] = {&circuit->current, &circuit->speed, &circuit->angle};
+    const ema_response_t* const rows[3] = {&responses->current, &responses->speed, &responses->angle};
     const ema_real* const terms[3] = {series.current_A, series.speed_rad_s, angle_rad};
     for (uint32_t k = 0; k < 3U; ++k) {
         const double sum = (2.0 * (double)rows[k]->from_current) + (50.0 * (double)rows[k]->from_speed)
                            + (12.0 * (double)rows[k]->from_voltage) - (0.138 * (double)rows[k]->from_torque)
-                           + (6.0 * (double)rows[k]->from_voltage_rise) + (0.4 * (double)rows[k]->from_torque_rise);
+                           + (6.0 * (double)rows[k]->from_voltage_rise) + (0.4 * (double)rows[k]->from_torque_rise)
+                           + (5.0 * (double)rows[k]->from_voltage_bend) + (0.8 * (double)rows[k]->from_torque_bend)
+                           - (0.9 * (double)rows[k]->from_torque_twist);
         EMA_ASSERT_CLOSE(ema_series_at(terms[k], EMA_R(1.0)), sum, 4.0 * EMA_EPS, 32.0 * EMA_EPS);
     }
 }
@@ -197,8 +220,8 @@ static void test_prepared_response_at_rest_is_an_exponential(void)
 {
     const ema_model_t model = ema_rig_model(&actuator, EMA_R(0.0));
     const double fade = exp(-(0.99 / 8.0e-4) * 1.0e-3);
-    EMA_ASSERT_CLOSE(fade, model.plant.motor_circuit.stuck_from_current, 8.0 * EMA_EPS, 0.0);
-    EMA_ASSERT_CLOSE((1.0 - fade) / 0.99, model.plant.motor_circuit.stuck_from_voltage, 8.0 * EMA_EPS, 0.0);
+    EMA_ASSERT_CLOSE(fade, model.plant.responses[0].stuck_from_current, 8.0 * EMA_EPS, 0.0);
+    EMA_ASSERT_CLOSE((1.0 - fade) / 0.99, model.plant.responses[0].stuck_from_voltage, 8.0 * EMA_EPS, 0.0);
 }
 
 /* Sets the first terms of a series; the others are zero. */
@@ -270,6 +293,7 @@ int main(void)
     RUN_TEST(test_saturated_torque_equals_a_fine_integration);
     RUN_TEST(test_shorter_span_equals_a_fine_integration);
     RUN_TEST(test_circuit_without_inductance_follows_speed_and_input);
+    RUN_TEST(test_motion_under_polynomials_equals_a_fine_integration);
     RUN_TEST(test_prepared_responses_are_the_series_at_its_end);
     RUN_TEST(test_prepared_response_at_rest_is_an_exponential);
     RUN_TEST(test_root_of_a_line);

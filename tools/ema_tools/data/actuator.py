@@ -148,7 +148,7 @@ class Actuator:
     @property
     def active_effects(self) -> tuple[str, ...]:
         """Names of the effects whose size is not zero."""
-        return tuple(row.name for row in load_definitions().effects if self[row.size.name] != row.size.nominal)
+        return tuple(name for name, size, zero in load_definitions().sizes if self.values[size] != zero)
 
     def changed(self, changes: Mapping[str, float], about: Mapping[str, str] | None = None) -> Actuator:
         """A copy with some values (by any name that `row_of` takes; numbers as in `values`) and parts of [actuator] replaced.
@@ -165,10 +165,9 @@ class Actuator:
 
     def arrays(self) -> tuple[Reals, Integers]:
         """Values [value count] and options [option count] in the order of the C module."""
-        known = load_definitions()
-        names = [*(row.name for row in known.reals), *(row.name for row in known.effect_values)]
-        values = np.array([self[name] for name in names], dtype=np.float64)
-        options = np.array([self[row.name] for row in known.options], dtype=np.int32)
+        known, own = load_definitions(), self.values
+        values = np.array([own[name] for name in known.value_names], dtype=np.float64)
+        options = np.array([own[name] for name in known.option_names], dtype=np.int32)
         return values, options
 
     def written_text(self) -> str:

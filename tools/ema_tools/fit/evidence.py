@@ -92,6 +92,36 @@ class Evidence:
 
 
 @dataclass(frozen=True)
+class Sensitivity:
+    """What a change makes of the model as seen from a view: `vector` [n] with nothing taken off, and its parts `shared` [k] along what is. What is left is not formed: products suffice,
+    and taking hundreds of vectors apart costs more than simulating them."""
+
+    vector: Reals
+    shared: Reals
+    view: View
+
+    @property
+    def square(self) -> float:
+        """Squared length of what is left."""
+        return float(self.vector @ self.vector) - float(self.shared @ self.shared)
+
+    def product(self, other: Reals) -> float:
+        """What is left times any vector [n]."""
+        return float(self.vector @ other) - float(self.shared @ self.view.shared(other))
+
+    def with_residual(self) -> float:
+        """What is left times the view's residual, which shares nothing with what is taken off."""
+        return float(self.vector @ self.view.residual)
+
+    def seen_from(self, view: View, of_residual: Reals, overlap: Reals) -> tuple[float, float]:
+        """Product with another view's residual, and squared length, of what both views leave; `of_residual` [k]: that residual along what this view takes off, `overlap`: of the other view
+        with this one."""
+        product = float(self.vector @ view.residual) - float(self.shared @ of_residual)
+        both = view.shared(self.vector) - overlap @ self.shared
+        return product, self.square - float(both @ both)
+
+
+@dataclass(frozen=True)
 class View:
     """The evidence as seen from one set of effects, linear in what scatters: vectors are whitened and have the scatter's directions taken off.
 
@@ -118,6 +148,21 @@ class View:
 
     def _without(self, tall: Reals) -> Reals:
         return np.asarray(tall - self._basis @ (self._basis.T @ tall))
+
+    def sensitivity(self, changes: Mapping[str, float]) -> Sensitivity:
+        """As `signature`, for products alone. Raises InputError when the model refuses the changes."""
+        own = self.deviations[: len(self.evidence.spread)]
+        moved = self.evidence.whiten(self.evidence.simulate({**self.values, **changes}, own) - self.base)
+        vector = np.concatenate([moved, np.zeros(self.deviations.size)])
+        return Sensitivity(vector, self.shared(vector), self)
+
+    def shared(self, vector: Reals) -> Reals:
+        """Parts of a vector [n] along the directions that are taken off, [k]."""
+        return np.asarray(self._basis.T @ vector)
+
+    def overlap(self, other: View) -> Reals:
+        """Products of the directions that are taken off here and there, [k, k of the other]."""
+        return np.asarray(self._basis.T @ other._basis)
 
     def beside(self, vectors: Sequence[Reals]) -> View:
         """The same with further `vectors` [n] taken off: what may move freely besides, such as the values of effects that are fitted again with every new one."""

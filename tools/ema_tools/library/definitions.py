@@ -164,7 +164,22 @@ class Definitions:
         """The parameters and the values of all effects, in the order of the files."""
         return (*self.parameters, *self.effect_values)
 
-    @property
+    @functools.cached_property
+    def value_names(self) -> tuple[str, ...]:
+        """Names of all real values in the order of the C module: parameters, then the values of effects."""
+        return tuple(row.name for row in (*self.reals, *self.effect_values))
+
+    @functools.cached_property
+    def option_names(self) -> tuple[str, ...]:
+        """Names of the options in the order of the C module."""
+        return tuple(row.name for row in self.options)
+
+    @functools.cached_property
+    def sizes(self) -> tuple[tuple[str, str, float], ...]:
+        """Of every effect its name, the name of its size, and the zero of that."""
+        return tuple((row.name, row.size.name, row.size.nominal) for row in self.effects)
+
+    @functools.cached_property
     def ids(self) -> dict[str, int]:
         """Name to the C library's id: real parameters, then effect values, then options."""
         rows: tuple[Parameter | EffectParameter, ...] = (*self.reals, *self.effect_values, *self.options)
@@ -200,9 +215,12 @@ class Definitions:
         raise KeyError(f"{name}: no such effect; use one of {', '.join(row.name for row in self.effects)}")
 
 
+_FOLDER = "EMA_LIBRARY_DIR"
+
+
 def library_folder() -> Path:
     """Folder of the shared libraries: EMA_LIBRARY_DIR, else `build/lib` of the repository around this file."""
-    named = os.environ.get("EMA_LIBRARY_DIR")
+    named = os.environ.get(_FOLDER)
     return Path(named) if named else Path(__file__).resolve().parents[3] / "build" / "lib"
 
 
@@ -306,6 +324,12 @@ def read_definitions(path: Path) -> Definitions:
 
 def load_definitions() -> Definitions:
     """Both lists of the libraries in use. Raises LibraryError without any."""
+    return _loaded(os.environ.get(_FOLDER))
+
+
+@functools.cache
+def _loaded(_named: str | None) -> Definitions:
+    # asked for with every value of every model run: no look at the disk each time
     return read_definitions(library_path(64))
 
 

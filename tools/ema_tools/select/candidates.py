@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator
-from ema_tools.fit.evidence import View
+from ema_tools.fit.evidence import Sensitivity, View
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
@@ -57,13 +56,17 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Signature:
-    """A candidate at the size that explains most: its vector [n], by how much it lowers the cost of the residual, less what the choice of its shape would of noise, and the view that shows it so."""
+    """A candidate at the size that explains most: what it shows there, by how much it lowers the cost of the residual, less what the choice of its shape would of noise."""
 
     candidate: Candidate
     size: float
-    vector: Reals
+    shown: Sensitivity
     score: float
-    view: View
+
+    @property
+    def view(self) -> View:
+        """The view that shows it so."""
+        return self.shown.view
 
     def start(self) -> dict[str, float]:
         """Where a refit of the effect begins."""
@@ -120,7 +123,8 @@ def _by_simulation(effect: Effect, periodic: PeriodicTorque, view: View) -> list
     ]
 
     def tried(shape: Mapping[str, float]) -> Shaped:
-        wanted, gain = _gain(view.signature({f"effects.{effect.size.name}": first, **shape}), view.residual)
+        shown = view.sensitivity({f"effects.{effect.size.name}": first, **shape})
+        wanted, gain = _gain(shown.with_residual(), shown.square)
         return Shaped(shape, first * wanted, gain)
 
     return sorted(each(tried, shapes), key=lambda one: -one.score)[:_FINE_KEPT]
@@ -156,14 +160,13 @@ def candidates(view: View, without: Collection[str] = (), only: Collection[str] 
     return found
 
 
-def _gain(vector: Reals, residual: Reals) -> tuple[float, float]:
-    """How far the size should be scaled, and the cost that it then takes off."""
-    length = float(vector @ vector)
-    if not length > 0.0:
+def _gain(product: float, square: float) -> tuple[float, float]:
+    """How far the size should be scaled, and the cost that it then takes off, by what is left of a sensitivity: its product with the residual and its squared length."""
+    if not square > 0.0:
         return 0.0, 0.0
-    share = float(vector @ residual) / length
+    share = product / square
     kept = float(np.clip(share, 0.0, 2.0))
-    return share, 2.0 * kept * float(vector @ residual) - kept * kept * length
+    return share, 2.0 * kept * product - kept * kept * square
 
 
 def _matched(candidate: Candidate, first: float, view: View) -> Signature | None:
@@ -173,16 +176,16 @@ def _matched(candidate: Candidate, first: float, view: View) -> Signature | None
     earlier: tuple[float, float] | None = None
     for _ in range(_SCALINGS if record.below_peak is None else 1):
         try:
-            vector = view.signature(candidate.changes(size))
+            shown = view.sensitivity(candidate.changes(size))
         except InputError:
             break
-        share, gain = _gain(vector, view.residual)
+        share, gain = _gain(shown.with_residual(), shown.square)
         score = gain - penalty([candidate.effect])
         if best is None or score > best.score:
-            best = Signature(candidate, size, vector, score, view)
+            best = Signature(candidate, size, shown, score)
         if share <= 0.0 or abs(share - 1.0) < 0.2:
             break
-        reach, length = abs(size - candidate.zero), float(np.linalg.norm(vector))
+        reach, length = abs(size - candidate.zero), float(np.sqrt(max(shown.square, 1e-300)))
         if earlier is not None and reach != earlier[0]:
             # a stretch grows with the square of its period, a play not at all before it is left
             power = float(np.clip(np.log(length / earlier[1]) / np.log(reach / earlier[0]), *_POWERS))
@@ -199,9 +202,11 @@ def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[s
     """Effects that may lower the cost by a good part of `least`, judged without simulating them: by the signatures that they had before another effect was added, and by
     torque patterns. A simulation beside an effect that is hard to compute costs ten times as much."""
     guessed: dict[str, float] = {}
+    places = {id(one.view): one.view for one in earlier}
+    meets = {place: (there.shared(view.residual), view.overlap(there)) for place, there in places.items()}
     for signature in earlier:
-        name, vector = signature.candidate.effect, view.taken_off(signature.vector)
-        product, length = float(vector @ view.residual), float(vector @ vector)
+        name = signature.candidate.effect
+        product, length = signature.shown.seen_from(view, *meets[id(signature.view)])
         if length > 0.0 and (product > 0.0 or signature.candidate.lower < signature.candidate.zero):
             guessed[name] = max(guessed.get(name, 0.0), product * product / length)
     screen = Screen(view)

@@ -50,9 +50,9 @@ class WithRepeats(Strategy):
         if place == 0:
             most = 0.0
             for signature in found:
-                length = float(signature.vector @ signature.vector)
-                if length > 0.0:
-                    most = max([most, *(float(signature.vector @ repeat) ** 2 / length for repeat in self._repeats)])
+                square = signature.shown.square
+                if square > 0.0:
+                    most = max([most, *(signature.shown.product(repeat) ** 2 / square for repeat in self._repeats)])
             self.limit = max(self.limits.least, _REPEAT_MARGIN * most)
         return self.limit
 
