@@ -167,7 +167,7 @@ class Definitions:
     @functools.cached_property
     def value_names(self) -> tuple[str, ...]:
         """Names of all real values in the order of the C module: parameters, then the values of effects."""
-        return tuple(row.name for row in (*self.reals, *self.effect_values))
+        return (*(row.name for row in self.reals), *(row.name for row in self.effect_values))
 
     @functools.cached_property
     def option_names(self) -> tuple[str, ...]:
