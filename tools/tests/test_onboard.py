@@ -250,7 +250,7 @@ def test_rows_are_of_length_one_and_free_of_faults(table: Signatures) -> None:
 def test_a_machine_that_is_its_model_is_not_warned_of(table: Signatures) -> None:
     assert table.warning is None
     assert max(table.misfit.values()) < 2.0
-    assert table.summary()["warning"] is None
+    assert table.summary().warning is None
 
 
 def test_table_keeps_to_its_size() -> None:

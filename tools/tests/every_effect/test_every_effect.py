@@ -22,9 +22,10 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import described, record_of, separating
 from ema_tools.plant.native import library
 from ema_tools.reference.effects import example_of
+from ema_tools.results.codec import to_json
 from ema_tools.select.matched_filter import Screen, shapes_of
-from ema_tools.tasks.effects import describe
 from ema_tools.tasks.simulate import simulate_record
+from ema_tools.words.answers.effects import effects as written
 from support import ROOT, run_ema
 
 EFFECTS = [effect.name for effect in load_definitions().effects]
@@ -167,6 +168,6 @@ def test_words_exist(effect: str) -> None:
     ran = run_ema("effects", effect)
     assert ran.code == 0
     assert " ".join(record_of(effect).shows.split()) in " ".join(ran.out.split())
-    told = json.loads(json.dumps(describe(load_definitions().effect(effect)), allow_nan=False))
+    told = json.loads(json.dumps(to_json(written([load_definitions().effect(effect)])), allow_nan=False))["effects"][0]
     assert told["signature"] == record_of(effect).shows
     assert all(told[key] for key in ("equation", "source", "acts_on"))
