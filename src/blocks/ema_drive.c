@@ -38,10 +38,10 @@ void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, 
     applied->voltage_V = (drive->command_scale_V > EMA_R(0.0)) ? (output * drive->command_scale_V) : needed_V;
 }
 
-void ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
-                     ema_real speed_rad_s, ema_drive_output_t* applied)
+void ema_drive_late(const ema_plant_t* plant, const ema_state_t* state, uint32_t age, ema_drive_output_t* applied)
 {
-    ema_drive_step(drive, motor, output, current_A, speed_rad_s, applied);
+    const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
+    ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, applied);
 }
 
 ema_real ema_circuit_follow(const ema_plant_t* plant, const ema_circuit_t* circuit, const ema_state_t* state,

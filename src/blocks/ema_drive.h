@@ -11,9 +11,8 @@ void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema
 void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
                             ema_real speed_rad_s, ema_drive_output_t* applied);
 
-/* The step below as a function, where it is not in the way of every model step. */
-void ema_drive_apply(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,
-                     ema_real speed_rad_s, ema_drive_output_t* applied);
+/* The step below with what was asked `age` steps ago, as a function: it is not in the way of every model step. */
+void ema_drive_late(const ema_plant_t* plant, const ema_state_t* state, uint32_t age, ema_drive_output_t* applied);
 
 /* The circuit that it drives. */
 static inline const ema_circuit_t* ema_circuit_of(const ema_plant_t* plant, const ema_drive_output_t* applied)

@@ -1,7 +1,8 @@
 #include "ema_effect_sites.h"
 
-#include <string.h>
+#include <stddef.h>
 
+#include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_table.h"
 
@@ -23,9 +24,6 @@ typedef struct {
 /* EMA-D2 */
 #define EMA_MEMORY_PLACE(name)                                                                                         \
     (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_EFFECT_ID_##name)
-
-/* The first value of an effect is its size; the list's nominal for it is zero. */
-#define EMA_SIZE(effects, name) (*(const ema_real*)(const void*)&(effects)->name) /* EMA-D4 */
 
 /* A learned table lies where the configuration does. */
 #define EMA_LEARNED(plant, name) (&(plant)->learned->name)
@@ -51,7 +49,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
             active->substeps = (row->substeps > active->substeps) ? row->substeps : active->substeps;
         }
         if ((site != (uint32_t)EMA_SITE_PARAMETER) && !table) {
-            (void)memcpy(held, value, row->values * sizeof(ema_real));
+            ema_copy(held, value, row->values * sizeof(ema_real));
             held = &held[row->values];
         }
         value = &value[row->values];
@@ -59,11 +57,27 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
     plant->learned = (active->tables != 0U) ? effects : NULL;
 }
 
+/* The effects of this build that differ from zero: the first value of an effect is its size, and the list's nominal for
+ * it is zero. */
+static ema_effect_set_t ema_effects_present(const ema_effects_t* effects)
+{
+    const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
+    ema_effect_set_t present = 0U;
+    for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
+        if (*value != EMA_R(0.0)) {
+            present |= (ema_effect_set_t)1 << k;
+        }
+        value = &value[ema_effect_rows[k].values];
+    }
+    return present;
+}
+
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 {
+    const ema_effect_set_t present = ema_effects_present(effects);
 /* EMA-D1, EMA-D2 */
 #define EMA_ADJUST(name)                                                                                               \
-    if ((EMA_HAS_##name != 0) && (EMA_SIZE(effects, name) != EMA_R(0.0))) {                                            \
+    if (EMA_RUNS(present, name)) {                                                                                     \
         ema_effect_##name##_adjust(&effects->name, params);                                                            \
     }
 #define EMA_EFFECT_AT_PARAMETER(name) EMA_ADJUST(name)
@@ -145,7 +159,7 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* st
 #define EMA_OUTSIDE(name, seen_mm)                                                                                     \
     if (EMA_RUNS(plant->active.tables, name)) {                                                                        \
         site->position_mm = (seen_mm);                                                                                 \
-        outside_ratio = ema_max(ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site), outside_ratio);       \
+        outside_ratio = ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site, outside_ratio);                \
     }
 #define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)
 #define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_OUTSIDE(name, state->motor_mm)

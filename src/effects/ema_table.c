@@ -81,7 +81,7 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
     return table[EMA_TABLE_GAIN] * value;
 }
 
-ema_real ema_table_outside(const ema_real* table, const ema_site_t* site)
+ema_real ema_table_outside(const ema_real* table, const ema_site_t* site, ema_real least)
 {
     ema_place_t place;
     ema_table_place(table, site, &place);
@@ -91,5 +91,5 @@ ema_real ema_table_outside(const ema_real* table, const ema_site_t* site)
         /* the nearer edge */
         beyond = ema_min(beyond, place.period - place.from_first);
     }
-    return ema_max(beyond, EMA_R(0.0)) / range;
+    return ema_max(ema_max(beyond, EMA_R(0.0)) / range, least);
 }

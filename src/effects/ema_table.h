@@ -13,7 +13,7 @@
  * straight line leads from the last node round to the first. Cost: about 20 operations. */
 ema_real ema_table_value(const ema_real* table, const ema_site_t* site);
 
-/* How far the site is outside the range of the nodes, over that range; zero inside. */
-ema_real ema_table_outside(const ema_real* table, const ema_site_t* site);
+/* How far the site is outside the range of the nodes, over that range, zero inside; or `least` where that is larger. */
+ema_real ema_table_outside(const ema_real* table, const ema_site_t* site, ema_real least);
 
 #endif

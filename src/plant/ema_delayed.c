@@ -3,18 +3,11 @@
 
 #include "ema_motion.h"
 
-/* Applies what was asked `age` steps ago. */
-static void ema_delayed_apply(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, uint32_t age)
-{
-    const ema_real output = state->delay_output[(state->step - age) & (EMA_DELAY_SAMPLES - 1U)];
-    ema_drive_apply(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
-}
-
 void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output)
 {
     state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
     const bool parted = plant->drive.delay_part > EMA_R(0.0);
-    ema_delayed_apply(plant, state, work, plant->drive.delay_steps + (parted ? 1U : 0U));
+    ema_drive_late(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U), &work->applied);
 }
 
 void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
@@ -22,7 +15,7 @@ void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* 
     const ema_real first_s = plant->drive.delay_part * plant->step_s;
     if (first_s > EMA_R(0.0)) {
         ema_motion_span(plant, state, work, &plant->responses[0], first_s);
-        ema_delayed_apply(plant, state, work, plant->drive.delay_steps);
+        ema_drive_late(plant, state, plant->drive.delay_steps, &work->applied);
         ema_drive_current(plant, state, &work->applied);
     }
     ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s - first_s);

@@ -65,11 +65,8 @@ void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_wor
     if (span->current_held && circuit->algebraic) {
         span->current_A = ema_circuit_follow(plant, circuit, state, span->input);
     }
-    ema_series_build(series, plant, circuit, span);
-    segment->end.current_A = ema_series_at(series->current_A, EMA_R(1.0));
-    segment->end.speed_rad_s = ema_series_at(series->speed_rad_s, EMA_R(1.0));
-    ema_series_angle(series, work->span_s, work->terms);
-    segment->end.angle_rad = state->angle_rad + ema_series_at(work->terms, EMA_R(1.0));
+    ema_series_end(plant, work, &segment->end);
+    segment->end.angle_rad += state->angle_rad;
     /* at rest the terms of the speed are free to hold those of the torque, which say when the shaft breaks away */
     if (span->at_rest) {
         for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {

@@ -118,3 +118,50 @@ void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema
     segment->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
     segment->input_rise = work->forces.input - segment->forces.input;
 }
+
+void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32_t to)
+{
+    const ema_responses_t* const responses = work->responses;
+    const ema_real* const current = (const ema_real*)(const void*)&responses->current; /* EMA-D4 */
+    const ema_real* const speed = (const ema_real*)(const void*)&responses->speed;     /* EMA-D4 */
+    const ema_real* const angle = (const ema_real*)(const void*)&responses->angle;     /* EMA-D4 */
+    const ema_real* const stuck = &responses->stuck_from_current;
+    const ema_real* const driven = (const ema_real*)(const void*)&work->span; /* EMA-D4 */
+    ema_segment_t* const segment = &work->segment;
+    ema_real current_A = segment->end.current_A;
+    if (motion != (int32_t)EMA_MOTION_STUCK) {
+        ema_real speed_rad_s = segment->end.speed_rad_s;
+        ema_real turn_rad = segment->turn_rad;
+        for (uint32_t k = from; k < to; ++k) {
+            const ema_real drive = driven[k];
+            current_A += current[k] * drive;
+            speed_rad_s += speed[k] * drive;
+            turn_rad += angle[k] * drive;
+        }
+        segment->end.speed_rad_s = speed_rad_s;
+        segment->turn_rad = turn_rad;
+    } else {
+        /* torques drive nothing */
+        for (uint32_t k = from / 2U; k < (to / 2U); ++k) {
+            current_A += stuck[k] * driven[2U * k];
+        }
+    }
+    segment->end.current_A = current_A;
+    segment->end.angle_rad = segment->start.angle_rad + segment->turn_rad;
+}
+
+void ema_segment_drive(int32_t motion, ema_work_t* work, uint32_t columns)
+{
+    ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
+    span->current_A = segment->start.current_A;
+    span->speed_rad_s = segment->start.speed_rad_s;
+    span->input = segment->forces.input;
+    span->torque_Nm = segment->forces.torque_Nm;
+    span->input_rise = segment->input_rise;
+    span->torque_rise_Nm = segment->torque_rise_Nm;
+    segment->end.current_A = EMA_R(0.0);
+    segment->end.speed_rad_s = EMA_R(0.0);
+    segment->turn_rad = EMA_R(0.0);
+    ema_segment_respond(motion, work, 0U, columns);
+}

@@ -14,4 +14,10 @@ void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_wo
 /* Lets the forces rise evenly to those at the predicted end. */
 void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
 
+/* The segment's end under forces that rise evenly, by the first `columns` of the work's responses. */
+void ema_segment_drive(int32_t motion, ema_work_t* work, uint32_t columns);
+
+/* Adds to the segment's end what the work's span drives by the responses in the columns `from` to `to`. */
+void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32_t to);
+
 #endif

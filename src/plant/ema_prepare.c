@@ -1,6 +1,7 @@
 /* Apart from ema_model.c so that preparing a model takes no stack from running one. */
 #include "ema_prepare.h"
 
+#include "ema_copy.h"
 #include "ema_drive.h"
 #include "ema_effect_sites.h"
 #include "ema_encoder.h"
@@ -110,7 +111,7 @@ ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_a
 {
     ema_params_t* const params = &work->params;
     const ema_options_t* const options = &actuator->options;
-    *params = actuator->params;
+    ema_copy(params, &actuator->params, sizeof *params);
     ema_effects_adjust(&actuator->effects, params);
     const ema_status_t status = ema_plant_check(params, options, actuator->params.inertia_kgm2, start_mm);
     if (status == EMA_OK) {

@@ -111,40 +111,43 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
     return root;
 }
 
-/* Responses at the end of the work's span, `column` of those of current, speed and angle. */
-static void ema_responses_column(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work,
-                                 uint32_t column)
+void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end)
 {
-    ema_series_build(&work->series, plant, work->circuit, &work->span);
-    ema_series_angle(&work->series, work->span.span_s, work->terms);
-    ((ema_real*)(void*)&responses->current)[column] = ema_series_at(work->series.current_A, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&responses->speed)[column] = ema_series_at(work->series.speed_rad_s, EMA_R(1.0)); /* EMA-D4 */
-    ((ema_real*)(void*)&responses->angle)[column] = ema_series_at(work->terms, EMA_R(1.0));              /* EMA-D4 */
+    ema_series_t* const series = &work->series;
+    ema_series_build(series, plant, work->circuit, &work->span);
+    ema_series_angle(series, work->span.span_s, work->terms);
+    end->current_A = ema_series_at(series->current_A, EMA_R(1.0));
+    end->speed_rad_s = ema_series_at(series->speed_rad_s, EMA_R(1.0));
+    end->angle_rad = ema_series_at(work->terms, EMA_R(1.0));
 }
 
 void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
 {
-    const ema_span_t none = {.span_s = span_s, .torque_gain_Nm_per_A = plant->motor.torque_constant_Nm_per_A};
+    const ema_span_t none = {0};
     /* bend and twist are of use where a whole step is tried alone */
     const uint32_t columns = plant->tries_whole_step ? EMA_RESPONSES : EMA_RESPONSES_EVEN;
-    /* at rest first: its responses, to current, voltage and its rise and bend, are kept aside before those of the
-     * motion take their places */
-    ema_real* const driven = (ema_real*)(void*)&work->span; /* EMA-D4 */
+    ema_real* const driven = (ema_real*)(void*)&work->span;          /* EMA-D4 */
+    ema_real* const current = (ema_real*)(void*)&responses->current; /* EMA-D4 */
+    ema_real* const speed = (ema_real*)(void*)&responses->speed;     /* EMA-D4 */
+    ema_real* const angle = (ema_real*)(void*)&responses->angle;     /* EMA-D4 */
+    ema_real* const stuck = &responses->stuck_from_current;
+    ema_point_t* const end = &work->segment.end;
     work->span = none;
-    work->span.at_rest = true;
-    for (uint32_t column = 0; column < columns; column += 2U) {
-        driven[column] = EMA_R(1.0);
-        ema_responses_column(responses, plant, work, column);
-        driven[column] = EMA_R(0.0);
-    }
-    responses->stuck_from_current = responses->current.from_current;
-    responses->stuck_from_voltage = responses->current.from_voltage;
-    responses->stuck_from_voltage_rise = responses->current.from_voltage_rise;
-    responses->stuck_from_voltage_bend = responses->current.from_voltage_bend;
-    work->span.at_rest = false;
+    work->span.span_s = span_s;
+    work->span.torque_gain_Nm_per_A = plant->motor.torque_constant_Nm_per_A;
     for (uint32_t column = 0; column < columns; ++column) {
         driven[column] = EMA_R(1.0);
-        ema_responses_column(responses, plant, work, column);
+        /* at rest torques drive nothing */
+        if (((column % 2U) == 0U) && (column < (EMA_RESPONSES - 1U))) {
+            work->span.at_rest = true;
+            ema_series_end(plant, work, end);
+            stuck[column / 2U] = end->current_A;
+            work->span.at_rest = false;
+        }
+        ema_series_end(plant, work, end);
+        current[column] = end->current_A;
+        speed[column] = end->speed_rad_s;
+        angle[column] = end->angle_rad;
         driven[column] = EMA_R(0.0);
     }
 }

@@ -22,6 +22,10 @@ ema_real ema_series_at(const ema_real* terms, ema_real at);
 /* Where the series crosses zero between the fractions `lower` and 1, at which its signs differ. */
 ema_real ema_series_root(const ema_real* terms, ema_real lower);
 
+/* The series of the work's circuit over its span, that of the angle in its `terms`; and where they end, the angle from
+ * the start of the span. */
+void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end);
+
 /* Prepares the exact responses of the work's circuit over `span_s`. */
 void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s);
 

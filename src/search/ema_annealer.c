@@ -1,5 +1,6 @@
 #include "ema/ema_annealer.h"
 
+#include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_quadratic.h"
 
@@ -201,7 +202,7 @@ ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_conf
     }
     const ema_annealer_t fresh = {0};
     *annealer = fresh;
-    annealer->config = *config;
+    ema_copy(&annealer->config, config, sizeof *config);
     ema_random_init(&annealer->random, config->seed, UINT64_C(54));
     for (uint32_t i = 0; i < config->dimension; ++i) {
         annealer->candidate.x[i] = config->start[i];

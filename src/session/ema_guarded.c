@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "ema_copy.h"
 #include "ema_scoring.h"
 
 static const ema_finding_t ema_no_finding = {
@@ -133,7 +134,7 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
     const bool ended = (guarded->phase == EMA_GUARDED_LOOKING) || (guarded->phase == EMA_GUARDED_DONE);
     ema_status_t status = EMA_OK;
     if (ended) {
-        *result = guarded->result;
+        ema_copy(result, &guarded->result, sizeof *result);
     } else {
         status = ema_session_result(&guarded->session, result);
     }

@@ -1,6 +1,7 @@
 /* Apart from ema_session.c so that preparing a run takes no stack from running it. */
 #include "ema_runs.h"
 
+#include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_record_row.h"
 
@@ -38,7 +39,7 @@ static ema_status_t ema_search_start(ema_session_t* session)
     if (session->healthy_done) {
         ema_runs_move(session, ema_annealer_candidate(&session->annealer));
     } else {
-        session->actuator = *config->actuator;
+        ema_copy(&session->actuator, config->actuator, sizeof session->actuator);
     }
     const ema_real limit = (config->abandon && session->healthy_done)
                                ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX)

@@ -1,6 +1,7 @@
 /* Apart from ema_guarded.c so that the start takes no stack from the runs. */
 #include "ema_scoring.h"
 
+#include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_runs.h"
 
@@ -18,7 +19,7 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
         return EMA_ERR_SHORT;
     }
     if (session->phase == EMA_PHASE_FEEDING) {
-        session->actuator = *session->config->actuator;
+        ema_copy(&session->actuator, session->config->actuator, sizeof session->actuator);
         session->start_mm = ema_runs_start_mm(session);
     } else if (session->phase == EMA_PHASE_DONE) {
         ema_runs_move(session, session->annealer.best.x);

@@ -4,6 +4,7 @@
 
 #include "ema_assess.h"
 #include "ema_bounds.h"
+#include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_runs.h"
 #include "ema_verdict.h"
@@ -90,7 +91,8 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
         return EMA_ERR_NULL;
     }
     ema_status_t status = ema_actuator_check(config->actuator, NULL);
-    ema_annealer_config_t annealer = config->annealer;
+    ema_annealer_config_t annealer;
+    ema_copy(&annealer, &config->annealer, sizeof annealer);
     if (status == EMA_OK) {
         status = ema_identified_check(config, &annealer);
     }

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "ema_copy.h"
 #include "ema_math.h"
 
 #define EMA_MULTISINE_LINES_MAX 32U
@@ -126,7 +127,7 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
         break;
     }
     if (status == EMA_OK) {
-        *command = made;
+        ema_copy(command, &made, sizeof made);
     }
     return status;
 }

@@ -28,10 +28,8 @@ RECORD = "size_record_10s_int16"
 
 # Why a target is not met, by its name; a reason for one that is met is wrong too.
 MISSED = {
-    "code": "the cubic through the effects' forces inside a step, and the responses of both parts of a late one, take 0.5 KiB; firmware that leaves out effects "
-    "gets them back",
     "bare": "no effect is linked, but search and fit (3 KiB), sensitivities and verdict (1.9 KiB), control law, drive and encoder in all their modes (1.3 KiB) "
-    "and memcpy and memset (0.5 KiB) are",
+    "and memset (0.2 KiB) are",
     "guarded_tick_function": "the chirp's sine is computed anew in every step; record the command where 20 kB more are to be had",
 }
 

@@ -152,7 +152,7 @@ static void test_outside_is_counted_in_shares_of_the_range(void)
     const double expected[6] = {0.0, 0.0, 0.0, 0.25, 0.25, 2.0};
     for (uint32_t k = 0; k < 6U; ++k) {
         const ema_site_t site = site_at(0.0, at[k], 0.0, 0.0);
-        EMA_ASSERT_CLOSE(expected[k], ema_table_outside(EMA_TABLE_OF(&table), &site), 4.0 * EMA_EPS, 0.0);
+        EMA_ASSERT_CLOSE(expected[k], ema_table_outside(EMA_TABLE_OF(&table), &site, EMA_R(0.0)), 4.0 * EMA_EPS, 0.0);
     }
     /* on a periodic axis the nearer edge counts */
     const ema_effect_learned_torque_t part = ramp(EMA_AXIS_LEAD, 0.0, 2.0, 0.0, 1.0);
@@ -160,7 +160,8 @@ static void test_outside_is_counted_in_shares_of_the_range(void)
     const double round_expected[5] = {0.0, 0.25, 0.25, 0.25, 0.75};
     for (uint32_t k = 0; k < 5U; ++k) {
         const ema_site_t site = site_at(0.0, round_at[k], 0.0, 0.0);
-        EMA_ASSERT_CLOSE(round_expected[k], ema_table_outside(EMA_TABLE_OF(&part), &site), 4.0 * EMA_EPS, 0.0);
+        EMA_ASSERT_CLOSE(round_expected[k], ema_table_outside(EMA_TABLE_OF(&part), &site, EMA_R(0.0)), 4.0 * EMA_EPS,
+                         0.0);
     }
 }
 
