@@ -184,8 +184,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
 {
     const ema_responses_t* const prepared =
-        (ema_acts_on_motion(plant) && !plant->drive.delayed && (span_s == plant->substep_s)) ? &plant->responses[0]
-                                                                                             : NULL;
+        (ema_acts_on_motion(plant) && !plant->drive.delayed) ? &plant->responses[0] : NULL;
     /* events are found without the frame of a try below them */
     if (!ema_motion_try(plant, state, work, prepared, span_s, false)) {
         ema_motion_events(plant, state, work);

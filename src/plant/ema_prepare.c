@@ -93,8 +93,8 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     const bool swings =
         ema_acts(plant, EMA_SITE_TRANSMISSION)
         && !(plant->effects.transmission_compliance.period_s >= (EMA_STEPS_OF_A_SWING * params->step_s));
-    plant->tries_whole_step = (plant->substeps == 1U) && (options->substeps == 0)
-                              && (plant->drive.delayed || ((wanted > 1U) && ema_acts_on_motion(plant) && !swings));
+    plant->tries_whole_step =
+        (plant->substeps == 1U) && (options->substeps == 0) && (plant->drive.delayed || ((wanted > 1U) && !swings));
     if (plant->substeps < wanted) {
         plant->substeps = wanted;
     }
