@@ -8,13 +8,14 @@
 #define EMA_TABLE_SPANS ((uint32_t)(EMA_TABLE_VALUES - EMA_TABLE_NODES - 1))
 
 #define EMA_ASSERT_TABLE(name)                                                                                         \
-    _Static_assert((sizeof(ema_effect_##name##_t) == ((size_t)EMA_TABLE_VALUES * sizeof(ema_real)))                    \
-                       && (offsetof(ema_effect_##name##_t, gain) == ((size_t)EMA_TABLE_GAIN * sizeof(ema_real)))       \
-                       && (offsetof(ema_effect_##name##_t, axis) == ((size_t)EMA_TABLE_AXIS * sizeof(ema_real)))       \
-                       && (offsetof(ema_effect_##name##_t, first) == ((size_t)EMA_TABLE_FIRST * sizeof(ema_real)))     \
-                       && (offsetof(ema_effect_##name##_t, last) == ((size_t)EMA_TABLE_LAST * sizeof(ema_real)))       \
-                       && (offsetof(ema_effect_##name##_t, node_00) == ((size_t)EMA_TABLE_NODES * sizeof(ema_real))),  \
-                   "a table as EMA_TABLE makes it");
+    _Static_assert(                                                                                                    \
+        (sizeof(ema_effect_##name##_t) == ((size_t)EMA_TABLE_VALUES * sizeof(ema_real)))                               \
+            && ((size_t)offsetof(ema_effect_##name##_t, gain) == ((size_t)EMA_TABLE_GAIN * sizeof(ema_real)))          \
+            && ((size_t)offsetof(ema_effect_##name##_t, axis) == ((size_t)EMA_TABLE_AXIS * sizeof(ema_real)))          \
+            && ((size_t)offsetof(ema_effect_##name##_t, first) == ((size_t)EMA_TABLE_FIRST * sizeof(ema_real)))        \
+            && ((size_t)offsetof(ema_effect_##name##_t, last) == ((size_t)EMA_TABLE_LAST * sizeof(ema_real)))          \
+            && ((size_t)offsetof(ema_effect_##name##_t, node_00) == ((size_t)EMA_TABLE_NODES * sizeof(ema_real))),     \
+        "a table as EMA_TABLE makes it");
 #define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_ASSERT_TABLE(name)
 #define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ASSERT_TABLE(name)
 #define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ASSERT_TABLE(name)

@@ -16,11 +16,11 @@ static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row
 /* Whether the weights of the channels, by ema_channel_t, are none negative and on recorded channels alone. */
 bool ema_record_weights(const ema_record_t* record, const ema_real* weight);
 
-_Static_assert((offsetof(ema_output_t, position_mm) == ((size_t)EMA_CHANNEL_POSITION * sizeof(ema_real)))
-                   && (offsetof(ema_output_t, motor_position_mm)
+_Static_assert(((size_t)offsetof(ema_output_t, position_mm) == ((size_t)EMA_CHANNEL_POSITION * sizeof(ema_real)))
+                   && ((size_t)offsetof(ema_output_t, motor_position_mm)
                        == ((size_t)EMA_CHANNEL_MOTOR_POSITION * sizeof(ema_real)))
-                   && (offsetof(ema_output_t, current_A) == ((size_t)EMA_CHANNEL_CURRENT * sizeof(ema_real)))
-                   && (offsetof(ema_output_t, voltage_V) == ((size_t)EMA_CHANNEL_VOLTAGE * sizeof(ema_real))),
+                   && ((size_t)offsetof(ema_output_t, current_A) == ((size_t)EMA_CHANNEL_CURRENT * sizeof(ema_real)))
+                   && ((size_t)offsetof(ema_output_t, voltage_V) == ((size_t)EMA_CHANNEL_VOLTAGE * sizeof(ema_real))),
                "the first values of a row are in the order of the channels");
 
 /* What a run shows on a channel. */

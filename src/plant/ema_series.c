@@ -5,12 +5,13 @@
 #include "ema_math.h"
 
 _Static_assert((sizeof(ema_response_t) == (EMA_RESPONSES * sizeof(ema_real)))
-                   && (offsetof(ema_response_t, from_current) == offsetof(ema_span_t, current_A))
-                   && (offsetof(ema_response_t, from_speed) == offsetof(ema_span_t, speed_rad_s))
-                   && (offsetof(ema_response_t, from_voltage) == offsetof(ema_span_t, input))
-                   && (offsetof(ema_response_t, from_torque) == offsetof(ema_span_t, torque_Nm))
-                   && (offsetof(ema_response_t, from_voltage_rise) == offsetof(ema_span_t, input_rise))
-                   && (offsetof(ema_response_t, from_torque_rise) == offsetof(ema_span_t, torque_rise_Nm)),
+                   && ((size_t)offsetof(ema_response_t, from_current) == (size_t)offsetof(ema_span_t, current_A))
+                   && ((size_t)offsetof(ema_response_t, from_speed) == (size_t)offsetof(ema_span_t, speed_rad_s))
+                   && ((size_t)offsetof(ema_response_t, from_voltage) == (size_t)offsetof(ema_span_t, input))
+                   && ((size_t)offsetof(ema_response_t, from_torque) == (size_t)offsetof(ema_span_t, torque_Nm))
+                   && ((size_t)offsetof(ema_response_t, from_voltage_rise) == (size_t)offsetof(ema_span_t, input_rise))
+                   && ((size_t)offsetof(ema_response_t, from_torque_rise)
+                       == (size_t)offsetof(ema_span_t, torque_rise_Nm)),
                "what moves a span stands in the order of the responses to it");
 
 /* Bracketing steps of the root search; Illinois' rule gains a digit or more in each. */
