@@ -1,6 +1,8 @@
 /* Apart from ema_motion.c so that what is worked out at a point takes no stack from the step around it. */
 #include "ema_forces.h"
 
+#include <stddef.h>
+
 #include "ema_effect_sites.h"
 #include "ema_gearbox.h"
 #include "ema_math.h"
@@ -143,7 +145,7 @@ void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32
     } else {
         /* torques drive nothing */
         for (uint32_t k = from / 2U; k < (to / 2U); ++k) {
-            current_A += stuck[k] * driven[2U * k];
+            current_A += stuck[k] * driven[(size_t)2U * k];
         }
     }
     segment->end.current_A = current_A;
