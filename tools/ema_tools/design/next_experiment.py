@@ -18,7 +18,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
-from ema_tools.base.progress import Report
+from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, nearest, parsed, row_of, shown
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record, from_simulation
@@ -303,7 +303,7 @@ def next_experiment(
     `values` of the effects by name, as a diagnosis found them; usual sizes where none are given. `noise` of the channels, rms at 1 kHz; `own_limits` as `limits_of` takes them.
     Raises InputError for effects, values, channels and commands that do not exist.
     """
-    tell = report or (lambda _share, _text: None)
+    tell = report or untold
     names = check_effects(effects)
     for channel in channels:
         if channel not in CHANNELS:

@@ -171,11 +171,7 @@ class View:
             return self
         more, _ = np.linalg.qr(np.column_stack(kept))
         wider = replace(self, _basis=np.column_stack([self._basis, more]))
-        return replace(wider, residual=wider.taken_off(self.residual))
-
-    def taken_off(self, vector: Reals) -> Reals:
-        """A vector [n] of an earlier view with what this one takes off taken off."""
-        return self._without(vector)
+        return replace(wider, residual=wider._without(self.residual))
 
     def signature(self, changes: Mapping[str, float]) -> Reals:
         """What `changes` beside the view's own values make of the model, [n]. Raises InputError when the model refuses them."""

@@ -22,7 +22,7 @@ from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, quiet_smoother
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
-from ema_tools.base.progress import Report
+from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.laps import Laps, laps_of
@@ -652,7 +652,7 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
 
     Raises MissingSignal when the record has no mechanical balance.
     """
-    report = progress or (lambda _share, _text: None)
+    report = progress or untold
     report(0.0, "laps and balance")
     search = _Search(actuator, record, report)
     bench = search.bench

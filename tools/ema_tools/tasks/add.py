@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
-from ema_tools.base.progress import Report
+from ema_tools.base.progress import Report, untold
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import where
 from ema_tools.data.actuator import Actuator
@@ -99,7 +99,7 @@ def add(
 
     Raises InputError for an unknown effect, a record that shows nothing of it, and as `gather` does.
     """
-    tell = report or (lambda _share, _text: None)
+    tell = report or untold
     row = next((row for row in load_definitions().effects if row.name == effect), None)
     if row is None:
         raise InputError(f"{effect}: no such effect: ema effects lists the library")
@@ -131,7 +131,7 @@ def add(
 
 def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Record | None = None, report: Report | None = None) -> Added:
     """Fits `effect` to a record of a machine that is as `actuator` says but for its CSJ and BLK, which are free: what is written keeps their healthy values. Raises InputError as `add` does."""
-    tell = report or (lambda _share, _text: None)
+    tell = report or untold
     if next((row.is_learned for row in load_definitions().effects if row.name == effect), True):
         raise InputError(
             f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.progress import Report
+from ema_tools.base.progress import Report, untold
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import Gate, judge
@@ -154,7 +154,7 @@ def answer(
 
     Raises InputError for a record that cannot answer, and for healthy records that belong to neither.
     """
-    tell = report or (lambda _share, _text: None)
+    tell = report or untold
     same = healthy_of(record, healthy)
     check_records(record, healthy, holdout)
     gate = answerable(actuator, record, same)

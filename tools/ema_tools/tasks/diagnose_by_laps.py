@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ema_tools.balances.mechanical import mechanical
 from ema_tools.base.errors import InputError, MissingSignal
-from ema_tools.base.progress import Report
+from ema_tools.base.progress import Report, untold
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import Gate, judge
 from ema_tools.data.actuator import Actuator
@@ -86,7 +86,7 @@ def applies(actuator: Actuator, record: Record) -> bool:
 
 def answer_by_laps(actuator: Actuator, record: Record, report: Report | None = None) -> LapsAnswer:
     """Diagnoses a record by its laps. Raises InputError for a record that cannot answer."""
-    tell = report or (lambda _share, _text: None)
+    tell = report or untold
     gate = judge(actuator, record)
     if not gate.answerable:
         remark = next(one for one in gate.remarks if one.severity == "blocks")

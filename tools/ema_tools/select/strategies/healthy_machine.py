@@ -8,13 +8,12 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.evidence import Evidence
-from ema_tools.fit.refit import Fit, polished
+from ema_tools.fit.refit import Fit
 from ema_tools.select.candidates import Signature
-from ema_tools.select.strategies.strategy import SearchLimits, Strategy, refined_near
+from ema_tools.select.strategies.strategy import SearchLimits, Strategy, polished_near
 
 _STANDING_SHARE = 0.05
 _POLISH_ROUNDS = 3
-_POLISH_REACH = 0.3
 
 
 class HealthyMachine(Strategy):
@@ -40,5 +39,4 @@ class HealthyMachine(Strategy):
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
-        reach = max(self.limits.finalist_reach, _POLISH_REACH * fits[0].judged) if fits else 0.0
-        return refined_near(fits, lambda fit: polished(fit, _POLISH_ROUNDS), reach)
+        return polished_near(fits, _POLISH_ROUNDS, self.limits)

@@ -11,7 +11,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, View, settled
-from ema_tools.fit.refit import Fit, best_of_each
+from ema_tools.fit.refit import Fit, best_of_each, polished
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 
@@ -21,6 +21,8 @@ LEAST_LIMIT = 30.0
 _LEAST_SHARE = 0.02
 _MOST_OF_REST = 0.5
 _NOISE = 6.0  # standard deviations
+# Fits this share of the best cost behind the best may still overtake it.
+_POLISH_REACH = 0.3
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,12 @@ class Strategy(ABC):
     def vague(self, _best: Fit) -> list[str]:
         """Effects of an answer whose size could be none."""
         return []
+
+
+def polished_near(fits: tuple[Fit, ...], rounds: int, limits: SearchLimits) -> tuple[Fit, ...]:
+    """The better fits of a round with what scatters linear where they are."""
+    reach = max(limits.finalist_reach, _POLISH_REACH * fits[0].judged) if fits else 0.0
+    return refined_near(fits, lambda fit: polished(fit, rounds), reach)
 
 
 def refined_near(fits: tuple[Fit, ...], better: Callable[[Fit], Fit], reach: float) -> tuple[Fit, ...]:

@@ -13,11 +13,10 @@ from ema_tools.fit.refit import Fit, polished, refit, seen_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
-from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, refined_near
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, polished_near
 
 _REPEAT_MARGIN = 1.5
 _POLISH_ROUNDS = 1
-_POLISH_REACH = 0.3
 # An error of twice the floor is no answer, however large the change was.
 _FLOORS = 2.0
 # Where both faults are fitted first: where they begin, in healthy values, and how many effects may follow.
@@ -58,8 +57,7 @@ class WithRepeats(Strategy):
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
-        reach = max(self.limits.finalist_reach, _POLISH_REACH * fits[0].judged) if fits else 0.0
-        return refined_near(fits, lambda fit: polished(fit, _POLISH_ROUNDS), reach)
+        return polished_near(fits, _POLISH_ROUNDS, self.limits)
 
     def is_no_answer(self, cost: float) -> bool:
         """So far above the floor."""
