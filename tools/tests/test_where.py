@@ -12,7 +12,7 @@ import pytest
 from ema_tools.compare.axes import Axis, explained, foretold, hats, machine_state_of
 from ema_tools.compare.localisation import Where, binned, mean_record, where
 from ema_tools.data.actuator import reference_actuator
-from ema_tools.fit.whitening import Whitener
+from ema_tools.fit.whitening import Whitener, lines_of
 from ema_tools.results.codec import to_json
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.sentences.localisation import sentence
@@ -133,7 +133,7 @@ def test_missing_signals_are_said() -> None:
 def test_shares_of_signals_use_the_noise_that_is_known() -> None:
     record = measured({"effects.winding_heating.rise_degC": 60.0}, 99)
     channels = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
-    power = np.outer([1e-6, 1e-6, 1e-3, 1e-3], np.ones(record.rows // 2 + 1))
+    power = np.outer([1e-6, 1e-6, 1e-3, 1e-3], np.ones(lines_of(record.rows)))
     plain, weighed = (
         where(reference_actuator(), record, repeats()),
         where(reference_actuator(), record, repeats(), Whitener.of(power, record.rows), channels),

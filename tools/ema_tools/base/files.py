@@ -9,7 +9,7 @@ import math
 import os
 import re
 import stat
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -126,6 +126,11 @@ def write_text(path: str | Path, text: str, force: bool = False) -> None:
         raise InputError(f"{path}: {reason(error)}: choose another place") from None
 
 
+def are_finite(values: Sequence[Any]) -> bool:
+    """Whether a sequence holds finite numbers of Python alone: curves have thousands."""
+    return {*map(type, values)} == {float} and all(map(math.isfinite, values))
+
+
 def plain(value: Any) -> Any:
     """`value` for JSON: arrays become lists, numbers that are not finite null, text what UTF-8 can hold."""
     if isinstance(value, Mapping):
@@ -133,7 +138,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [plain(inner) for inner in value]
+        return list(value) if are_finite(value) else [plain(inner) for inner in value]
     if isinstance(value, np.generic):
         return plain(value.item())
     if isinstance(value, float) and not math.isfinite(value):

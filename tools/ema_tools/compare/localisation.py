@@ -25,7 +25,7 @@ from ema_tools.compare.comparison import FLOOR_MARGIN, TITLES, ErrorPart, divide
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
-from ema_tools.fit.whitening import Whitener, spectrum
+from ema_tools.fit.whitening import Whitener, counted, spectrum
 from ema_tools.plant.native import CHANNELS
 from ema_tools.results import localisation as picture
 from ema_tools.results.codec import Series
@@ -400,9 +400,11 @@ def _channels(
             floors[name] = math.nan
         if whiten is not None and name in names:
             weights = whiten.weights[list(names).index(name)].copy()
-            last = weights.size - 1 if residual.size % 2 == 0 else weights.size
+            rows = counted(residual.size)
+            last = weights.size - 1 if rows % 2 == 0 else weights.size
             weights[1:last] /= math.sqrt(2.0)
-            units[name] = np.asarray(np.fft.irfft(spectrum(residual[None, :])[0] * weights, n=residual.size, norm="ortho"))
+            units[name] = np.zeros_like(residual)
+            units[name][:rows] = np.fft.irfft(spectrum(residual[None, :])[0] * weights, n=rows, norm="ortho")
         else:
             scale = floors[name] if mean is not None else float(np.sqrt(np.mean(record.recorded(name) ** 2)))
             units[name] = residual / scale if scale > 0.0 else np.zeros_like(residual)

@@ -27,7 +27,7 @@ from ema_tools.design.typical import scaled, typical_change, zero_of
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import Evidence, View, view
 from ema_tools.fit.refit import refit
-from ema_tools.fit.whitening import Whitener, least_noise
+from ema_tools.fit.whitening import Whitener, least_noise, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.plant.native import CHANNELS, Simulation, library
@@ -185,7 +185,7 @@ def _evidence(actuator: Actuator, one: _Run, channels: Sequence[str], noise: Map
     base = np.array([one.record.recorded(name) for name in channels])
     white = np.array([noise.get(name, 0.0) for name in channels]) * math.sqrt(_NOISE_PERIOD_S / actuator.record_period_s)
     level = np.maximum(white, least_noise(base))
-    power = np.broadcast_to((level**2)[:, None], (len(channels), one.record.rows // 2 + 1))
+    power = np.broadcast_to((level**2)[:, None], (len(channels), lines_of(one.record.rows)))
     # a healthy repeat with nothing new stands behind it: what scatters is what differs from run to run
     return Evidence(
         actuator,

@@ -6,8 +6,10 @@ not as free parameters, so that a change of the same parameter beyond it can sti
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -19,7 +21,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.nuisance import Spread
-from ema_tools.fit.whitening import Whitener
+from ema_tools.fit.whitening import Whitener, counted
 from ema_tools.plant.native import library
 
 DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
@@ -32,6 +34,9 @@ FAR = 12.0
 FAR_ROUNDS = 12
 _ROUNDS = 6
 _SETTLED = 1e-4
+# Steps by the directions of one place: they cost a tenth of new directions; the last of them takes off less than this share.
+_CHORDS = 4
+_WORTH_A_CHORD = 1e-3
 # A step that overshoots, where what scatters bends, is taken in part.
 _SHARES = (1.0, 0.4, 0.1)
 
@@ -76,14 +81,21 @@ class Evidence:
 
     def expected_cost(self) -> float:
         """The cost of a record with nothing new: the mean of the healthy repeats', else what sensor noise alone has."""
+        return float(np.mean([residual @ residual for residual in self.of_repeats])) if self.repeats else self.floor
+
+    @cached_property
+    def of_repeats(self) -> list[Reals]:
+        """What each healthy repeat says against the others, vectors [n] seen from the healthy machine."""
         if not self.repeats:
-            return self.floor
-        return float(np.mean([residual @ residual for residual in repeat_residuals(self)]))
+            return []
+        known = view(self, {})
+        return [known.residual_of(target) for target in self.repeats]
 
     @property
     def numbers(self) -> int:
         """Independent numbers in the record's signals."""
-        return self.target.size
+        channels, rows = self.target.shape
+        return int(channels * counted(rows))
 
     def simulate(self, changes: Mapping[str, float], deviations: Reals) -> Reals:
         """Signals [channels, rows] of the model with effects at `changes` and its spread values at `deviations` [spread] of their spread."""
@@ -109,6 +121,10 @@ class Sensitivity:
         """What is left times any vector [n]."""
         return float(self.vector @ other) - float(self.shared @ self.view.shared(other))
 
+    def with_other(self, other: Sensitivity) -> float:
+        """What is left of both, times each other."""
+        return float(self.vector @ other.vector) - float(self.shared @ other.shared)
+
     def with_residual(self) -> float:
         """What is left times the view's residual, which shares nothing with what is taken off."""
         return float(self.vector @ self.view.residual)
@@ -119,6 +135,20 @@ class Sensitivity:
         product = float(self.vector @ view.residual) - float(self.shared @ of_residual)
         both = view.shared(self.vector) - overlap @ self.shared
         return product, self.square - float(both @ both)
+
+
+@dataclass(frozen=True)
+class _Directions:
+    """What scatters, per spread, as columns [n, k], and as an orthonormal `basis` [n, k] times `square` [k, k]."""
+
+    columns: Reals
+    basis: Reals
+    square: Reals
+
+    @staticmethod
+    def of(columns: Reals) -> _Directions:
+        basis, square = np.linalg.qr(columns)
+        return _Directions(columns, np.asfortranarray(basis), square)
 
 
 @dataclass(frozen=True)
@@ -135,12 +165,16 @@ class View:
     residual: Reals
     _basis: Reals = field(repr=False)
     _plain: Reals = field(repr=False)
-    _directions: Reals = field(repr=False)
+    _scatter: _Directions = field(repr=False)
 
     @property
     def cost(self) -> float:
         """Squared residual with the scatter at its best."""
         return float(self.residual @ self.residual)
+
+    def residual_of(self, target: Reals) -> Reals:
+        """What is left of another target [channels, rows], [n]."""
+        return self._without(_left(self.evidence, self.base, self.deviations, target))
 
     def projected(self, signals: Reals) -> Reals:
         """Signals [channels, rows] as a vector [n]."""
@@ -185,8 +219,7 @@ class View:
 
     def doubt(self, place: int) -> float:
         """Standard deviation, in spreads, to which the record and all priors together determine one of the deviations."""
-        _, square = np.linalg.qr(self._directions)
-        return float(np.linalg.norm(np.linalg.inv(square)[place]))
+        return float(np.linalg.norm(np.linalg.inv(self._scatter.square)[place]))
 
     @property
     def plain(self) -> Reals:
@@ -230,13 +263,25 @@ class View:
             try:
                 moved = self.evidence.simulate(self.values, own + apart) - self.evidence.simulate(self.values, own - apart)
             except InputError:
-                return self._directions[: self.residual.size - none.size, place]
+                return self._scatter.columns[: self.residual.size - none.size, place]
             return self.evidence.whiten(moved) / (2.0 * step)
 
-        found = self._directions.copy()
+        found = self._scatter.columns.copy()
         for place, column in enumerate(each(of_spread, list(range(own.size)))):
             found[: column.size, place] = column
         return np.column_stack([*each(of_value, list(around)), found])
+
+    def at(self, values: Mapping[str, float], deviations: Reals, scatter: Reals | None = None) -> View:
+        """The evidence seen from other values and deviations, what scatters moving it as the columns `scatter` [n, k] say, else as it does here: one run of the model.
+
+        Raises InputError when the model refuses.
+        """
+        there = _place(self.evidence, values, deviations)
+        return _along(self.evidence, values, there, self._scatter if scatter is None else _Directions.of(scatter))
+
+    def linear_here(self) -> View:
+        """The same with what scatters linear right here."""
+        return _seen(self.evidence, self.values, _Place(self.deviations, self.base, self._plain))
 
     def best_deviations(self, vector: Reals | None = None, reach: float = _CREDIBLE) -> Reals:
         """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than `reach`, which is credible.
@@ -247,38 +292,65 @@ class View:
         if not self.deviations.size:
             return self.deviations
         # bounded, not clipped: what one direction may not do, the others then do not answer
-        basis, square = np.linalg.qr(self._directions)
-        step = lsq_linear(square, basis.T @ tall, (-reach - self.deviations, reach - self.deviations), method="bvls").x
+        step = lsq_linear(
+            self._scatter.square, self._scatter.basis.T @ tall, (-reach - self.deviations, reach - self.deviations), method="bvls"
+        ).x
         return np.asarray(np.clip(self.deviations + step, -reach, reach))
 
 
-def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, target: Reals | None = None) -> View:
-    """The evidence seen from `values` of effects; `deviations` of what scatters are zero unless told. `target` in place of the evidence's own."""
-    count = len(evidence.spread)
-    at = np.zeros(count + len(evidence.additive)) if deviations is None else deviations
-    own = at[:count]
-    shift = np.tensordot(at[count:], evidence.additive, 1)
+@dataclass(frozen=True)
+class _Place:
+    """One set of values and deviations, before its directions are known: `base` [channels, rows] of the model, `plain` [n]: what is left there with nothing taken off."""
 
-    def moved(place: int) -> Reals:
-        one = evidence.spread[place]
+    at: Reals
+    base: Reals
+    plain: Reals
+
+    @property
+    def cost(self) -> float:
+        """Squared residual with what scatters where it is, and what that costs."""
+        return float(self.plain @ self.plain)
+
+
+def _place(evidence: Evidence, values: Mapping[str, float], at: Reals) -> _Place:
+    count = len(evidence.spread)
+    base = evidence.simulate(values, at[:count])
+    return _Place(at, base, _left(evidence, base, at, evidence.target))
+
+
+def _left(evidence: Evidence, base: Reals, at: Reals, target: Reals) -> Reals:
+    """What is left of a target [channels, rows] with nothing taken off, [n]."""
+    shift = np.tensordot(at[len(evidence.spread) :], evidence.additive, 1)
+    return np.concatenate([evidence.whiten(target - base - shift), at])
+
+
+def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> View:
+    """The evidence linear at a place."""
+    own = place.at[: len(evidence.spread)]
+
+    def moved(k: int) -> Reals:
+        one = evidence.spread[k]
         step = DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
         near = own.copy()
-        near[place] += step
-        return (evidence.simulate(values, near) - base) / step
+        near[k] += step
+        return evidence.whiten((evidence.simulate(values, near) - place.base) / step)
 
-    base = evidence.simulate(values, own)
-    columns = [evidence.whiten(signal) for signal in each(moved, list(range(count)))]
-    columns += [evidence.whiten(signal) for signal in evidence.additive]
-    residual = evidence.whiten((evidence.target if target is None else target) - base - shift)
-    directions = np.vstack([np.column_stack(columns) if columns else np.empty((residual.size, 0)), -np.eye(at.size)])
-    basis, _ = np.linalg.qr(directions)
-    plain = np.concatenate([residual, at])
-    return View(evidence, values, at, base, plain - basis @ (basis.T @ plain), basis, plain, directions)
+    columns = [*each(moved, list(range(own.size))), *map(evidence.whiten, evidence.additive)]
+    rows = place.plain.size - place.at.size
+    directions = np.vstack([np.column_stack(columns) if columns else np.empty((rows, 0)), -np.eye(place.at.size)])
+    return _along(evidence, values, place, _Directions.of(directions))
 
 
-def repeat_residuals(evidence: Evidence) -> list[Reals]:
-    """What each healthy repeat says against the others, seen from the healthy machine."""
-    return [seen.residual for seen in each(lambda target: view(evidence, {}, None, target), evidence.repeats)]
+def _along(evidence: Evidence, values: Mapping[str, float], place: _Place, scatter: _Directions) -> View:
+    """The evidence at a place where what scatters moves it as it does somewhere near."""
+    residual = place.plain - scatter.basis @ (scatter.basis.T @ place.plain)
+    return View(evidence, values, place.at, place.base, residual, scatter.basis, place.plain, scatter)
+
+
+def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None) -> View:
+    """The evidence seen from `values` of effects; `deviations` of what scatters are zero unless told."""
+    at = np.zeros(len(evidence.spread) + len(evidence.additive)) if deviations is None else deviations
+    return _seen(evidence, values, _place(evidence, values, at))
 
 
 def raw_cost(evidence: Evidence) -> float:
@@ -298,22 +370,30 @@ def settled(
         there = _moved(here, reach)
         if there is None:
             break
-        done = here.plain_cost - there.plain_cost < _SETTLED * there.plain_cost
-        here = there
+        done = here.plain_cost - there.cost < _SETTLED * there.cost
+        here = _seen(evidence, values, there)
         if done:
             break
     return here
 
 
-def _moved(here: View, reach: float) -> View | None:
-    """The view after a share of the step to the best deviations that lowers the cost; None when none does."""
-    step = here.best_deviations(reach=reach) - here.deviations
+def _moved(here: View, reach: float) -> _Place | None:
+    """Where the steps by one view's directions end, each of them as much of a step to the best deviations as lowers the cost; None when none does."""
+    found: _Place | None = None
+    for _ in range(_CHORDS):
+        step = here.best_deviations(reach=reach) - here.deviations
+        there = next((place for place in _tried(here, step) if place.cost < here.plain_cost), None)
+        if there is None:
+            break
+        found = there
+        if here.plain_cost - there.cost < _WORTH_A_CHORD * there.cost:
+            break
+        here = _along(here.evidence, here.values, there, here._scatter)
+    return found
+
+
+def _tried(here: View, step: Reals) -> Iterator[_Place]:
+    """Smaller and smaller shares of a step, without those too far for the model."""
     for share in _SHARES:
-        try:
-            there = view(here.evidence, here.values, here.deviations + share * step)
-        except InputError:
-            # too far: the model refuses such a machine
-            continue
-        if there.plain_cost < here.plain_cost:
-            return there
-    return None
+        with suppress(InputError):
+            yield _place(here.evidence, here.values, here.deviations + share * step)

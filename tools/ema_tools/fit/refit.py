@@ -12,7 +12,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Row, row_of
-from ema_tools.fit.evidence import ROUGHNESS, View, settled, view
+from ema_tools.fit.evidence import ROUGHNESS, View, settled
 from ema_tools.library.faults import effect_of
 from ema_tools.library.shapes import penalty
 
@@ -206,13 +206,16 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
         step = np.asarray(np.linalg.lstsq(columns, seen.plain, rcond=None)[0], dtype=float)
         covariance = np.asarray(np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)], dtype=float)
         here = replace(here, covariance=covariance)
-        there = _joint_move(here, step, rows)
+        there = _joint_move(here, step, columns[:, len(rows) :], rows)
         if there is None:
             break
         fallen = here.view.plain_cost - there.view.plain_cost
         here = there
         if fallen < _JOINT_DONE:
             break
+    if here is not fit:
+        seen = here.view.linear_here()
+        here = replace(here, view=seen, cost=seen.cost)
     return here
 
 
@@ -227,17 +230,17 @@ def _around(name: str, value: float, row: Row) -> list[tuple[float, float]]:
     return [(max(value - step, row.lower), min(value + step, row.upper)) for step in steps]
 
 
-def _joint_move(fit: Fit, step: Reals, rows: Mapping[str, Row]) -> Fit | None:
-    """The fit after a share of a step that lowers its cost; None when none does."""
+def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row]) -> Fit | None:
+    """The fit after a share of a step that lowers its cost, what scatters moving it there as the columns `scatter` say; None when none does."""
     seen = fit.view
     for share in _JOINT_SHARES:
         values = dict(fit.values)
         for place, (name, row) in enumerate(rows.items()):
             values[name] = float(np.clip(values[name] + share * step[place], row.lower, row.upper))
         try:
-            there = view(seen.evidence, values, seen.deviations + share * step[len(rows) :])
+            there = seen.at(values, seen.deviations + share * step[len(rows) :], scatter)
             # where an effect and the scatter do the same, the way between them is narrow and bends
-            there = view(seen.evidence, values, there.best_deviations(reach=np.inf))
+            there = there.at(values, there.best_deviations(reach=np.inf))
         except InputError:
             continue
         if there.plain_cost < seen.plain_cost:

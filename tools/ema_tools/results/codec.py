@@ -17,6 +17,7 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.files import are_finite
 
 # The layout of all results. To be raised when a program of before can no longer read what is written; a new field with a default needs no new number.
 FORMAT = 1
@@ -96,6 +97,8 @@ def _written(value: Any, kind: Any, path: str) -> Any:
         return {str(key): _written(one, inner, f"{path}.{key}") for key, one in value.items()}
     if isinstance(value, tuple):
         kinds = next(_of_tuple(one, len(value)) for one in choices if get_origin(one) is tuple)
+        if set(kinds) == {float} and are_finite(value):
+            return list(value)
         return [_written(one, inner, f"{path}[{place}]") for place, (one, inner) in enumerate(zip(value, kinds, strict=True))]
     if float in choices and not isinstance(value, bool | str):
         return _number(float(value), NoneType in choices, path)

@@ -23,7 +23,7 @@ from ema_tools.data.records import Record, start_of
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import DERIVATIVE_STEP, FAR, FAR_ROUNDS, Evidence, measured_channels, settled, simulate_channels
 from ema_tools.fit.nuisance import Spread
-from ema_tools.fit.whitening import Whitener, least_noise, smoothed, spectrum
+from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, smoothed, spectrum
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.search import standing_effects
 
@@ -185,12 +185,12 @@ def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> 
     """Evidence of a record of another command about the machine `known`, with the noise that was seen in `evidence`."""
     names = evidence.channels
     measured = np.array([record.recorded(name) for name in names])
-    lines = record.rows // 2 + 1
+    lines = lines_of(record.rows)
     place = np.linspace(0.0, 1.0, lines)
     power = np.array([np.interp(place, np.linspace(0.0, 1.0, one.size), one) for one in evidence.noise])
     power = np.maximum(power, least_noise(measured)[:, None] ** 2)
     level = np.array([white_noise(signal) for signal in measured])
-    floor = float(np.sum(np.minimum(1.0, (level**2)[:, None] / power))) * record.rows / lines
+    floor = float(np.sum(np.minimum(1.0, (level**2)[:, None] / power))) * counted(record.rows) / lines
     additive = _zeros_of_sensors(names, measured)
     return Evidence(
         known,
@@ -210,7 +210,7 @@ def _against_repeats(
     actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...], report: Report | None
 ) -> Evidence:
     _, mean, level = _mean_and_level(healthy, channels)
-    flat = np.broadcast_to((level**2)[:, None], (len(channels), record.rows // 2 + 1)) / len(healthy)
+    flat = np.broadcast_to((level**2)[:, None], (len(channels), lines_of(record.rows))) / len(healthy)
     known = healthy_model(actuator, record, mean, flat, channels, report)
     return against_known(known, record, healthy, channels)
 
@@ -230,8 +230,8 @@ def gather(
     start = start_of(actuator, record)
     noise = np.array([white_noise(signal) for signal in measured])
     level = np.maximum(noise, least_noise(measured))
-    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
-    floor = float(np.sum((noise / level) ** 2)) * record.rows
+    power = np.broadcast_to((level**2)[:, None], (len(names), lines_of(record.rows)))
+    floor = float(np.sum((noise / level) ** 2)) * counted(record.rows)
 
     def with_slight(unit: Actuator, wanted: Sequence[Mapping[str, float]]) -> Evidence:
         gains = _gains_of_sensors(names, simulate_channels(unit, record, names, start))

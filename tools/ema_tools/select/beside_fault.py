@@ -22,7 +22,7 @@ from ema_tools.compare.validity import judge
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, repeat_residuals, settled, simulate_channels, view
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled, simulate_channels, view
 from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.refit import refit
 from ema_tools.library.definitions import load_definitions
@@ -102,7 +102,7 @@ class _Known:
             else np.empty((0, self._weighted(evidence.target).size))
         )
         self._basis, _ = np.linalg.qr(np.vstack([added.T, -np.eye(count)]))
-        costs = [float(repeat @ repeat) for repeat in repeat_residuals(evidence)]
+        costs = [float(repeat @ repeat) for repeat in evidence.of_repeats]
         self.floor = float(np.mean(costs)) if costs else evidence.floor
         self._largest = max(costs, default=0.0)
 

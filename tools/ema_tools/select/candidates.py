@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator
-from ema_tools.fit.evidence import Sensitivity, View
+from ema_tools.fit.evidence import ROUGHNESS, Sensitivity, View
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
@@ -27,27 +28,45 @@ _FIRST_SHARE = 0.002
 _SCALINGS = 4
 # Where the scatter of the healthy machine explains a small change, only a large one shows, and not in proportion: further first sizes for effects of one shape.
 _LADDER = (1.0, 8.0, 30.0, 100.0)
+# A signature shows when this share of its square is left beside what scatters; one that would take off less than this at any size is not scaled.
+_SHOWN_SHARE = 0.05
+_NOTHING = 4.0
 # After the first round, effects that may take off this share of what is needed, and at most so many, are simulated.
 _PROMISING_SHARE = 0.3
 _PROMISING_MAX = 7
-# Where periods are tried by simulation, each number of them at so many phases, and the best are kept.
-_FINE_PHASES = 6
+# Where periods are tried by simulation, each number of them at these phases; of so many phases that follow from them the best is taken, and so many numbers are kept.
+_SIMULATED_PHASES = np.array([0.0, 0.5 * np.pi])
+_FINE_PHASES = np.linspace(-np.pi, np.pi, 24, endpoint=False)
 _FINE_KEPT = 3
+
+
+def _harmonics(phases: Reals) -> Reals:
+    """What turns with the phase, [phases, 2]."""
+    return np.column_stack([np.cos(phases), np.sin(phases)])
+
+
+_OF_PHASES = np.linalg.inv(_harmonics(_SIMULATED_PHASES))
+_AT_FINE = _harmonics(_FINE_PHASES)
 _FACTORS = (1e-3, 1e3)
 _POWERS = (0.5, 3.0)
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """One effect in one shape: names of its values, the size first, the sizes to begin with, and where the size may lie."""
+    """One effect in one shape: names of its values, the size first, and where the size may lie. `ladders`: sizes to begin with, each ladder gone up until the effect shows."""
 
     effect: str
     size: str
     shape: Mapping[str, float]
-    first: tuple[float, ...]
+    ladders: tuple[tuple[float, ...], ...]
     lower: float
     upper: float
     zero: float
+
+    @property
+    def first(self) -> tuple[float, ...]:
+        """All sizes to begin with."""
+        return tuple(size for ladder in self.ladders for size in ladder)
 
     def changes(self, size: float) -> dict[str, float]:
         """The model's changed values at a size."""
@@ -73,9 +92,15 @@ class Signature:
         return self.candidate.changes(self.size)
 
 
-def _ladder(lower: float, upper: float, zero: float, rungs: Sequence[float]) -> tuple[float, ...]:
+def _ladders(lower: float, upper: float, zero: float, rungs: Sequence[float]) -> tuple[tuple[float, ...], ...]:
+    """One for each side of zero."""
     reaches = [reach for reach in (upper - zero, lower - zero) if reach != 0.0]
-    return tuple(zero + _FIRST_SHARE * rung * reach for reach in reaches for rung in rungs)
+    return tuple(tuple(zero + _FIRST_SHARE * rung * reach for rung in rungs) for reach in reaches)
+
+
+def _apart(sizes: Sequence[float]) -> tuple[tuple[float, ...], ...]:
+    """Each size a ladder of its own."""
+    return tuple((size,) for size in sizes)
 
 
 def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
@@ -85,17 +110,19 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
     present = effect.name in actuator.active_effects
     record = record_of(effect.name)
 
-    def one(shape: Mapping[str, float], first: tuple[float, ...], zero: float = size.nominal) -> Candidate:
-        return Candidate(effect.name, name, shape, first, size.lower, size.upper, zero)
+    def one(shape: Mapping[str, float], ladders: tuple[tuple[float, ...], ...], zero: float = size.nominal) -> Candidate:
+        return Candidate(effect.name, name, shape, ladders, size.lower, size.upper, zero)
 
     if record.below_peak is not None:
         peak = float(np.max(np.abs(screen.states.current_A)))
-        return [one({}, (share * peak,)) for share in record.below_peak.tried]
+        return [one({}, _apart((share * peak,))) for share in record.below_peak.tried]
     suggested = shapes_of(screen, effect.name)
     if record.periodic is not None and record.periodic.simulated_at > 0.0 and not present and "current_A" not in view.evidence.channels:
         suggested = [*(suggested or ()), *_by_simulation(effect, record.periodic, view)]
     if suggested is not None and not present:
-        return [one(shaped.shape, (float(np.clip(shaped.size, size.lower, size.upper)),)) for shaped in suggested if shaped.size != 0.0]
+        return [
+            one(shaped.shape, _apart((float(np.clip(shaped.size, size.lower, size.upper)),))) for shaped in suggested if shaped.size != 0.0
+        ]
     if suggested is not None and "phase_rad" in {value.field for value in effect.parameters}:
         return [one(*_turned(effect, actuator, shaped)) for shaped in suggested if _same_periods(effect, actuator, shaped.shape)]
     if not record.shapes and not present:
@@ -105,29 +132,33 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
             for value in effect.parameters[1:]
             if actuator[value.name] != 0.0 or value.field == "phase_rad"
         }
-        return [one(stands, _ladder(size.lower, size.upper, size.nominal, _LADDER))]
+        return [one(stands, _ladders(size.lower, size.upper, size.nominal, _LADDER))]
     grid = {} if present else {f"effects.{effect.name}.{field}": values for field, values in record.shapes.items()}
     zero = actuator[size.name]
-    first = () if present else record.first
-    return [one(shape, first or _ladder(size.lower, size.upper, zero, _LADDER), zero) for shape in combined(grid)]
+    first = () if present else _apart(record.first)
+    return [one(shape, first or _ladders(size.lower, size.upper, zero, _LADDER), zero) for shape in combined(grid)]
 
 
 def _by_simulation(effect: Effect, periodic: PeriodicTorque, view: View) -> list[Shaped]:
-    """The best numbers of periods and phases of an effect by one simulation each, best first."""
+    """The best numbers of periods and phases of an effect by two simulations each, a quarter of a turn apart, best first.
+
+    A small torque's signature turns with its phase, so that every other phase follows from these.
+    """
     first = periodic.simulated_at * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
-    phases = np.linspace(-np.pi, np.pi, _FINE_PHASES, endpoint=False)
-    shapes = [
-        {f"effects.{effect.name}.periods": float(number), f"effects.{effect.name}.phase_rad": float(phase)}
-        for number in periodic.periods
-        for phase in phases
-    ]
-
-    def tried(shape: Mapping[str, float]) -> Shaped:
-        shown = view.sensitivity({f"effects.{effect.size.name}": first, **shape})
-        wanted, gain = _gain(shown.with_residual(), shown.square)
-        return Shaped(shape, first * wanted, gain)
-
-    return sorted(each(tried, shapes), key=lambda one: -one.score)[:_FINE_KEPT]
+    amplitude, periods, turn = (f"effects.{name}" for name in (effect.size.name, f"{effect.name}.periods", f"{effect.name}.phase_rad"))
+    tasks = [(float(number), float(phase)) for number in periodic.periods for phase in _SIMULATED_PHASES]
+    shown = each(lambda task: view.sensitivity({amplitude: first, periods: task[0], turn: task[1]}), tasks)
+    count = len(_SIMULATED_PHASES)
+    found = []
+    for place, number in enumerate(periodic.periods):
+        vectors = shown[count * place : count * (place + 1)]
+        product = _OF_PHASES @ np.array([one.with_residual() for one in vectors])
+        square = _OF_PHASES @ np.array([[one.with_other(other) for other in vectors] for one in vectors]) @ _OF_PHASES.T
+        at_phases = [_gain(float(at @ product), float(at @ square @ at)) for at in _AT_FINE]
+        best = max(range(len(at_phases)), key=lambda k: at_phases[k][1])
+        wanted, gain = at_phases[best]
+        found.append(Shaped({periods: float(number), turn: float(_FINE_PHASES[best])}, first * wanted, gain))
+    return sorted(found, key=lambda one: -one.score)[:_FINE_KEPT]
 
 
 def _same_periods(effect: Effect, actuator: Actuator, shape: Mapping[str, float]) -> bool:
@@ -135,11 +166,13 @@ def _same_periods(effect: Effect, actuator: Actuator, shape: Mapping[str, float]
     return all(abs(value - actuator[name]) < 1e-6 for key, value in shape.items() if key.endswith(name))
 
 
-def _turned(effect: Effect, actuator: Actuator, change: Shaped) -> tuple[Mapping[str, float], tuple[float, ...]]:
+def _turned(effect: Effect, actuator: Actuator, change: Shaped) -> tuple[Mapping[str, float], tuple[tuple[float, ...], ...]]:
     """Shape and size of a periodic effect that is there already and changes in amplitude and phase."""
     phase = f"{effect.name}.phase_rad"
     both = actuator[effect.size.name] * np.exp(1j * actuator[phase]) + change.size * np.exp(1j * change.shape[f"effects.{phase}"])
-    return {**change.shape, f"effects.{phase}": float(np.angle(both))}, (float(np.clip(abs(both), effect.size.lower, effect.size.upper)),)
+    return {**change.shape, f"effects.{phase}": float(np.angle(both))}, _apart(
+        (float(np.clip(abs(both), effect.size.lower, effect.size.upper)),)
+    )
 
 
 def candidates(view: View, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Candidate]:
@@ -151,7 +184,7 @@ def candidates(view: View, without: Collection[str] = (), only: Collection[str] 
         nominal = evidence.actuator[value]
         if fault not in without and (only is None or fault in only) and nominal > 0.0 and value not in scattering:
             found.append(
-                Candidate(fault, value, {}, _ladder(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal)
+                Candidate(fault, value, {}, _ladders(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal)
             )
     screen = Screen(view)
     for effect in load_definitions().effects:
@@ -169,23 +202,45 @@ def _gain(product: float, square: float) -> tuple[float, float]:
     return share, 2.0 * kept * product - kept * kept * square
 
 
-def _matched(candidate: Candidate, first: float, view: View) -> Signature | None:
+def _matched(candidate: Candidate, ladder: Sequence[float], view: View) -> Signature | None:
+    """The candidate at the size that explains most. A larger first size is tried only where a smaller one does not show beside what scatters: what shows is scaled."""
     best: Signature | None = None
+    for first in ladder:
+        found = _scaled(candidate, first, view)
+        if found is not None and (best is None or found[0].score > best.score):
+            best = found[0]
+        if found is None or found[1]:
+            break
+    return best
+
+
+def _scaled(candidate: Candidate, first: float, view: View) -> tuple[Signature, bool] | None:
+    """The candidate at the best of the sizes that lead on from `first`, and whether it showed there or they came to an end; None where the model refuses it."""
+    best: Signature | None = None
+    shows = False
     record = record_of(candidate.effect)
     size, power = first, record.power
     earlier: tuple[float, float] | None = None
-    for _ in range(_SCALINGS if record.below_peak is None else 1):
+    for place in range(_SCALINGS if record.below_peak is None else 1):
         try:
             shown = view.sensitivity(candidate.changes(size))
         except InputError:
             break
-        share, gain = _gain(shown.with_residual(), shown.square)
+        square, product = shown.square, shown.with_residual()
+        share, gain = _gain(product, square)
         score = gain - penalty([candidate.effect])
         if best is None or score > best.score:
             best = Signature(candidate, size, shown, score)
+        if place == 0:
+            whole = float(shown.vector @ shown.vector)
+            shows = whole > ROUGHNESS**2 and square > _SHOWN_SHARE * whole
+            if shows and product * product < _NOTHING * square:
+                break
         if share <= 0.0 or abs(share - 1.0) < 0.2:
+            # a larger first size would lead here again
+            shows = shows or (place > 0 and share > 0.0)
             break
-        reach, length = abs(size - candidate.zero), float(np.sqrt(max(shown.square, 1e-300)))
+        reach, length = abs(size - candidate.zero), float(np.sqrt(max(square, 1e-300)))
         if earlier is not None and reach != earlier[0]:
             # a stretch grows with the square of its period, a play not at all before it is left
             power = float(np.clip(np.log(length / earlier[1]) / np.log(reach / earlier[0]), *_POWERS))
@@ -195,7 +250,7 @@ def _matched(candidate: Candidate, first: float, view: View) -> Signature | None
         if wanted == size:
             break
         size = wanted
-    return best
+    return None if best is None else (best, shows)
 
 
 def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[str, ...]:
@@ -220,6 +275,6 @@ def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[s
 
 def signatures(view: View, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Signature]:
     """The best-matched signature of every candidate beside what the view holds already, or of `only` these effects, strongest first; both cores at work."""
-    tasks = [(candidate, first) for candidate in candidates(view, without, only) for first in candidate.first]
+    tasks = [(candidate, ladder) for candidate in candidates(view, without, only) for ladder in candidate.ladders]
     found = each(lambda task: _matched(task[0], task[1], view), tasks)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)

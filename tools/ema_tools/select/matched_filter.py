@@ -11,12 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import fft
 
 from ema_tools.base.arrays import Complexes, Reals
 from ema_tools.base.errors import InputError
 from ema_tools.fit.evidence import Evidence, View
-from ema_tools.fit.whitening import spectrum
+from ema_tools.fit.whitening import counted, frequencies, lines_of, spectrum
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import LocalTorque, PeriodicTorque, Shape, States, combined, values_in
 from ema_tools.plant.native import library
@@ -82,7 +81,7 @@ class Screen:
         if self.actuator["drive.mode"] != 0.0:
             return np.full(self._power.size, np.inf + 0.0j)
         evidence = self.view.evidence
-        pulsation = 2.0 * np.pi * fft.rfftfreq(evidence.record.rows, evidence.record.period_s)
+        pulsation = 2.0 * np.pi * frequencies(evidence.record.rows, evidence.record.period_s)
         return np.asarray(self.actuator["motor.resistance_ohm"] + 1j * pulsation * self.actuator["motor.inductance_H"])
 
     def _level(self, of_level: bool) -> float:
@@ -173,11 +172,11 @@ def _response(evidence: Evidence) -> Complexes:
         values, options = actuator.changed({**_SMOOTH, "screw.load_torque_Nm": -probe}).arrays()
         run = library(64).simulate(values, options, still, 0.0)
     except InputError:
-        return np.zeros((len(evidence.channels), still.size // 2 + 1), dtype=np.complex128)
+        return np.zeros((len(evidence.channels), lines_of(still.size)), dtype=np.complex128)
     steps = np.array([getattr(run, name) for name in evidence.channels]) / probe
     pulses = np.diff(steps, axis=1, prepend=0.0)
     # the answer dies away long before the record ends: what does not is the drift of a free position and is not of use here
-    return np.asarray(fft.rfft(pulses, axis=1))
+    return np.asarray(spectrum(pulses) * np.sqrt(counted(still.size)))
 
 
 def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:

@@ -17,7 +17,7 @@ from ema_tools.data.records import Record
 from ema_tools.design.typical import scaled, typical_change
 from ema_tools.fit.evidence import Evidence, view
 from ema_tools.fit.nuisance import SLIGHT_REACH
-from ema_tools.fit.whitening import Whitener, least_noise
+from ema_tools.fit.whitening import Whitener, least_noise, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import described, record_of, separating
 from ema_tools.plant.native import library
@@ -150,7 +150,7 @@ def test_the_torque_in_closed_form_is_what_a_simulation_shows(effect: str) -> No
     record, names = simulated(hidden), tuple(NOISE)
     here, there = (np.array([one.recorded(name) for name in names]) for one in (base(), record))
     level = np.maximum(np.array(list(NOISE.values())), least_noise(here))
-    power = np.broadcast_to((level**2)[:, None], (len(names), record.rows // 2 + 1))
+    power = np.broadcast_to((level**2)[:, None], (len(names), lines_of(record.rows)))
     nothing = np.empty((0, *here.shape))
     evidence = Evidence(reference_actuator(), base(), names, there, (), Whitener.of(power, record.rows), power, nothing, 0.0, (here,))
     seen = view(evidence, {})

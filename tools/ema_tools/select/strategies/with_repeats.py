@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.fit.evidence import Evidence, raw_cost, repeat_residuals
+from ema_tools.fit.evidence import Evidence, raw_cost
 from ema_tools.fit.refit import Fit, polished, refit, seen_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
@@ -31,7 +31,7 @@ class WithRepeats(Strategy):
     limits = SearchLimits(finalists=5, finalist_share=0.4, least=LEAST_LIMIT, model_error=0.02)
 
     def __init__(self, evidence: Evidence) -> None:
-        self._repeats = repeat_residuals(evidence)
+        self._repeats = evidence.of_repeats
         super().__init__(evidence)
         self._beyond = max(raw_cost(evidence) - self.floor, 0.0)
 
