@@ -80,7 +80,7 @@ class RecordRemark:
 
 
 @dataclass(frozen=True)
-class Gate:
+class RecordValidity:
     """The judgement of a record. `signals`: by name whether it is there; `coverage`: numbers about the motion."""
 
     signals: dict[str, bool]
@@ -93,7 +93,7 @@ class Gate:
         return all(remark.severity != "blocks" for remark in self.remarks)
 
 
-def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) -> Gate:
+def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) -> RecordValidity:
     """Judges a record and the healthy repeats that it is to be compared with. Raises InputError when the model refuses the actuator."""
     present = {name: record.channel(name) is not None for name in HIDES}
     smoother = Smoother.of(record.period_s)
@@ -105,7 +105,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
             f"{record.file} has {record.rows} rows, {record.rows * record.period_s:g} s, too few for any filter",
             f"record {wanted:g} s or more, best a chirp of ten",
         )
-        return Gate(present, (short,), {})
+        return RecordValidity(present, (short,), {})
     smoother = filter_of(actuator, record)
     motion = machine_state_of(actuator, record, smoother)
     run = simulated(actuator, record)
@@ -121,7 +121,7 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
             *_start(actuator, record, motion),
         ]
     rank = {"blocks": 0, "weakens": 1, "fine": 2}
-    return Gate(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
+    return RecordValidity(present, tuple(sorted(remarks, key=lambda remark: rank[remark.severity])), coverage)
 
 
 def _signals(actuator: Actuator, record: Record) -> list[RecordRemark]:

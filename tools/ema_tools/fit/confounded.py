@@ -15,32 +15,38 @@ from ema_tools.fit.evidence import FAR, View, settled, view
 from ema_tools.fit.refit import Fit
 from ema_tools.library.definitions import is_size, load_definitions
 from ema_tools.library.faults import effect_of
-from ema_tools.library.record import Twin
+from ema_tools.library.record import ConfoundedParameter
 from ema_tools.library.registry import record_of, records
 
 _LOOSE = 100.0  # spreads
 _ROUNDS = 6
 
 
-def twin_of(name: str) -> Twin | None:
+def confounded_parameter(name: str) -> ConfoundedParameter | None:
     """The parameter that does what this size of an effect does."""
-    return record_of(effect_of(name)).twin if is_size(name) else None
+    return record_of(effect_of(name)).confounded if is_size(name) else None
 
 
-def _twins_of(parameter: str) -> dict[str, Twin]:
+def _confounded_with(parameter: str) -> dict[str, ConfoundedParameter]:
     """Sizes of effects that this parameter does as well."""
     sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
     return {
-        sizes[effect]: record.twin for effect, record in records().items() if record.twin is not None and record.twin.parameter == parameter
+        sizes[effect]: record.confounded
+        for effect, record in records().items()
+        if record.confounded is not None and record.confounded.parameter == parameter
     }
 
 
-def twins(free: View) -> list[Fit]:
+def confounded_fits(free: View) -> list[Fit]:
     """Per such effect the fit in which it takes over from the parameter, seen from `free`, where the machine itself explains most."""
     evidence = free.evidence
     found = []
     for place, one in enumerate(evidence.spread):
-        known = {name: twin for name, twin in _twins_of(one.title).items() if effect_of(name) not in evidence.actuator.active_effects}
+        known = {
+            name: parameter
+            for name, parameter in _confounded_with(one.title).items()
+            if effect_of(name) not in evidence.actuator.active_effects
+        }
         if not known:
             continue
         # the parameter as the record alone has it: what else a data sheet leaves open need not make up for it any more
@@ -51,14 +57,16 @@ def twins(free: View) -> list[Fit]:
             replace(evidence, spread=tuple(loose if other is one else other for other in evidence.spread)), {}, start, _ROUNDS, FAR
         )
         change = loose.std * float(seen.deviations[place])
-        for name, twin in known.items():
-            size, row = twin.size_per_change * change, row_of(name)
+        for name, parameter in known.items():
+            size, row = parameter.size_per_change * change, row_of(name)
             if not row.lower <= size <= row.upper:
                 continue
             at = seen.deviations.copy()
             at[place] = 0.0
             values = {name: size}
             # a relative spread is one of the value with the effect in it
-            std = twin.size_per_change * float(np.hypot(one.std * (1.0 + change if one.relative else 1.0), loose.std * seen.doubt(place)))
+            std = parameter.size_per_change * float(
+                np.hypot(one.std * (1.0 + change if one.relative else 1.0), loose.std * seen.doubt(place))
+            )
             found.append(Fit((effect_of(name),), values, np.array([[std**2]]), (), view(evidence, values, at), seen.cost))
     return found

@@ -38,7 +38,7 @@ class Slight:
 
 
 @dataclass(frozen=True)
-class Twin:
+class ConfoundedParameter:
     """A parameter of the machine that does exactly what the effect does; `size_per_change`: the effect's size per relative change of it, or per its own unit where a data sheet has it as zero."""
 
     parameter: str
@@ -107,7 +107,7 @@ class EffectRecord:
     local: LocalTorque | None = None
     bending: Bending | None = None
     # A parameter whose spread hides it without healthy repeats.
-    twin: Twin | None = None
+    confounded: ConfoundedParameter | None = None
     # A base value of the mechanical balance that it is one with.
     base_value: str = ""
     # Effects from which no record of one machine tells it apart; they name it too.

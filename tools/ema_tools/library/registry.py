@@ -59,7 +59,7 @@ def joined(definitions: Definitions, described: Mapping[str, EffectRecord]) -> d
     for name, record in described.items():
         if name not in found:
             raise LookupError(f"library/effects/{name}.py: no row of ema_effects.def has this name: add one, or remove the file")
-        for value in (record.twin.parameter if record.twin is not None else "", record.base_value):
+        for value in (record.confounded.parameter if record.confounded is not None else "", record.base_value):
             if value and value not in parameters:
                 raise LookupError(f"library/effects/{name}.py: {value} is no row of ema_params.def: correct it")
         for other in record.inseparable:

@@ -296,7 +296,7 @@ def _live(*records: Record) -> tuple[str, ...]:
 
 
 def _blocked(actuator: Actuator, record: Record) -> str:
-    """Why no answer from a record means anything, by the gate; empty where it may answer. Sensors that are not connected are left out."""
+    """Why no answer from a record means anything, by its validity; empty where it may answer. Sensors that are not connected are left out."""
     live = _live(record)
     silent: dict[str, Any] = {name: None for name in common_channels([record]) if name not in live and name != "position_mm"}
     gate = judge(actuator, replace(record, **silent))

@@ -11,7 +11,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
-from ema_tools.compare.validity import Gate, judge
+from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
@@ -35,7 +35,7 @@ class Answer:
     `sensor`: the one that what is unknown looks like."""
 
     record: Record
-    gate: Gate
+    gate: RecordValidity
     where: Where
     evidence: Evidence
     diagnosis: Diagnosis
@@ -137,8 +137,8 @@ def _check_signals(record: Record, other: Record) -> None:
             raise InputError(f"{other.file}: {name} is {its / size:.3g} times that of {record.file}: give both in the same unit")
 
 
-def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> Gate:
-    """The gate's judgement. Raises InputError with its first remark that blocks."""
+def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> RecordValidity:
+    """Whether the record can answer. Raises InputError with its first remark that blocks."""
     gate = judge(actuator, record, healthy)
     if not gate.answerable:
         remark = next(one for one in gate.remarks if one.severity == "blocks")

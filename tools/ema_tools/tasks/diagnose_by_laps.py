@@ -12,7 +12,7 @@ from ema_tools.balances.mechanical import mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare.localisation import Where, where
-from ema_tools.compare.validity import Gate, judge
+from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.laps import laps_of
@@ -32,7 +32,7 @@ class LapsAnswer:
 
     record: Record
     known: Actuator
-    gate: Gate
+    gate: RecordValidity
     where: Where
     forces: ForceSteps
 

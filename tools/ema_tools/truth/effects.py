@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ema_tools.base.compiled import compiled
+from ema_tools.base.compiled import kept_compiled
 from ema_tools.truth import forms
 
 
-@compiled
+@kept_compiled
 def stribeck_friction(v: Any, w: float) -> float:
     """Share of the level of dry friction by which it exceeds the level at high speed."""
     rise = v["stribeck_friction.rise"]
@@ -22,7 +22,7 @@ def stribeck_friction(v: Any, w: float) -> float:
     return rise * math.exp(-((abs(w) / v["stribeck_friction.speed_rad_s"]) ** v["stribeck_friction.shape"]))
 
 
-@compiled
+@kept_compiled
 def cogging_torque(v: Any, theta: float) -> float:
     """Torque on the shaft, Nm."""
     amplitude = v["cogging_torque.amplitude_Nm"]
@@ -31,25 +31,25 @@ def cogging_torque(v: Any, theta: float) -> float:
     return amplitude * math.sin(v["cogging_torque.periods"] * theta + v["cogging_torque.phase_rad"])
 
 
-@compiled
+@kept_compiled
 def constant_load(v: Any) -> float:
     """Torque against extension, Nm."""
     return v["constant_load.torque_Nm"]
 
 
-@compiled
+@kept_compiled
 def spring_load(v: Any, x_mm: float) -> float:
     """Torque against extension, Nm."""
     return v["spring_load.stiffness_Nm_per_mm"] * x_mm
 
 
-@compiled
+@kept_compiled
 def winding_heating(v: Any) -> float:
     """Resistance over the cold one."""
     return 1.0 + 0.00393 * v["winding_heating.rise_degC"]
 
 
-@compiled
+@kept_compiled
 def inverter_dead_time(v: Any, i: float) -> float:
     """Change of the motor voltage, V: the same drop and the same slope at zero current as the library's, rounded otherwise."""
     drop = v["inverter_dead_time.drop_V"]
@@ -58,13 +58,13 @@ def inverter_dead_time(v: Any, i: float) -> float:
     return -drop * math.tanh(i / v["inverter_dead_time.width_A"])
 
 
-@compiled
+@kept_compiled
 def feedback_delay(v: Any) -> float:
     """Added age of the feedback, s."""
     return v["feedback_delay.delay_s"]
 
 
-@compiled
+@kept_compiled
 def transmission_compliance(v: Any, gap_mm: float, gap_mm_s: float) -> float:
     """Force on the rod's mass in N for a spring compressed by `gap_mm` at `gap_mm_s`; 0 when the transmission is rigid."""
     period = v["transmission_compliance.period_s"]
@@ -76,7 +76,7 @@ def transmission_compliance(v: Any, gap_mm: float, gap_mm_s: float) -> float:
     return 1e-3 * mass * pull
 
 
-@compiled
+@kept_compiled
 def rod_mass_kg(v: Any) -> float:
     """Mass behind the spring; 0 when the transmission is rigid."""
     if v["transmission_compliance.period_s"] == 0.0:
@@ -84,31 +84,31 @@ def rod_mass_kg(v: Any) -> float:
     return v["transmission_compliance.mass_kg"]
 
 
-@compiled
+@kept_compiled
 def presliding(v: Any) -> float:
     """Deflection of the bristles at which the contact slides, rad; 0 when it sticks. LuGre's bristles are damped, Dahl's are not."""
     return v["presliding.stretch_rad"]
 
 
-@compiled
+@kept_compiled
 def coulomb_asymmetry(v: Any) -> float:
     """Share of the level by which dry friction is larger forward."""
     return v["coulomb_asymmetry.asymmetry"]
 
 
-@compiled
+@kept_compiled
 def viscous_asymmetry(v: Any, w: float) -> float:
     """Share of the damping by which it is larger at speed `w`."""
     return v["viscous_asymmetry.asymmetry"] * math.copysign(1.0, w)
 
 
-@compiled
+@kept_compiled
 def load_dependent_friction(v: Any, torque_Nm: float) -> float:
     """Dry friction on top for the motor torque that passes the gears, Nm."""
     return v["load_dependent_friction.ratio"] * abs(torque_Nm)
 
 
-@compiled
+@kept_compiled
 def pitch_ripple(v: Any, theta: float) -> float:
     """Share of the level of dry friction on top; one period is one turn of the screw."""
     ratio = v["pitch_ripple.ratio"]
@@ -117,7 +117,7 @@ def pitch_ripple(v: Any, theta: float) -> float:
     return ratio * math.sin(theta / v["gearbox.ratio"] + v["pitch_ripple.phase_rad"])
 
 
-@compiled
+@kept_compiled
 def torque_ripple(v: Any, theta: float) -> float:
     """Torque constant and back-EMF over their mean."""
     ratio = v["torque_ripple.ratio"]
@@ -126,67 +126,67 @@ def torque_ripple(v: Any, theta: float) -> float:
     return 1.0 + ratio * math.cos(v["torque_ripple.periods"] * theta + v["torque_ripple.phase_rad"])
 
 
-@compiled
+@kept_compiled
 def magnet_weakening(v: Any) -> float:
     """Flux over the flux of sound magnets."""
     return 1.0 - v["magnet_weakening.loss"]
 
 
-@compiled
+@kept_compiled
 def supply_sag(v: Any) -> float:
     """Bus voltage over the nominal one."""
     return 1.0 - v["supply_sag.sag"]
 
 
-@compiled
+@kept_compiled
 def source_resistance(v: Any, i: float) -> float:
     """Voltage that the bus loses, V."""
     return v["source_resistance.resistance_ohm"] * abs(i)
 
 
-@compiled
+@kept_compiled
 def current_limit(v: Any) -> float:
     """Limit of the drive, A; 0 is none."""
     return v["current_limit.limit_A"]
 
 
-@compiled
+@kept_compiled
 def sensor_gain(v: Any) -> float:
     """Scale error of the rod sensor."""
     return v["sensor_gain.error"]
 
 
-@compiled
+@kept_compiled
 def sensor_offset(v: Any) -> float:
     """Zero shift of the rod sensor, mm."""
     return v["sensor_offset.offset_mm"]
 
 
-@compiled
+@kept_compiled
 def actuation_delay(v: Any) -> float:
     """Added age of the output when the motor sees it, s."""
     return v["actuation_delay.delay_s"]
 
 
-@compiled
+@kept_compiled
 def viscous_rise(v: Any) -> float:
     """Damping over the warm one."""
     return 1.0 + v["viscous_rise.rise"]
 
 
-@compiled
+@kept_compiled
 def concave_viscous(v: Any, w: float) -> float:
     """Drag on the shaft, Nm; rounded below 0.05 rad/s, where a film of grease creeps."""
     return v["concave_viscous.drag_Nm_per_sqrt_rad_s"] * w / math.sqrt(math.hypot(w, 0.05))
 
 
-@compiled
+@kept_compiled
 def quadratic_viscous(v: Any, w: float) -> float:
     """Drag on the shaft, Nm."""
     return v["quadratic_viscous.drag_Nm_s2_per_rad2"] * math.copysign(w * w, w)
 
 
-@compiled
+@kept_compiled
 def jam_spot(v: Any, x_mm: float) -> float:
     """Dry friction on top, Nm."""
     amplitude = v["jam_spot.amplitude_Nm"]
@@ -196,19 +196,19 @@ def jam_spot(v: Any, x_mm: float) -> float:
     return amplitude / math.exp(z * z)
 
 
-@compiled
+@kept_compiled
 def inertia_change(v: Any) -> float:
     """Total inertia over the nominal one."""
     return 1.0 + v["inertia_change.change"]
 
 
-@compiled
+@kept_compiled
 def gain_drift(v: Any) -> float:
     """Gain of the position loop over the nominal one."""
     return 1.0 + v["gain_drift.drift"]
 
 
-@compiled
+@kept_compiled
 def friction_Nm(v: Any, level: float, i: float, w: float, theta: float, x_mm: float, direction: float) -> float:
     """Dry friction against `direction` from the `level` without effects: dynamic while sliding, static at rest."""
     level *= 1.0 + direction * (v["screw.friction_asymmetry"] + coulomb_asymmetry(v))
@@ -216,62 +216,62 @@ def friction_Nm(v: Any, level: float, i: float, w: float, theta: float, x_mm: fl
     return level + jam_spot(v, x_mm) + load_dependent_friction(v, torque_constant_Nm_per_A(v) * i)
 
 
-@compiled
+@kept_compiled
 def drag_Nm(v: Any, w: float) -> float:
     """All torques against the motion that vanish at rest."""
     damping = v["screw.viscous_Nm_s_per_rad"] * viscous_rise(v) * forms.film_share(v, w)
     return damping * (1.0 + viscous_asymmetry(v, w)) * w + concave_viscous(v, w) + quadratic_viscous(v, w)
 
 
-@compiled
+@kept_compiled
 def shaft_torque_Nm(v: Any, theta: float) -> float:
     """All torques on the shaft."""
     return cogging_torque(v, theta)
 
 
-@compiled
+@kept_compiled
 def load_Nm(v: Any, x_mm: float) -> float:
     """All torques against extension."""
     return v["screw.load_torque_Nm"] + constant_load(v) + spring_load(v, x_mm)
 
 
-@compiled
+@kept_compiled
 def inertia_kgm2(v: Any) -> float:
     """Total inertia."""
     return v["screw.inertia_kgm2"] * inertia_change(v)
 
 
-@compiled
+@kept_compiled
 def resistance_ohm(v: Any) -> float:
     """Winding resistance."""
     return v["motor.resistance_ohm"] * winding_heating(v)
 
 
-@compiled
+@kept_compiled
 def torque_constant_Nm_per_A(v: Any) -> float:
     """Mean torque per current."""
     return v["motor.torque_constant_Nm_per_A"] * magnet_weakening(v)
 
 
-@compiled
+@kept_compiled
 def back_emf_V_s_per_rad(v: Any) -> float:
     """Mean back-EMF per speed."""
     return v["motor.back_emf_V_s_per_rad"] * magnet_weakening(v)
 
 
-@compiled
+@kept_compiled
 def supply_V(v: Any) -> float:
     """Bus voltage without current."""
     return v["drive.supply_V"] * supply_sag(v)
 
 
-@compiled
+@kept_compiled
 def lost_voltage_V(v: Any, volt: float, i: float) -> float:
     """All changes of the motor voltage `volt`."""
     return inverter_dead_time(v, i) + forms.dead_time_tanh(v, i) - source_resistance(v, i) * (volt / supply_V(v))
 
 
-@compiled
+@kept_compiled
 def limit_A(v: Any) -> float:
     """The lowest limit of the drive; 0 is none."""
     built_in = v["drive.current_limit_A"]
@@ -281,19 +281,19 @@ def limit_A(v: Any) -> float:
     return max(built_in, added)
 
 
-@compiled
+@kept_compiled
 def output_age_s(v: Any) -> float:
     """Age of the output when the motor sees it."""
     return v["drive.output_delay_s"] + actuation_delay(v)
 
 
-@compiled
+@kept_compiled
 def feedback_age_s(v: Any) -> float:
     """Age of the feedback."""
     return v["encoder.delay_s"] + feedback_delay(v)
 
 
-@compiled
+@kept_compiled
 def rod_reading_mm(v: Any, rod_mm: float) -> float:
     """What the rod sensor shows."""
     gain = 1.0 + v["encoder.rod_gain_error"] + sensor_gain(v)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ema_tools.base.compiled import compiled
+from ema_tools.base.compiled import kept_compiled
 
 # Relative change of a copper winding's resistance per degC, IEC 60028.
 COPPER_PER_DEGC = 0.00393
@@ -29,25 +29,25 @@ DEFAULTS: Mapping[str, Mapping[str, float]] = {
 }
 
 
-@compiled
+@kept_compiled
 def lugre(v: Any) -> float:
     """Deflection of the bristles at which the contact slides, rad; 0 is none. C. Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995)."""
     return v["lugre.stretch_rad"]
 
 
-@compiled
+@kept_compiled
 def lugre_level(v: Any, w: float) -> float:
     """Friction of steady sliding at speed `w` over its level at high speed, the Stribeck curve of LuGre's own paper."""
     return 1.0 + v["lugre.static_rise"] * math.exp(-((w / v["lugre.stribeck_rad_s"]) ** 2))
 
 
-@compiled
+@kept_compiled
 def dahl(v: Any) -> float:
     """Stretch of the contact at its first slope, rad; 0 is none. P. R. Dahl, AIAA J. 14 (1976)."""
     return v["dahl.stretch_rad"]
 
 
-@compiled
+@kept_compiled
 def dahl_after(v: Any, z: float, turn: float) -> float:
     """Share of the level (-1 .. 1) that the contact carries after a turn in one direction, rad: dz/dtheta = (1 - z sgn w)^exponent / stretch, integrated in closed form."""
     if turn == 0.0:
@@ -65,7 +65,7 @@ def dahl_after(v: Any, z: float, turn: float) -> float:
     return side * (1.0 - left)
 
 
-@compiled
+@kept_compiled
 def stribeck(v: Any, w: float) -> float:
     """Share of the level of dry friction by which it exceeds the level at high speed: Gauss, Hess and Soom (J. Tribology 112, 1990), or Tustin."""
     more = 0.0
@@ -80,7 +80,7 @@ def stribeck(v: Any, w: float) -> float:
     return more
 
 
-@compiled
+@kept_compiled
 def film_share(v: Any, w: float) -> float:
     """Viscous friction over that of a full film: with Tustin's form the film builds up as the contact's share fades."""
     if v["stribeck_tustin.rise"] == 0.0:
@@ -88,7 +88,7 @@ def film_share(v: Any, w: float) -> float:
     return 1.0 - v["stribeck_tustin.viscous_share"] * math.exp(-abs(w) / v["stribeck_tustin.speed_rad_s"])
 
 
-@compiled
+@kept_compiled
 def dead_time_tanh(v: Any, i: float) -> float:
     """Change of the motor voltage, V."""
     drop = v["dead_time_tanh.drop_V"]
@@ -97,7 +97,7 @@ def dead_time_tanh(v: Any, i: float) -> float:
     return -drop * math.tanh(i / v["dead_time_tanh.width_A"])
 
 
-@compiled
+@kept_compiled
 def dead_time_sign(v: Any, i: float, free_V: float) -> float:
     """Change of the motor voltage, V, with a hard edge: against the current, and without current as much of `free_V`, what would drive it, as the drop can hold."""
     drop = v["dead_time_sign.drop_V"]
@@ -108,7 +108,7 @@ def dead_time_sign(v: Any, i: float, free_V: float) -> float:
     return -min(max(free_V, -drop), drop)
 
 
-@compiled
+@kept_compiled
 def stopped_at_zero(v: Any, before_A: float, after_A: float) -> float:
     """The current after a step: behind a hard edge it does not pass zero inside one."""
     if v["dead_time_sign.drop_V"] != 0.0 and before_A * after_A < 0.0:
@@ -116,7 +116,7 @@ def stopped_at_zero(v: Any, before_A: float, after_A: float) -> float:
     return after_A
 
 
-@compiled
+@kept_compiled
 def hot_over_cold(v: Any, warmer_degC: float) -> float:
     """Winding resistance over its value at the start."""
     if v["winding_warming.degC_per_W"] == 0.0:
@@ -124,7 +124,7 @@ def hot_over_cold(v: Any, warmer_degC: float) -> float:
     return 1.0 + COPPER_PER_DEGC * warmer_degC
 
 
-@compiled
+@kept_compiled
 def warmer_after(v: Any, warmer_degC: float, loss_W: float, dt: float) -> float:
     """Winding temperature over its start after `dt` of a steady loss: one thermal mass behind one thermal resistance."""
     resistance = v["winding_warming.degC_per_W"]
@@ -134,7 +134,7 @@ def warmer_after(v: Any, warmer_degC: float, loss_W: float, dt: float) -> float:
     return last + (warmer_degC - last) * math.exp(-dt / v["winding_warming.time_s"])
 
 
-@compiled
+@kept_compiled
 def stop_mass_kg(v: Any) -> float:
     """Mass of the rod between elastic stops; 0 when the stops are rigid. It is part of the total inertia."""
     if v["elastic_stop.compliance_mm_per_N"] == 0.0:
@@ -142,7 +142,7 @@ def stop_mass_kg(v: Any) -> float:
     return v["elastic_stop.mass_kg"]
 
 
-@compiled
+@kept_compiled
 def stop_force_N(v: Any, gap_mm: float, gap_mm_s: float) -> float:
     """Force on the rod when the motor is ahead of it by `gap_mm`: none inside the play, a damped spring that only pushes at either end."""
     compliance = v["elastic_stop.compliance_mm_per_N"]
@@ -155,7 +155,7 @@ def stop_force_N(v: Any, gap_mm: float, gap_mm_s: float) -> float:
     return side * max(stiffness * (abs(gap_mm) - half) + side * damping * gap_mm_s, 0.0)
 
 
-@compiled
+@kept_compiled
 def seal_Nm(v: Any) -> float:
     """Part of the shaft's dry friction that sits at the rod's seal, expressed at the shaft, when the stops are elastic."""
     if v["elastic_stop.compliance_mm_per_N"] == 0.0:
@@ -163,7 +163,7 @@ def seal_Nm(v: Any) -> float:
     return v["elastic_stop.seal_share"] * v["screw.csj_Nm"]
 
 
-@compiled
+@kept_compiled
 def seal_N(v: Any, speed_mm_s: float) -> float:
     """Friction of the rod's seal against its motion, N."""
     if v["elastic_stop.compliance_mm_per_N"] == 0.0:

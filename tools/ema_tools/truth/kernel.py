@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.base.compiled import compiled
+from ema_tools.base.compiled import kept_compiled
 from ema_tools.truth import effects, forms, outside
 
 COULOMB = 0
@@ -22,18 +22,18 @@ _STATES = 10
 _HALVINGS = 48
 
 
-@compiled
+@kept_compiled
 def _clip(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
 
 
-@compiled
+@kept_compiled
 def mm_per_rad(v: Any) -> float:
     """Rod travel per motor angle."""
     return v["screw.lead_mm"] / (2.0 * math.pi * v["gearbox.ratio"])
 
 
-@compiled
+@kept_compiled
 def _level_Nm(v: Any, i: float, w: float, theta: float, time_s: float, direction: float, resting: bool) -> float:
     """Level of dry friction against motion in `direction`, or against its start."""
     x = mm_per_rad(v) * theta
@@ -45,25 +45,25 @@ def _level_Nm(v: Any, i: float, w: float, theta: float, time_s: float, direction
     return level + lost * abs(load) - forms.seal_Nm(v)
 
 
-@compiled
+@kept_compiled
 def _resistance_ohm(v: Any, s: np.ndarray) -> float:
     """Winding resistance as warm as it is now."""
     return effects.resistance_ohm(v) * forms.hot_over_cold(v, s[9])
 
 
-@compiled
+@kept_compiled
 def _rod_mass_kg(v: Any) -> float:
     """Mass that moves by itself, behind a soft transmission or between elastic stops; 0 is none."""
     return effects.rod_mass_kg(v) + forms.stop_mass_kg(v)
 
 
-@compiled
+@kept_compiled
 def _shaft_inertia_kgm2(v: Any) -> float:
     """Inertia of what turns with the shaft: the total without the mass that moves by itself."""
     return effects.inertia_kgm2(v) - _rod_mass_kg(v) * (1e-3 * mm_per_rad(v)) ** 2
 
 
-@compiled
+@kept_compiled
 def _rod_force_N(v: Any, s: np.ndarray, y_mm: float, y_mm_s: float) -> float:
     """Force on that mass; `y_mm`: output of the play."""
     soft = effects.transmission_compliance(v, y_mm - s[3], y_mm_s - s[4])
@@ -71,7 +71,7 @@ def _rod_force_N(v: Any, s: np.ndarray, y_mm: float, y_mm_s: float) -> float:
     return soft + forms.stop_force_N(v, n * s[2] - s[3], n * s[1] - s[4])
 
 
-@compiled
+@kept_compiled
 def _pull_Nm(v: Any, i: float, theta: float, force_N: float, lag: float) -> float:
     """Torque that drives the shaft, without any friction."""
     torque = effects.torque_constant_Nm_per_A(v) * effects.torque_ripple(v, theta) * (i - outside.magnetic_lag(v, lag))
@@ -81,13 +81,13 @@ def _pull_Nm(v: Any, i: float, theta: float, force_N: float, lag: float) -> floa
     return torque + effects.shaft_torque_Nm(v, theta) - effects.load_Nm(v, n * theta) - 1e-3 * n * force_N
 
 
-@compiled
+@kept_compiled
 def _back_V(v: Any, w: float, theta: float) -> float:
     """Back-EMF."""
     return effects.back_emf_V_s_per_rad(v) * effects.torque_ripple(v, theta) * w
 
 
-@compiled
+@kept_compiled
 def _static_current(v: Any, volt: float, w: float, theta: float, guess: float, r: float) -> float:
     """Current of a winding of resistance `r` without inductance, by Newton's method with a difference quotient."""
     i = guess
@@ -100,13 +100,13 @@ def _static_current(v: Any, volt: float, w: float, theta: float, guess: float, r
     return i
 
 
-@compiled
+@kept_compiled
 def _bounded(v: Any, i: float) -> float:
     limit = effects.limit_A(v)
     return _clip(i, limit) if limit > 0.0 else i
 
 
-@compiled
+@kept_compiled
 def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, out: np.ndarray) -> None:
     """Rates of the state. `held`: voltage (law 0) or current reference (law 1); `moving`: direction of sliding, 0 at rest;
     `push`: whether the motor moves the output of the play; s[6] holds that output while it does not."""
@@ -139,7 +139,7 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
         out[2] = w
 
 
-@compiled
+@kept_compiled
 def _heun(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, dt: float, k: np.ndarray, out: np.ndarray) -> None:
     """State after `dt`; `k` [2, n] is scratch."""
     _slopes(v, s, law, held, moving, push, k[0])
@@ -154,7 +154,7 @@ def _heun(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int, 
     out[0] = _current_after(v, law, held, out[0], out[1], out[2], s)
 
 
-@compiled
+@kept_compiled
 def _current_after(v: Any, law: int, held: float, i: float, w: float, theta: float, before: np.ndarray) -> float:
     """The current inside the drive's limits, and where it follows at once, its value; `before`: the state that it comes from."""
     if law == 0 and v["motor.inductance_H"] == 0.0:
@@ -166,7 +166,7 @@ def _current_after(v: Any, law: int, held: float, i: float, w: float, theta: flo
     return _bounded(v, i)
 
 
-@compiled
+@kept_compiled
 def _breaks_away(v: Any, s: np.ndarray) -> int:
     """Direction in which a shaft at rest starts, or 0."""
     n = mm_per_rad(v)
@@ -180,7 +180,7 @@ def _breaks_away(v: Any, s: np.ndarray) -> int:
     return start
 
 
-@compiled
+@kept_compiled
 def _follow(v: Any, s: np.ndarray) -> None:
     """Move the output of the play with the motor."""
     x = mm_per_rad(v) * s[2]
@@ -188,14 +188,14 @@ def _follow(v: Any, s: np.ndarray) -> None:
     s[6] = min(max(s[6], x - half), x + half)
 
 
-@compiled
+@kept_compiled
 def _pushes(v: Any, s: np.ndarray, moving: int) -> int:
     """1 while the motor, sliding in that direction, moves the output of the play."""
     gap = mm_per_rad(v) * s[2] - s[6]
     return 1 if moving != 0 and gap * moving >= 0.5 * v["screw.blk_mm"] * (1.0 - 1e-12) else 0
 
 
-@compiled
+@kept_compiled
 def _left_branch(v: Any, s: np.ndarray, moving: int) -> bool:
     """Whether the shaft has turned back, passed an end of travel, or broken away from rest."""
     if moving == 0:
@@ -203,7 +203,7 @@ def _left_branch(v: Any, s: np.ndarray, moving: int) -> bool:
     return s[1] * moving < 0.0 or mm_per_rad(v) * s[2] * moving > v["screw.travel_mm"]
 
 
-@compiled
+@kept_compiled
 def _coulomb(v: Any, s: np.ndarray, law: int, held: float, moving: int, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
     """One integration step with Coulomb friction; reversals and break-away are found by halving the step."""
     left = dt
@@ -238,7 +238,7 @@ def _coulomb(v: Any, s: np.ndarray, law: int, held: float, moving: int, dt: floa
     return moving
 
 
-@compiled
+@kept_compiled
 def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
     """One integration step with LuGre friction: bristles implicit, the rest by Heun's method without friction."""
     w = s[1]
@@ -279,7 +279,7 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
     return direction if s[1] != 0.0 else 0
 
 
-@compiled
+@kept_compiled
 def _dahl(v: Any, s: np.ndarray, law: int, held: float, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
     """One integration step with Dahl friction: the contact in closed form over the angle, the rest by Heun's method."""
     direction = 1 if s[1] > 0.0 else -1
@@ -310,7 +310,7 @@ def _dahl(v: Any, s: np.ndarray, law: int, held: float, dt: float, k: np.ndarray
     return direction if s[1] != 0.0 else 0
 
 
-@compiled
+@kept_compiled
 def _control(v: Any, error: float, feedback: float, c: np.ndarray, period: float) -> float:
     """Control law; `c`: integrator, last error, last feedback, last measure, whether it has run. Metres."""
     first = c[4] == 0.0
@@ -337,7 +337,7 @@ def _control(v: Any, error: float, feedback: float, c: np.ndarray, period: float
     return u
 
 
-@compiled
+@kept_compiled
 def _seen(v: Any, readings: np.ndarray, step: int) -> float:
     """Feedback in mm: aged by a parabola through three readings, then rounded."""
     age = effects.feedback_age_s(v) / v["timing.step_s"]
@@ -353,7 +353,7 @@ def _seen(v: Any, readings: np.ndarray, step: int) -> float:
     return r * math.floor(a / r + 0.5) if r > 0.0 else a
 
 
-@compiled
+@kept_compiled
 def _applied(v: Any, u: float, s: np.ndarray) -> tuple[int, float, float]:
     """What the drive makes of the output `u`: law, voltage or current that it holds, voltage that it records."""
     supply = effects.supply_V(v)
@@ -376,7 +376,7 @@ def _applied(v: Any, u: float, s: np.ndarray) -> tuple[int, float, float]:
     return law, held, shown
 
 
-@compiled
+@kept_compiled
 def _terminal_V(v: Any, s: np.ndarray, law: int, held: float, moving: int, k: np.ndarray) -> float:
     """What the winding itself sees: the sum of its own three voltages."""
     _slopes(v, s, law, held, moving, 0, k)
@@ -385,7 +385,7 @@ def _terminal_V(v: Any, s: np.ndarray, law: int, held: float, moving: int, k: np
     return _resistance_ohm(v, s) * s[0] + v["motor.inductance_H"] * rise + _back_V(v, s[1], s[2])
 
 
-@compiled
+@kept_compiled
 def run(
     v: Any,
     command_mm: np.ndarray,

@@ -11,7 +11,7 @@ import pytest
 
 import ema_tools
 from ema_tools.library.definitions import Definitions, load_definitions
-from ema_tools.library.record import GENERIC, EffectRecord, Onboard, Twin, Typical
+from ema_tools.library.record import GENERIC, EffectRecord, Onboard, ConfoundedParameter, Typical
 from ema_tools.library.registry import described, effect_of_base_value, joined, learned_effect, record_of
 
 TOOLS = Path(ema_tools.__file__).parent
@@ -57,7 +57,7 @@ def test_what_is_missing_or_wrong_is_refused() -> None:
     assert "depth_mm is no parameter" in refused({"jam_spot": replace(spot, onboard=Onboard({"depth_mm": (1.0,)}))})
     assert "the size, does not stand first" in refused({"jam_spot": replace(spot, typical=Typical({"place_mm": 1.0}, "wrong"))})
     assert "phase_rad is no parameter" in refused({"jam_spot": replace(spot, periodic=known["cogging_torque"].periodic)})
-    assert "no row of ema_params.def" in refused({"jam_spot": replace(spot, twin=Twin("screw.rust_mm", 1.0))})
+    assert "no row of ema_params.def" in refused({"jam_spot": replace(spot, confounded=ConfoundedParameter("screw.rust_mm", 1.0))})
     assert "whose record does not say so" in refused({"jam_spot": replace(spot, inseparable=("pitch_ripple",))})
 
 

@@ -1,11 +1,11 @@
 """A bus voltage below its nominal value."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, Twin, Typical
+from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
 
 EFFECT = EffectRecord(
     shows="electrical balance: a fixed share of the applied voltage; most at the highest speeds",
     typical=Typical({"sag": 0.02}, "usual: 2 to 10 %"),
-    twin=Twin("drive.supply_V", -1.0),
+    confounded=ConfoundedParameter("drive.supply_V", -1.0),
     separated_by=(measurements.BUS_AND_WINDING, measurements.CONTROLLERS_OUTPUT),
 )

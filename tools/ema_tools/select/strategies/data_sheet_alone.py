@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.fit.confounded import twin_of, twins
+from ema_tools.fit.confounded import confounded_parameter, confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
 from ema_tools.fit.nuisance import is_slight
 from ema_tools.fit.refit import Fit, best_of_each, jointly
@@ -67,7 +67,7 @@ class DataSheetAlone(Strategy):
 
     def confounded(self) -> list[Fit]:
         """Seen from where the machine itself explains most."""
-        return twins(self._free)
+        return confounded_fits(self._free)
 
     def least_of_confounded(self, least: float, cost: float) -> float:
         """That it is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign."""
@@ -89,6 +89,6 @@ class DataSheetAlone(Strategy):
 
     def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
         """The last set is fitted to its end together with the machine; an effect that was sized in closed form has nothing to gain."""
-        if not path.steps or (len(path.steps) == 1 and all(map(twin_of, path.steps[0].values))):
+        if not path.steps or (len(path.steps) == 1 and all(map(confounded_parameter, path.steps[0].values))):
             return path
         return replace(path, steps=(*path.steps[:-1], jointly(path.steps[-1])))

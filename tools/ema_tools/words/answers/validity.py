@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ema_tools.compare.validity import HIDES, Gate
+from ema_tools.compare.validity import HIDES, RecordValidity
 from ema_tools.results.validity import Remark, SignalEntry, Validity
 from ema_tools.words.sentences.validity import sentence
 
 
-def validity(gate: Gate) -> Validity:
+def validity(gate: RecordValidity) -> Validity:
     """All of it."""
     return Validity(
         gate.answerable,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ema_tools.compare.validity import Gate
+from ema_tools.compare.validity import RecordValidity
 
 
-def sentence(gate: Gate) -> str:
+def sentence(gate: RecordValidity) -> str:
     """The judgement in one sentence."""
     blocking = [remark for remark in gate.remarks if remark.severity == "blocks"]
     if blocking:

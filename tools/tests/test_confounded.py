@@ -13,7 +13,7 @@ from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.confounded import twin_of, twins
+from ema_tools.fit.confounded import confounded_parameter, confounded_fits
 from ema_tools.fit.evidence import settled
 from ema_tools.fit.nuisance import SLIGHT_REACH, is_slight, slight
 from ema_tools.library.definitions import load_definitions
@@ -36,16 +36,16 @@ SIZES = {
     "asymmetry": 0.005,
 }
 
-TWINS = [f"effects.{row.size.name}" for row in load_definitions().effects if record_of(row.name).twin is not None]
+CONFOUNDED = [f"effects.{row.size.name}" for row in load_definitions().effects if record_of(row.name).confounded is not None]
 
 
-@pytest.mark.parametrize("name", TWINS)
+@pytest.mark.parametrize("name", CONFOUNDED)
 def test_the_effect_and_its_parameter_make_the_same_model(name: str) -> None:
-    actuator, twin = reference_actuator(), twin_of(name)
-    assert twin is not None
+    actuator, parameter = reference_actuator(), confounded_parameter(name)
+    assert parameter is not None
     size = SIZES[name.split(".")[-1]]
-    spread = next(one for one in gather(actuator, noisy({}, 1)).spread if one.title == twin.parameter)
-    change = size / twin.size_per_change
+    spread = next(one for one in gather(actuator, noisy({}, 1)).spread if one.title == parameter.parameter)
+    change = size / parameter.size_per_change
     with_effect = chirp_record(actuator.changed({name: size}))
     with_parameter = chirp_record(actuator.changed(spread.changes(actuator, change / spread.std)))
     for channel in ("position_mm", "motor_position_mm", "current_A", "voltage_V"):
@@ -73,7 +73,7 @@ def test_a_twin_that_cannot_have_the_sign_is_left_out() -> None:
     strong = gather(
         sheet, noisy({name: 1.05 * sheet[name] for name in ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")}, 6)
     )
-    assert "magnet_weakening" not in {effect_of(name) for fit in twins(settled(strong, {}, reach=12.0)) for name in fit.values}
+    assert "magnet_weakening" not in {effect_of(name) for fit in confounded_fits(settled(strong, {}, reach=12.0)) for name in fit.values}
 
 
 def test_slight_is_what_every_machine_has() -> None:

@@ -1,4 +1,4 @@
-"""The gate: what a record cannot answer is said before anything is concluded from it."""
+"""Record validity: what a record cannot answer is said before anything is concluded from it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.compare.validity import Gate, RecordRemark, judge, lag_s
+from ema_tools.compare.validity import RecordValidity, RecordRemark, judge, lag_s
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.emps import import_emps
 from ema_tools.data.records import Record
@@ -33,7 +33,7 @@ def repeats() -> list[Record]:
     return [replace(good(seed), file=f"repeat {seed}") for seed in range(1, 6)]
 
 
-def remark(gate: Gate, topic: str) -> RecordRemark:
+def remark(gate: RecordValidity, topic: str) -> RecordRemark:
     """The gravest remark on a topic."""
     return next(one for one in gate.remarks if one.topic == topic)
 
