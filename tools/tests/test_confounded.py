@@ -13,7 +13,7 @@ from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.confounded import confounded_parameter, confounded_fits
+from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import settled
 from ema_tools.fit.nuisance import SLIGHT_REACH, is_slight, slight
 from ema_tools.library.definitions import load_definitions

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.compare.validity import RecordValidity, RecordRemark, judge, lag_s
+from ema_tools.compare.validity import RecordRemark, RecordValidity, judge, lag_s
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.emps import import_emps
 from ema_tools.data.records import Record

@@ -11,7 +11,7 @@ import pytest
 
 import ema_tools
 from ema_tools.library.definitions import Definitions, load_definitions
-from ema_tools.library.record import GENERIC, EffectRecord, Onboard, ConfoundedParameter, Typical
+from ema_tools.library.record import GENERIC, ConfoundedParameter, EffectRecord, Onboard, Typical
 from ema_tools.library.registry import described, effect_of_base_value, joined, learned_effect, record_of
 
 TOOLS = Path(ema_tools.__file__).parent

@@ -1,7 +1,7 @@
 """Dry friction that differs between the directions."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="mechanical balance: a constant torque whenever the shaft moves, at all frequencies, as a constant load makes it",

@@ -1,7 +1,7 @@
 """A position gain that has drifted."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="controller balance alone: output in proportion to the position error; the other balances stay clean",

@@ -1,7 +1,7 @@
 """Added or removed mass."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="mechanical balance: torque in proportion to acceleration; the top third of the frequencies",

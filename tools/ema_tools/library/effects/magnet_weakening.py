@@ -1,7 +1,7 @@
 """Magnets that lost flux."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="mechanical and electrical balance at once: less torque per current and less back-EMF per speed, by the same share",

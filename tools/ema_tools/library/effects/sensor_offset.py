@@ -1,7 +1,7 @@
 """Zero shift of the rod sensor."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="kinematic balance: rod minus motor position shifted by a constant, the same at all frequencies",

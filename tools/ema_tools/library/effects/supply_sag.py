@@ -1,7 +1,7 @@
 """A bus voltage below its nominal value."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="electrical balance: a fixed share of the applied voltage; most at the highest speeds",

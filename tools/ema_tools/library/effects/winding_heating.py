@@ -1,7 +1,7 @@
 """A warm winding."""
 
 from ema_tools.library import measurements
-from ema_tools.library.record import EffectRecord, ConfoundedParameter, Typical
+from ema_tools.library.record import ConfoundedParameter, EffectRecord, Typical
 
 EFFECT = EffectRecord(
     shows="electrical balance: voltage in proportion to the current; the position shows it where currents are large, at the highest frequencies",

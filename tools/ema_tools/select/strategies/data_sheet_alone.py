@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.fit.confounded import confounded_parameter, confounded_fits
+from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
 from ema_tools.fit.nuisance import is_slight
 from ema_tools.fit.refit import Fit, best_of_each, jointly
