@@ -8,8 +8,8 @@
 #ifndef EMA_OBJECTIVE_H
 #define EMA_OBJECTIVE_H
 
+#include "ema/ema_cursor.h"
 #include "ema/ema_model.h"
-#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,18 +24,14 @@ typedef enum {
 
 typedef struct {
     ema_objective_state_t state;
-    const ema_record_t* record;
+    ema_cursor_t cursor;
     ema_real weight[EMA_CHANNEL_COUNT]; /* of the channels in use */
     uint8_t channel[EMA_CHANNEL_COUNT]; /* which these are */
     uint32_t channels;
-    uint32_t every_steps; /* model steps between two rows */
-    uint32_t row;
-    uint32_t step_in_row;
     ema_real period_s;
     ema_real limit;
     ema_real sum;
     ema_real sum_low;
-    ema_real command_mm;
     ema_model_t model;
 } ema_objective_t;
 

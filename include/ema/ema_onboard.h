@@ -15,8 +15,8 @@
 #ifndef EMA_ONBOARD_H
 #define EMA_ONBOARD_H
 
+#include "ema/ema_cursor.h"
 #include "ema/ema_model.h"
-#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -116,11 +116,7 @@ typedef struct {
 /* One run of the known machine beside a record. A copy is a checkpoint; the record's address is read at every call, so
  * a copy may be given another place of it. */
 typedef struct {
-    const ema_record_t* record;
-    ema_real command_mm;
-    uint32_t every_steps;
-    uint32_t row;
-    uint32_t step_in_row;
+    ema_cursor_t cursor;
     ema_scores_t scores;
     ema_model_t model;
 } ema_onboard_t;

@@ -14,8 +14,8 @@
 #ifndef EMA_SENSITIVITY_H
 #define EMA_SENSITIVITY_H
 
+#include "ema/ema_cursor.h"
 #include "ema/ema_model.h"
-#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -25,8 +25,8 @@ extern "C" {
 #define EMA_IDENTIFIED_MAX 4U
 
 typedef struct {
+    ema_cursor_t cursor;
     bool pushed[2]; /* the run at the estimate has pushed the rod back, and forward */
-    const ema_record_t* record;
     ema_real weight[EMA_CHANNEL_COUNT];
     ema_real delta[EMA_IDENTIFIED_MAX];
     ema_real normal[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX]; /* J'J */
@@ -36,13 +36,10 @@ typedef struct {
     ema_real weighted_square;
     ema_real block_mm;     /* of the rod position's residual, summed over the rows of a block so far */
     ema_real block_square; /* of whole blocks */
-    ema_real command_mm;
     uint32_t parameters;
     uint32_t channels;
-    uint32_t every_steps;
-    uint32_t row;
-    uint32_t step_in_row;
-    uint32_t next_run; /* whose turn it is */
+    uint32_t next_run;   /* whose turn it is */
+    ema_real command_mm; /* of the present model step, for all of them */
     ema_output_t row_output[1U + EMA_IDENTIFIED_MAX];
     ema_work_t work; /* one for all of them */
     ema_state_t state[1U + EMA_IDENTIFIED_MAX];

@@ -1,7 +1,7 @@
 #include "ema/ema_objective.h"
 
+#include "ema_cursor_step.h"
 #include "ema_math.h"
-#include "ema_record_row.h"
 #include "ema_tick.h"
 
 ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record,
@@ -18,9 +18,8 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
     }
     const ema_status_t status = ema_model_init(&objective->model, actuator, start_mm);
     if (status == EMA_OK) {
-        objective->record = record;
-        objective->every_steps = (uint32_t)actuator->options.record_every_steps;
-        objective->period_s = actuator->params.step_s * (ema_real)objective->every_steps;
+        ema_cursor_start(&objective->cursor, record, actuator);
+        objective->period_s = actuator->params.step_s * (ema_real)objective->cursor.every_steps;
         objective->channels = 0U;
         for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
             if (weight[channel] > EMA_R(0.0)) {
@@ -29,12 +28,9 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
                 ++objective->channels;
             }
         }
-        objective->row = 0U;
-        objective->step_in_row = 0U;
         objective->limit = limit;
         objective->sum = EMA_R(0.0);
         objective->sum_low = EMA_R(0.0);
-        objective->command_mm = EMA_R(0.0);
         objective->state = EMA_OBJECTIVE_RUNNING;
     }
     return status;
@@ -43,11 +39,11 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
 /* Squared error of one row, weighted over the channels. */
 static inline ema_real ema_objective_row(const ema_objective_t* objective, const ema_output_t* simulated)
 {
-    const ema_record_t* const record = objective->record;
+    const ema_record_t* const record = objective->cursor.record;
     ema_real sum = EMA_R(0.0);
     for (uint32_t k = 0; k < objective->channels; ++k) {
         const uint32_t channel = objective->channel[k];
-        const ema_real error = ema_record_value(record, objective->row, (uint32_t)record->place[channel])
+        const ema_real error = ema_record_value(record, objective->cursor.row, (uint32_t)record->place[channel])
                                - ema_output_channel(simulated, channel);
         sum += objective->weight[k] * (error * error);
     }
@@ -56,14 +52,12 @@ static inline ema_real ema_objective_row(const ema_objective_t* objective, const
 
 ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t steps)
 {
-    for (uint32_t k = 0; (k < steps) && (objective->state == EMA_OBJECTIVE_RUNNING); ++k) {
+    for (uint32_t left = steps; (left > 0U) && (objective->state == EMA_OBJECTIVE_RUNNING); --left) {
         ema_state_t* const state = &objective->model.state;
-        if ((objective->step_in_row == 0U) || (objective->record->command != NULL)) {
-            objective->command_mm = ema_record_command(objective->record, objective->row, state->step);
-        }
+        const ema_real command_mm = ema_cursor_command(&objective->cursor, state->step);
         ema_output_t simulated;
-        ema_tick(&objective->model.plant, state, &objective->model.work, objective->command_mm, &simulated);
-        if (objective->step_in_row == 0U) {
+        ema_tick(&objective->model.plant, state, &objective->model.work, command_mm, &simulated);
+        if (ema_cursor_row_due(&objective->cursor)) {
             ema_add_compensated(&objective->sum, &objective->sum_low,
                                 ema_objective_row(objective, &simulated) * objective->period_s);
             if (!(objective->sum <= objective->limit)) {
@@ -72,13 +66,9 @@ ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t ste
                 objective->state = finite ? EMA_OBJECTIVE_EXCEEDED : EMA_OBJECTIVE_DIVERGED;
             }
         }
-        ++objective->step_in_row;
-        if (objective->step_in_row == objective->every_steps) {
-            objective->step_in_row = 0U;
-            ++objective->row;
-            if ((objective->row == objective->record->count) && (objective->state == EMA_OBJECTIVE_RUNNING)) {
-                objective->state = EMA_OBJECTIVE_DONE;
-            }
+        ema_cursor_pass(&objective->cursor);
+        if (ema_cursor_ended(&objective->cursor) && (objective->state == EMA_OBJECTIVE_RUNNING)) {
+            objective->state = EMA_OBJECTIVE_DONE;
         }
     }
     return objective->state;

@@ -2,8 +2,8 @@
 
 #include <string.h>
 
+#include "ema_cursor_step.h"
 #include "ema_math.h"
-#include "ema_record_row.h"
 #include "ema_tick.h"
 
 /* Start and factor of the checksum by Fowler, Noll and Vo, over words. */
@@ -108,11 +108,10 @@ ema_status_t ema_onboard_start(ema_onboard_t* self, const ema_signatures_t* tabl
             const ema_real moved = (value - fault->healthy) * fault->length;
             self->scores.moved_square += moved * moved;
         }
-        self->record = record;
-        self->command_mm = EMA_R(0.0);
-        self->every_steps = (uint32_t)actuator->options.record_every_steps;
-        self->row = 0U;
-        self->step_in_row = 0U;
+        const uint32_t wanted = table->bins * table->bin_rows;
+        ema_cursor_start(&self->cursor, record, actuator);
+        /* what follows the last whole bin is left out */
+        self->cursor.rows = (wanted < self->cursor.rows) ? wanted : self->cursor.rows;
     }
     return status;
 }
@@ -148,48 +147,36 @@ static void ema_scores_bin(ema_scores_t* scores)
     ++scores->bin;
 }
 
-/* Rows that the table looks at: what follows the last whole bin is left out. */
-static uint32_t ema_onboard_rows(const ema_onboard_t* self)
-{
-    const uint32_t wanted = self->scores.table->bins * self->scores.table->bin_rows;
-    return (wanted < self->record->count) ? wanted : self->record->count;
-}
-
 bool ema_onboard_done(const ema_onboard_t* self)
 {
-    return self->row >= ema_onboard_rows(self);
+    return ema_cursor_ended(&self->cursor);
 }
 
 uint32_t ema_onboard_run(ema_onboard_t* self, uint32_t steps)
 {
     const ema_signatures_t* const table = self->scores.table;
-    const ema_record_t* const record = self->record;
+    ema_cursor_t* const cursor = &self->cursor;
     ema_scores_t* const scores = &self->scores;
     uint32_t made = 0U;
-    while ((made < steps) && !ema_onboard_done(self)) {
-        if ((self->step_in_row == 0U) || (record->command != NULL)) {
-            self->command_mm = ema_record_command(record, self->row, self->model.state.step);
-        }
+    while ((made < steps) && !ema_cursor_ended(cursor)) {
+        const ema_real command_mm = ema_cursor_command(cursor, self->model.state.step);
         ema_output_t simulated;
-        ema_tick(&self->model.plant, &self->model.state, &self->model.work, self->command_mm, &simulated);
+        ema_tick(&self->model.plant, &self->model.state, &self->model.work, command_mm, &simulated);
         ++made;
-        if (self->step_in_row == 0U) {
+        if (ema_cursor_row_due(cursor)) {
+            const ema_record_t* const record = cursor->record;
             for (uint32_t k = 0; k < table->channels; ++k) {
                 const uint32_t channel = table->channel[k];
-                scores->difference[k] += ema_record_value(record, self->row, (uint32_t)record->place[channel])
+                scores->difference[k] += ema_record_value(record, cursor->row, (uint32_t)record->place[channel])
                                          - ema_output_channel(&simulated, channel);
             }
-            scores->command_mm += self->command_mm;
+            scores->command_mm += command_mm;
             ++scores->row_in_bin;
             if (scores->row_in_bin == table->bin_rows) {
                 ema_scores_bin(scores);
             }
         }
-        ++self->step_in_row;
-        if (self->step_in_row == self->every_steps) {
-            self->step_in_row = 0U;
-            ++self->row;
-        }
+        ema_cursor_pass(cursor);
     }
     return made;
 }
@@ -284,7 +271,7 @@ ema_status_t ema_onboard_result(const ema_onboard_t* self, ema_finding_t* findin
     }
     finding->limit = table->limit + (EMA_TRUST * EMA_TRUST * scores->moved_square);
     const bool same =
-        (self->record->count == table->record_rows) && (scores->command_apart_mm <= table->command_apart_mm);
+        (self->cursor.record->count == table->record_rows) && (scores->command_apart_mm <= table->command_apart_mm);
     if (same && ema_is_finite(finding->energy)) {
         for (uint32_t k = 0; k < table->faults; ++k) {
             finding->moved[k] = table->fault[k].turn * scores->product[table->fault[k].row];

@@ -1,9 +1,9 @@
 #include "ema/ema_sensitivity.h"
 
+#include "ema_cursor_step.h"
 #include "ema_linear.h"
 #include "ema_math.h"
 #include "ema_prepare.h"
-#include "ema_record_row.h"
 #include "ema_tick.h"
 
 /* A residual that repeats itself entirely would make the standard errors infinite. */
@@ -39,9 +39,8 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
     }
     const ema_sensitivity_t fresh = {0};
     *self = fresh;
-    self->record = record;
+    ema_cursor_start(&self->cursor, record, actuator);
     self->parameters = count;
-    self->every_steps = (uint32_t)actuator->options.record_every_steps;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         self->weight[channel] = weight[channel];
         self->channels += (weight[channel] > EMA_R(0.0)) ? 1U : 0U;
@@ -68,14 +67,15 @@ void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actu
 /* Adds one row to the sums once every run has passed it. */
 static void ema_sensitivity_row(ema_sensitivity_t* self)
 {
+    const ema_cursor_t* const cursor = &self->cursor;
     const ema_real residual_mm =
-        ema_record_at(self->record, self->row, (uint32_t)self->record->place[EMA_CHANNEL_POSITION])
+        ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[EMA_CHANNEL_POSITION])
         - self->row_output[0].position_mm;
     self->position_square += residual_mm * residual_mm;
     self->position_neighbours += residual_mm * self->position_last_mm;
     self->position_last_mm = residual_mm;
     self->block_mm += residual_mm;
-    if ((self->row % EMA_BLOCK_ROWS) == (EMA_BLOCK_ROWS - 1U)) {
+    if ((cursor->row % EMA_BLOCK_ROWS) == (EMA_BLOCK_ROWS - 1U)) {
         self->block_square += self->block_mm * self->block_mm;
         self->block_mm = EMA_R(0.0);
     }
@@ -85,7 +85,7 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
         if (self->weight[channel] > EMA_R(0.0)) {
             const ema_real base = ema_output_channel(&self->row_output[0], channel);
             const ema_real residual =
-                ema_record_at(self->record, self->row, (uint32_t)self->record->place[channel]) - base;
+                ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[channel]) - base;
             ema_real slope[EMA_IDENTIFIED_MAX];
             self->weighted_square += self->weight[channel] * residual * residual;
             for (uint32_t i = 0; i < self->parameters; ++i) {
@@ -100,16 +100,16 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
 
 bool ema_sensitivity_done(const ema_sensitivity_t* self)
 {
-    return self->row >= self->record->count;
+    return ema_cursor_ended(&self->cursor);
 }
 
 uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
 {
     uint32_t made = 0U;
-    while ((made < steps) && !ema_sensitivity_done(self)) {
+    while ((made < steps) && !ema_cursor_ended(&self->cursor)) {
         ema_state_t* const state = &self->state[self->next_run];
-        if ((self->next_run == 0U) && ((self->step_in_row == 0U) || (self->record->command != NULL))) {
-            self->command_mm = ema_record_asked(self->record, self->row, state->step);
+        if (self->next_run == 0U) {
+            self->command_mm = ema_record_asked(self->cursor.record, self->cursor.row, state->step);
         }
         /* between rows nothing reads them */
         ema_tick(&self->plant[self->next_run], state, &self->work, self->command_mm, &self->row_output[self->next_run]);
@@ -117,14 +117,10 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
         ++self->next_run;
         if (self->next_run > self->parameters) {
             self->next_run = 0U;
-            if (self->step_in_row == 0U) {
+            if (ema_cursor_row_due(&self->cursor)) {
                 ema_sensitivity_row(self);
             }
-            ++self->step_in_row;
-            if (self->step_in_row == self->every_steps) {
-                self->step_in_row = 0U;
-                ++self->row;
-            }
+            ema_cursor_pass(&self->cursor);
         }
     }
     return made;
@@ -135,9 +131,9 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
 static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
 {
     const ema_real width = (ema_real)EMA_BLOCK_ROWS;
-    const uint32_t whole_blocks = self->row / EMA_BLOCK_ROWS;
+    const uint32_t whole_blocks = self->cursor.row / EMA_BLOCK_ROWS;
     const ema_real blocks = (ema_real)whole_blocks;
-    const ema_real rows = (ema_real)self->row;
+    const ema_real rows = (ema_real)self->cursor.row;
     ema_real shared = correlation - (EMA_CORRELATION_DOUBT / ema_sqrt(rows));
     if ((self->position_square > EMA_R(0.0)) && (blocks > EMA_R(0.0))) {
         const ema_real white = (self->position_square / rows) * (blocks * width);
@@ -150,7 +146,7 @@ static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
 void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result)
 {
     const uint32_t count = self->parameters;
-    const ema_real rows = (ema_real)self->row;
+    const ema_real rows = (ema_real)self->cursor.row;
     result->residual_rms_mm = ema_sqrt(self->position_square / rows);
     result->residual_correlation =
         (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);

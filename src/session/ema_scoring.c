@@ -37,7 +37,7 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
 uint32_t ema_scoring_run(ema_session_t* session, uint32_t steps)
 {
     /* a copy reads its own record */
-    session->scoring.record = &session->record;
+    session->scoring.cursor.record = &session->record;
     return ema_onboard_run(&session->scoring, steps);
 }
 

@@ -132,9 +132,9 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
     ema_status_t status = EMA_OK;
     /* a copy of a session reads its own record, not the original's */
     if (session->phase == EMA_PHASE_SEARCHING) {
-        session->run.record = &session->record;
+        session->run.cursor.record = &session->record;
     } else if (session->phase == EMA_PHASE_ASSESSING) {
-        session->sensitivity.record = &session->record;
+        session->sensitivity.cursor.record = &session->record;
     } else {
         /* nothing runs */
     }

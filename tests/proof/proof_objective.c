@@ -33,12 +33,11 @@ void main(void)
         EMA_ANY(objective.sum);
         EMA_ANY(objective.sum_low);
         EMA_ANY(objective.limit);
-        EMA_ANY(objective.command_mm);
         objective.model.state.motion = Frama_C_interval(EMA_MOTION_BACKWARD, EMA_MOTION_ELASTIC);
         objective.model.state.play_side = Frama_C_interval(-1, 1);
-        objective.every_steps = (uint32_t)Frama_C_interval(1, 1000);
-        objective.step_in_row = (uint32_t)Frama_C_interval(0, 999);
-        objective.row = (uint32_t)Frama_C_interval(0, EMA_PROOF_ROWS - 1U);
+        objective.cursor.every_steps = (uint32_t)Frama_C_interval(1, 1000);
+        objective.cursor.step_in_row = (uint32_t)Frama_C_interval(0, 999);
+        objective.cursor.row = (uint32_t)Frama_C_interval(0, EMA_PROOF_ROWS - 1U);
         (void)ema_objective_run(&objective, 1U);
     }
     Frama_C_show_each_end();

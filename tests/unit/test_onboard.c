@@ -196,13 +196,25 @@ static void rows_of_several_steps(void)
     record_rows(&healthy, 10U);
     (void)find(&healthy, 4U);
     TEST_ASSERT_EQUAL_UINT32(30U, onboard.model.state.step);
+    const ema_real held_A = onboard.model.state.current_A;
+    ema_model_t holding = ema_rig_model(&healthy, EMA_R(0.0));
+    for (uint32_t step = 0; step < 30U; ++step) {
+        ema_sample_t sample;
+        EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, step / 3U, 3U, &sample));
+        (void)ema_rig_step(&holding, sample.command_mm);
+    }
+    EMA_ASSERT_CLOSE((double)holding.state.current_A, (double)held_A, 0.0, 0.0);
     /* between rows a command that is a function goes on */
-    const ema_real held_mm = onboard.command_mm;
     const ema_command_t command = ema_signature_command(&healthy);
     record.command = &command;
     (void)find(&healthy, 4U);
-    EMA_ASSERT_CLOSE((double)ema_command_at(&command, 29U), (double)onboard.command_mm, 0.0, 0.0);
-    TEST_ASSERT_TRUE(fabs((double)onboard.command_mm - (double)held_mm) > 1.0e-4);
+    ema_model_t following = ema_rig_model(&healthy, EMA_R(0.0));
+    for (uint32_t step = 0; step < 30U; ++step) {
+        (void)ema_rig_step(&following, ema_command_at(&command, step));
+    }
+    const ema_real followed_A = onboard.model.state.current_A;
+    EMA_ASSERT_CLOSE((double)following.state.current_A, (double)followed_A, 0.0, 0.0);
+    TEST_ASSERT_TRUE(fabs((double)followed_A - (double)held_A) > 1.0e-3);
 }
 
 /* Ranking by products that are given: phases, signs, penalties, shapes, and what is too near to be told apart. */
