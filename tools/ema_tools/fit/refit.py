@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Row, row_of
+from ema_tools.fit import bounded
+from ema_tools.fit.bounded import OneSided, Stop, Unknown
 from ema_tools.fit.evidence import ROUGHNESS, View, settled
 from ema_tools.library.faults import effect_of
 from ema_tools.library.shapes import penalty
@@ -100,6 +101,14 @@ def _scale_of(name: str, first: float) -> float:
     return max(abs(first), 1e-9)
 
 
+def _unknown(name: str, first: float) -> Unknown:
+    """A value of the fit: a size that ends at none is on no bound, and a phase has none."""
+    row = row_of(name)
+    turns = name.endswith("phase_rad")
+    walls = (not turns and row.lower != row.nominal, not turns)
+    return Unknown(name, first, _scale_of(name, first), row.lower, row.upper, _AT_BOUND * (row.upper - row.lower), walls)
+
+
 def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | None = None) -> Fit:
     """Fits the values named in `start`, those that the view holds among them, beginning there; what scatters stays linear as the view has it.
 
@@ -107,51 +116,17 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
     """
     kept = {name: value for name, value in start.items() if name.endswith(".periods")} | dict(shape or {})
     names = [name for name in start if name not in kept]
-    rows = [row_of(name) for name in names]
-    first = np.array([start[name] for name in names])
-    scale = np.array([_scale_of(name, value) for name, value in zip(names, first, strict=True)])
-    lower = np.array([row.lower for row in rows]) / scale
-    upper = np.array([row.upper for row in rows]) / scale
+    unknowns = [_unknown(name, start[name]) for name in names]
 
-    def vector(point: Reals) -> Reals:
-        changes = {
-            name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, point * scale, rows, strict=True)
-        } | kept
+    def vector(changes: Mapping[str, float]) -> Reals:
         try:
-            return view.signature(changes)
+            return view.signature({**changes, **kept})
         except InputError:
             return np.zeros_like(view.residual)
 
-    def residual(point: Reals) -> Reals:
-        return view.residual - vector(point)
-
-    def slope(point: Reals, here: Reals, place: int) -> Reals:
-        column = np.zeros_like(here)
-        for width in _JACOBIAN_STEPS:
-            step = width if point[place] + width <= upper[place] else -width
-            moved = point.copy()
-            moved[place] += step
-            change = here - vector(moved)
-            column = change / step
-            if float(change @ change) > ROUGHNESS**2:
-                break
-        return column
-
-    def jacobian(point: Reals) -> Reals:
-        here = vector(point)
-        return np.column_stack([slope(point, here, place) for place in range(point.size)])
-
-    margin = 1e-9 * (upper - lower)
-    begun = np.clip(first / scale, lower + margin, upper - margin)
-    found = least_squares(residual, begun, jac=jacobian, bounds=(lower, upper), max_nfev=_RUNS, xtol=1e-4, ftol=1e-5)
-    columns = np.asarray(found.jac, dtype=float)
-    covariance = np.asarray(np.linalg.pinv(columns.T @ columns) * np.outer(scale, scale), dtype=float)
-    values = {name: float(np.clip(value, row.lower, row.upper)) for name, value, row in zip(names, found.x * scale, rows, strict=True)}
-    at_bound = tuple(
-        name for name, row in zip(names, rows, strict=True) if _on_bound(name, values[name], row.lower, row.upper, row.nominal)
-    )
-    values |= kept
-    return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, covariance, at_bound, view, 2.0 * float(found.cost))
+    found = bounded.fit(unknowns, vector, OneSided(_JACOBIAN_STEPS, ROUGHNESS), Stop(_RUNS, 1e-4, 1e-5), view.residual)
+    values = {**found.values, **kept}
+    return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, found.covariance, found.at_bound, view, found.cost)
 
 
 def slopes(view: View, fit: Fit) -> list[Reals]:
@@ -168,12 +143,6 @@ def slopes(view: View, fit: Fit) -> list[Reals]:
             return np.zeros_like(view.residual)
 
     return each(moved, list(rows))
-
-
-def _on_bound(name: str, value: float, lower: float, upper: float, nominal: float) -> bool:
-    """A size that ends at zero is on its bound too; a phase has none."""
-    near = _AT_BOUND * (upper - lower)
-    return not name.endswith("phase_rad") and (value >= upper - near or (value <= lower + near and lower != nominal))
 
 
 def seen_from(fit: Fit) -> View:
@@ -244,7 +213,7 @@ def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row]) 
         except InputError:
             continue
         if there.plain_cost < seen.plain_cost:
-            at_bound = tuple(name for name, row in rows.items() if _on_bound(name, values[name], row.lower, row.upper, row.nominal))
+            at_bound = tuple(name for name in rows if _unknown(name, values[name]).on_bound(values[name]))
             return replace(fit, values=values, at_bound=at_bound, view=there, cost=there.cost)
     return None
 

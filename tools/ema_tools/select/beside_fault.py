@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
@@ -21,7 +20,9 @@ from ema_tools.base.parallel import each
 from ema_tools.compare.validity import judge
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
+from ema_tools.fit import bounded
 from ema_tools.fit import nuisance as spreads
+from ema_tools.fit.bounded import OneSided, Stop, Unknown
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled, simulate_channels, view
 from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.refit import refit
@@ -123,47 +124,31 @@ class _Known:
     def fit(self, effect: str, start: Mapping[str, float], free: Sequence[str], steps: int) -> _Fit | None:
         """Fits the values `free` of those in `start`; None where the model refuses the start."""
         first = {**{name: self.actuator[name] for name in (*self.faults, *self.scatter)}, **start}
-        names = [name for name in first if name in free]
-        scale = np.array([self._scale(name, first[name]) for name in names])
-        ends = [self._ends(name) for name in names]
-        lower, upper = (np.array([end[side] for end in ends]) / scale for side in (0, 1))
-        prior = [(names.index(name), self.actuator[name], _SCATTER[name] * self.actuator[name]) for name in self.scatter if name in names]
+        unknowns = [self._unknown(name, value) for name, value in first.items() if name in free]
+        scatter = [
+            (one.name, self.actuator[one.name], _SCATTER[one.name] * self.actuator[one.name])
+            for one in unknowns
+            if one.name in self.scatter
+        ]
         try:
             refused = self.residual(first)
         except InputError:
             return None
-        last: tuple[Reals, Reals] | None = None
 
-        def values(point: Reals) -> dict[str, float]:
-            return {**first, **{name: float(np.clip(value, *end)) for name, value, end in zip(names, point * scale, ends, strict=True)}}
-
-        def residual(point: Reals) -> Reals:
-            nonlocal last
-            if last is not None and np.array_equal(last[0], point):
-                return last[1]
+        def vector(values: Mapping[str, float]) -> Reals:
             try:
-                plain = self.residual(values(point))
+                plain = self.residual({**first, **values})
             except InputError:
                 plain = 2.0 * refused
-            last = (point.copy(), np.concatenate([plain, [(point[place] * scale[place] - healthy) / std for place, healthy, std in prior]]))
-            return last[1]
+            return np.concatenate([plain, [(values[name] - healthy) / std for name, healthy, std in scatter]])
 
-        def jacobian(point: Reals) -> Reals:
-            here, columns = residual(point), []
-            for place in range(point.size):
-                step = _STEP if point[place] + _STEP <= upper[place] else -_STEP
-                moved = point.copy()
-                moved[place] += step
-                columns.append((residual(moved) - here) / step)
-            return np.column_stack(columns)
+        found = bounded.fit(unknowns, vector, OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6))
+        std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
+        return _Fit(effect, {**first, **found.values}, std, found.cost)
 
-        margin = 1e-9 * (upper - lower)
-        begun = np.clip(np.array([first[name] for name in names]) / scale, lower + margin, upper - margin)
-        found = least_squares(residual, begun, jac=jacobian, bounds=(lower, upper), max_nfev=steps, xtol=1e-5, ftol=1e-6)
-        columns = np.asarray(found.jac, dtype=float)
-        covariance = np.linalg.pinv(columns.T @ columns) * np.outer(scale, scale)
-        std = {name: float(np.sqrt(max(covariance[k, k], 0.0))) for k, name in enumerate(names)}
-        return _Fit(effect, values(found.x), std, 2.0 * float(found.cost))
+    def _unknown(self, name: str, first: float) -> Unknown:
+        lower, upper = self._ends(name)
+        return Unknown(name, first, self._scale(name, first), lower, upper)
 
     def _ends(self, name: str) -> tuple[float, float]:
         """Where a value may lie."""

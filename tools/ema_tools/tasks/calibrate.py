@@ -8,8 +8,8 @@ sensor noise biases, but it trusts every block of the model.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -27,6 +27,8 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.linear_axis import VALUES, ForceModel, at_rod, lead_m_per_rad
 from ema_tools.data.records import Record, simulated
+from ema_tools.fit import bounded
+from ema_tools.fit.bounded import Found, Stop, TwoSided, Unknown
 from ema_tools.plant.native import CHANNELS, Simulation
 from ema_tools.tasks.identify import BOUNDS
 
@@ -34,7 +36,10 @@ PLAY = "screw.blk_mm"
 FRICTION = "screw.csj_Nm"
 _REST_ROUNDS = 20  # friction at rest and the parameters settle together
 _WEIGHING_ROUNDS = 3
+_STEPS = 30  # of one fit
 _STEP = 1e-3  # of a parameter, for a central difference; the model is not smooth in the small
+_STEP_LEAST = 0.1  # a parameter that has become small is moved as one of this share of its first size
+_AT_BOUND = 1e-6  # of its first size: so near to an end of its range a parameter lies on it
 _SHRINK = 1e-9
 _AT_BOUND_MM = 1e-6  # the search for the play comes this near to a bound, and not onto it
 # What makes the time constants: a fit that the records do not hold drives them to where the model cannot be stepped.
@@ -252,58 +257,23 @@ def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str,
     return tuple(names)
 
 
-class _Loop:
-    """The closed loop as a function of the free parameters, in units of their own size."""
+def _unknown(actuator: Actuator, name: str) -> Unknown:
+    """A parameter in units of its own size; one that may be zero is measured by what it competes with: load by friction."""
+    lower, upper = range_of(actuator, name)
+    size = abs(actuator[name]) or max(actuator[FRICTION], 1e-6)
+    return Unknown(name, actuator[name], size, lower, upper, _AT_BOUND * size)
 
-    def __init__(self, actuator: Actuator, records: Sequence[Record], names: Sequence[str], given: Actuator) -> None:
-        self.actuator = actuator
-        self.given = given
-        self.records = records
-        self.names = tuple(names)
-        ranges = np.array([range_of(actuator, name) for name in names])
-        # A value that may be zero is measured by what it competes with: load by friction.
-        self.size = np.array([abs(actuator[name]) or max(actuator[FRICTION], 1e-6) for name in names])
-        self.lower, self.upper = ranges.T / self.size
 
-    def start(self) -> Reals:
-        """The actuator's own values."""
-        return np.asarray(np.clip(np.array([self.actuator[name] for name in self.names]) / self.size, self.lower, self.upper))
+def _errors(actuator: Actuator, given: Actuator, record: Record) -> Reals:
+    """Measured minus simulated, [rows, channels]."""
+    simulation = _simulated(actuator, given, record)
+    return np.column_stack([record.recorded(name) - getattr(simulation, name) for name in CHANNELS if name in record.present])
 
-    def at(self, point: Reals) -> Actuator:
-        """The actuator at a point, held inside the ranges."""
-        return self.actuator.changed(dict(zip(self.names, np.clip(point, self.lower, self.upper) * self.size, strict=True)))
 
-    def errors(self, point: Reals, record: Record) -> Reals:
-        """Measured minus simulated, [rows, channels]."""
-        simulation = _simulated(self.at(point), self.given, record)
-        return np.column_stack([record.recorded(name) - getattr(simulation, name) for name in CHANNELS if name in record.present])
-
-    def trust(self, record: Record) -> Reals:
-        """Smallest error that is believed, per channel."""
-        sizes = [float(np.sqrt(np.mean(values**2))) for name in CHANNELS if (values := record.channel(name)) is not None]
-        return np.asarray(np.maximum(_TRUST * np.array(sizes), 1e-12))
-
-    def slopes(self, point: Reals) -> list[Reals]:
-        """Central differences of the errors, per record [rows, channels, parameters], all simulations in parallel."""
-        width = _STEP * np.maximum(np.abs(point), 0.1)
-        low = np.maximum(point - width, self.lower)
-        high = np.minimum(point + width, self.upper)
-        jobs = []
-        for place in range(point.size):
-            for value in (low[place], high[place]):
-                moved = point.copy()
-                moved[place] = value
-                jobs += [(moved, record) for record in self.records]
-        found = each(lambda job: self.errors(*job), jobs)
-        count = len(self.records)
-        slopes = []
-        for index in range(count):
-            columns = [
-                (found[(2 * place + 1) * count + index] - found[2 * place * count + index]) / (high[place] - low[place])
-                for place in range(point.size)
-            ]
-            slopes.append(np.stack(columns, axis=-1))
-        return slopes
+def _weights(errors: Reals, record: Record) -> Reals:
+    """One over the rms error of each channel, [channels], or over the smallest that is believed."""
+    sizes = [float(np.sqrt(np.mean(values**2))) for name in CHANNELS if (values := record.channel(name)) is not None]
+    return np.asarray(1.0 / np.maximum(np.sqrt(np.mean(errors**2, axis=0)), np.maximum(_TRUST * np.array(sizes), 1e-12)))
 
 
 def in_the_loop(
@@ -313,60 +283,56 @@ def in_the_loop(
 
     Raises InputError when the records do not determine a parameter.
     """
-    from scipy.optimize import least_squares
+    unknowns = [_unknown(actuator, name) for name in names]
 
-    loop = _Loop(actuator, records, names, given)
-    point = loop.start()
-    runs = 0
+    def errors(values: Mapping[str, float]) -> list[Reals]:
+        machine = actuator.changed(values)
+        return each(lambda record: _errors(machine, given, record), records)
 
-    def errors(at: Reals) -> list[Reals]:
-        return each(lambda record: loop.errors(at, record), records)
-
+    here = errors({one.name: one.held(one.start) for one in unknowns})
+    taken = 0
     for turn in range(_WEIGHING_ROUNDS):
-        weights = [
-            1.0 / np.maximum(np.sqrt(np.mean(error**2, axis=0)), loop.trust(record))
-            for error, record in zip(errors(point), records, strict=True)
-        ]
+        weights = [_weights(error, record) for error, record in zip(here, records, strict=True)]
 
-        def residual(at: Reals, weights: list[Reals] = weights, turn: int = turn) -> Reals:
-            nonlocal runs
-            runs += 1
+        def weighted(values: Mapping[str, float], weights: list[Reals] = weights) -> Reals:
+            return np.concatenate([(error * weight).ravel() for error, weight in zip(errors(values), weights, strict=True)])
+
+        def told(turn: int = turn) -> None:
+            nonlocal taken
+            taken += 1
             if report is not None:
-                report(turn, f"round {turn + 1} of {_WEIGHING_ROUNDS}, step {runs}")
-            return np.concatenate([(error * weight).ravel() for error, weight in zip(errors(at), weights, strict=True)])
+                report(turn, f"round {turn + 1} of {_WEIGHING_ROUNDS}, step {taken}")
 
-        def slope(at: Reals, weights: list[Reals] = weights) -> Reals:
-            return np.concatenate(
-                [(part * weight[:, None]).reshape(-1, at.size) for part, weight in zip(loop.slopes(at), weights, strict=True)]
-            )
-
-        solved = least_squares(residual, point, jac=slope, bounds=(loop.lower, loop.upper), xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=30)
-        point = solved.x
-    covariance = _loop_covariance(loop, point, errors(point), weights)
-    found = []
-    for place, name in enumerate(loop.names):
-        after = float(np.clip(point[place], loop.lower[place], loop.upper[place]) * loop.size[place])
-        at_bound = bool(np.isclose(point[place], (loop.lower[place], loop.upper[place]), rtol=1e-6, atol=1e-9).any())
-        found.append(
-            FittedParameter(name, actuator[name], after, float(np.sqrt(covariance[place, place]) * loop.size[place]), "loop", at_bound)
-        )
-    return loop.at(point), found
+        found = bounded.fit(unknowns, weighted, TwoSided(_STEP, _STEP_LEAST), Stop(_STEPS, 1e-10, 1e-12, 1e-12), told=told)
+        unknowns = [replace(one, start=found.values[one.name]) for one in unknowns]
+        here = [part / weight for part, weight in zip(_parts(found.residual, here), weights, strict=True)]
+    std = np.sqrt(np.diag(_loop_covariance(found, here)))
+    return actuator.changed(found.values), [
+        FittedParameter(name, actuator[name], after, float(error), "loop", name in found.at_bound)
+        for (name, after), error in zip(found.values.items(), std, strict=True)
+    ]
 
 
-def _loop_covariance(loop: _Loop, point: Reals, errors: list[Reals], weights: list[Reals]) -> Reals:
-    """Covariance of the point with correlated residuals, [p, p]."""
-    normal = np.zeros((point.size, point.size))
+def _parts(tall: Reals, errors: Sequence[Reals]) -> list[Reals]:
+    """Each record's share of a vector [n] or of columns [n, p], as [rows, channels] or [rows, channels, p]."""
+    ends = np.cumsum([error.size for error in errors])[:-1]
+    return [part.reshape(*error.shape, *tall.shape[1:]) for part, error in zip(np.split(tall, ends), errors, strict=True)]
+
+
+def _loop_covariance(found: Found, errors: Sequence[Reals]) -> Reals:
+    """Covariance of the values with correlated residuals, in their units [p, p]; `errors` of each record, for their shapes."""
+    # in scales, not units: the lags that count are chosen for all unknowns together
+    normal = np.zeros((found.scale.size, found.scale.size))
     scores = np.zeros_like(normal)
-    for slope, error, weight in zip(loop.slopes(point), errors, weights, strict=True):
-        weighted = slope * weight[:, None]
-        normal += np.einsum("rcp,rcq->pq", weighted, weighted)
-        scores += leastsquares.long_run(np.einsum("rcp,rc->rp", weighted, error * weight))
+    for slopes, residual in zip(_parts(found.slopes, errors), _parts(found.residual, errors), strict=True):
+        normal += np.einsum("rcp,rcq->pq", slopes, slopes)
+        scores += leastsquares.long_run(np.einsum("rcp,rc->rp", slopes, residual))
     size = np.sqrt(np.diag(normal))
     if not np.all(size > 0.0) or np.linalg.cond(normal / np.outer(size, size)) > 1e12:
-        worst = loop.names[int(np.argmin(size))]
+        worst = tuple(found.values)[int(np.argmin(size))]
         raise InputError(f"calibrate: {worst}: the records do not determine it: leave it out of --fit or record another command")
     inverse = np.linalg.inv(normal / np.outer(size, size)) / np.outer(size, size)
-    return np.asarray(inverse @ scores @ inverse)
+    return np.asarray(inverse @ scores @ inverse * np.outer(found.scale, found.scale))
 
 
 def calibrate(
