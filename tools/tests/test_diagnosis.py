@@ -21,6 +21,7 @@ from ema_tools.results.codec import to_json
 from ema_tools.select.baseline import gather
 from ema_tools.select.candidates import candidates
 from ema_tools.select.holdout import Step, refuted
+from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import Answer, answer
 from ema_tools.words.answers.diagnosis import diagnosis
@@ -79,9 +80,9 @@ def test_a_healthy_run_costs_what_the_repeats_cost_and_is_not_accused(healthy: l
 @needs_numba
 def test_every_effect_and_fault_is_a_candidate(healthy: list[Record]) -> None:
     here = settled(gather(reference_actuator(), healthy[-1], healthy[:-1]), {})
-    names = {candidate.effect for candidate in candidates(here)}
+    names = {candidate.effect for candidate in candidates(Screen(here))}
     assert names == {*FAULTS, *(effect.name for effect in load_definitions().effects if not effect.is_learned)}
-    assert "blk" not in {candidate.effect for candidate in candidates(here, without=("blk",))}
+    assert "blk" not in {candidate.effect for candidate in candidates(Screen(here), without=("blk",))}
 
 
 @needs_numba

@@ -32,6 +32,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.plant.native import CHANNELS, Simulation, library
 from ema_tools.select.candidates import signatures
+from ema_tools.select.matched_filter import Screen
 
 # Noise of the sensors, rms, at a record rate of 1 kHz; that of the voltage as a share of the supply: the noise of a position through the gain of a stiff loop.
 USUAL_NOISE: Mapping[str, float] = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}
@@ -210,7 +211,7 @@ def _seen(evidence: Evidence, changes: Mapping[str, float]) -> View:
 def _left(seen: View, other: str) -> float:
     """What `other` at its best leaves of what is seen, in standard deviations of noise and model."""
     least = seen.cost
-    for start in signatures(seen, only=(other,))[:_FIT_STARTS]:
+    for start in signatures(Screen(seen), only=(other,))[:_FIT_STARTS]:
         fit = refit(seen, start.start())
         least = min(least, fit.cost)
     return math.sqrt(max(least, 0.0) / (1.0 + _MODEL_ERROR**2 * seen.cost))

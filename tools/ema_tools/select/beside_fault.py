@@ -32,6 +32,7 @@ from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
 from ema_tools.select.baseline import common_channels, gather, same_command
 from ema_tools.select.candidates import candidates
+from ema_tools.select.matched_filter import Screen
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 # Values that have a spread of their own beside CSJ and BLK, relative.
@@ -191,7 +192,10 @@ class _Known:
             {},
         )
         tasks = [
-            (candidate, first) for candidate in candidates(here, only=only) if candidate.effect not in FAULTS for first in candidate.first
+            (candidate, first)
+            for candidate in candidates(Screen(here), only=only)
+            if candidate.effect not in FAULTS
+            for first in candidate.first
         ]
 
         def scored(task: tuple[Any, float]) -> tuple[float, float]:

@@ -6,6 +6,7 @@ signature explains as much of the residual as it can.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -21,7 +22,7 @@ from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
 from ema_tools.library.torques import PeriodicTorque, combined
-from ema_tools.select.matched_filter import Screen, Shaped, shapes_of
+from ema_tools.select.matched_filter import Screen, Shaped
 
 # First size tried, as a share of an effect's range; then it is scaled by what the residual asks for.
 _FIRST_SHARE = 0.002
@@ -116,7 +117,7 @@ def _of_effect(effect: Effect, view: View, screen: Screen) -> list[Candidate]:
     if record.below_peak is not None:
         peak = float(np.max(np.abs(screen.states.current_A)))
         return [one({}, _apart((share * peak,))) for share in record.below_peak.tried]
-    suggested = shapes_of(screen, effect.name)
+    suggested = screen.shapes_of(effect.name)
     if record.periodic is not None and record.periodic.simulated_at > 0.0 and not present and "current_A" not in view.evidence.channels:
         suggested = [*(suggested or ()), *_by_simulation(effect, record.periodic, view)]
     if suggested is not None and not present:
@@ -175,8 +176,9 @@ def _turned(effect: Effect, actuator: Actuator, change: Shaped) -> tuple[Mapping
     )
 
 
-def candidates(view: View, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Candidate]:
+def candidates(screen: Screen, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Candidate]:
     """Every effect in every shape that is tried, a change of those that the actuator holds already among them; and the fault parameters. `only`: of these effects."""
+    view = screen.view
     evidence = view.evidence
     found = []
     scattering = {name for one in evidence.spread for name in one.names} if not evidence.relative else set()
@@ -186,11 +188,13 @@ def candidates(view: View, without: Collection[str] = (), only: Collection[str] 
             found.append(
                 Candidate(fault, value, {}, _ladders(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal)
             )
-    screen = Screen(view)
-    for effect in load_definitions().effects:
-        if effect.name not in without and (only is None or effect.name in only) and not effect.is_learned:
-            found += _of_effect(effect, view, screen)
-    return found
+    wanted = [effect for effect in _physical() if effect.name not in without and (only is None or effect.name in only)]
+    return [*found, *itertools.chain.from_iterable(each(lambda effect: _of_effect(effect, view, screen), wanted))]
+
+
+def _physical() -> list[Effect]:
+    """The effects of the library without the tables that are learned."""
+    return [effect for effect in load_definitions().effects if not effect.is_learned]
 
 
 def _gain(product: float, square: float) -> tuple[float, float]:
@@ -253,9 +257,10 @@ def _scaled(candidate: Candidate, first: float, view: View) -> tuple[Signature, 
     return None if best is None else (best, shows)
 
 
-def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[str, ...]:
+def promising(screen: Screen, earlier: Sequence[Signature], least: float) -> tuple[str, ...]:
     """Effects that may lower the cost by a good part of `least`, judged without simulating them: by the signatures that they had before another effect was added, and by
     torque patterns. A simulation beside an effect that is hard to compute costs ten times as much."""
+    view = screen.view
     guessed: dict[str, float] = {}
     places = {id(one.view): one.view for one in earlier}
     meets = {place: (there.shared(view.residual), view.overlap(there)) for place, there in places.items()}
@@ -264,17 +269,16 @@ def promising(view: View, earlier: Sequence[Signature], least: float) -> tuple[s
         product, length = signature.shown.seen_from(view, *meets[id(signature.view)])
         if length > 0.0 and (product > 0.0 or signature.candidate.lower < signature.candidate.zero):
             guessed[name] = max(guessed.get(name, 0.0), product * product / length)
-    screen = Screen(view)
-    for effect in load_definitions().effects:
-        shaped = None if effect.is_learned else shapes_of(screen, effect.name)
+    effects = _physical()
+    for effect, shaped in zip(effects, each(lambda effect: screen.shapes_of(effect.name), effects), strict=True):
         if shaped:
             guessed[effect.name] = max(guessed.get(effect.name, 0.0), shaped[0].score)
     kept = sorted((name for name, score in guessed.items() if score > _PROMISING_SHARE * least), key=lambda name: -guessed[name])
     return tuple(kept[:_PROMISING_MAX])
 
 
-def signatures(view: View, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Signature]:
-    """The best-matched signature of every candidate beside what the view holds already, or of `only` these effects, strongest first; both cores at work."""
-    tasks = [(candidate, ladder) for candidate in candidates(view, without, only) for ladder in candidate.ladders]
-    found = each(lambda task: _matched(task[0], task[1], view), tasks)
+def signatures(screen: Screen, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Signature]:
+    """The best-matched signature of every candidate beside what the screen's view holds already, or of `only` these effects, strongest first; both cores at work."""
+    tasks = [(candidate, ladder) for candidate in candidates(screen, without, only) for ladder in candidate.ladders]
+    found = each(lambda task: _matched(task[0], task[1], screen.view), tasks)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)

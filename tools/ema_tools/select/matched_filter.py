@@ -56,6 +56,17 @@ class Screen:
         self._weights = evidence.whiten.weights**2
         self._filtered = np.sum(np.conj(response) * self._residual, axis=0)
         self._power = np.sum(np.abs(response) ** 2 * self._weights, axis=0)
+        self._shapes: dict[str, list[Shaped] | None] = {}
+
+    def shapes_of(self, effect: str) -> list[Shaped] | None:
+        """The shapes of an effect that the residual suggests, best first; None for an effect whose shapes are not a matter of torque patterns. Found once."""
+        if effect not in self._shapes:
+            record = record_of(effect)
+            if record.periodic is not None:
+                self._shapes[effect] = self.periodic(effect, record.periodic)
+            else:
+                self._shapes[effect] = self.local(effect, record.local) if record.local is not None else None
+        return self._shapes[effect]
 
     def fits(self, patterns: Reals) -> tuple[Reals, float]:
         """Sizes [k] of torque patterns [k, rows] that together explain most, and by how much they lower the cost."""
@@ -177,13 +188,3 @@ def _response(evidence: Evidence) -> Complexes:
     pulses = np.diff(steps, axis=1, prepend=0.0)
     # the answer dies away long before the record ends: what does not is the drift of a free position and is not of use here
     return np.asarray(spectrum(pulses) * np.sqrt(counted(still.size)))
-
-
-def shapes_of(screen: Screen, effect: str) -> list[Shaped] | None:
-    """The shapes of an effect that the residual suggests, best first; None for an effect whose shapes are not a matter of torque patterns."""
-    record = record_of(effect)
-    if record.periodic is not None:
-        return screen.periodic(effect, record.periodic)
-    if record.local is not None:
-        return screen.local(effect, record.local)
-    return None

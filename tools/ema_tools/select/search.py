@@ -11,6 +11,7 @@ from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.refit import Fit, best_of_each, joined, refit, seen_from, slopes, without_effect
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, promising, signatures
+from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis, Named, Path, Round
 from ema_tools.select.strategies import strategy_for
 from ema_tools.select.strategies.healthy_machine import HealthyMachine
@@ -72,7 +73,7 @@ def _newest(fit: Fit, held: Sequence[str]) -> str:
 def _first_look(strategy: Strategy) -> list[Signature]:
     """Every effect's signatures from every place that the strategy looks from."""
     places = strategy.places()
-    seen = [replace(one, score=one.score - (view.cost - places[-1].cost)) for view in places for one in signatures(view)]
+    seen = [replace(one, score=one.score - (view.cost - places[-1].cost)) for view in places for one in signatures(Screen(view))]
     return sorted(seen, key=lambda signature: -signature.score)
 
 
@@ -96,7 +97,8 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
             least = strategy.needed((), place, cost)
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
-            found = signatures(seen, held, promising(seen, every, least) if every else None)
+            screen = Screen(seen)
+            found = signatures(screen, held, promising(screen, every, least) if every else None)
             every = every or found
         found = strategy.kept(found)
         scores = {name: signature.score for name, signature in _strongest(found).items()}

@@ -23,6 +23,7 @@ from ema_tools.select.baseline import gather
 from ema_tools.select.beside_fault import beside_faults, known_machine
 from ema_tools.select.candidates import signatures
 from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, walk
+from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
@@ -165,7 +166,7 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
 def _fitted(here: View, effect: str) -> Fit:
     """The effect at its best; against healthy repeats beside CSJ and BLK where they have changed too, which may hide the effect until they are fitted with it."""
     evidence = here.evidence
-    found = signatures(here, only=effect)[:_STARTS]
+    found = signatures(Screen(here), only=(effect,))[:_STARTS]
     fits = each(lambda signature: refit(here, signature.start()), found)
     tries = [polished(min(fits, key=lambda fit: fit.cost), _ROUNDS)] if fits else []
     if evidence.relative and any(evidence.actuator[value] > 0.0 for value in FAULTS.values()):

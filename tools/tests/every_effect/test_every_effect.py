@@ -23,7 +23,7 @@ from ema_tools.library.registry import described, record_of, separating
 from ema_tools.plant.native import library
 from ema_tools.reference.effects import example_of
 from ema_tools.results.codec import to_json
-from ema_tools.select.matched_filter import Screen, shapes_of
+from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.answers.effects import effects as written
 from support import ROOT, run_ema
@@ -154,7 +154,7 @@ def test_the_torque_in_closed_form_is_what_a_simulation_shows(effect: str) -> No
     nothing = np.empty((0, *here.shape))
     evidence = Evidence(reference_actuator(), base(), names, there, (), Whitener.of(power, record.rows), power, nothing, 0.0, (here,))
     seen = view(evidence, {})
-    found = shapes_of(Screen(seen), effect)
+    found = Screen(seen).shapes_of(effect)
     assert found
     allowed = LESS.get(effect, Expected(COSINE, SIZE_OFF, ""))
     assert np.sqrt(max(found[0].score, 0.0) / seen.cost) > allowed.cosine
