@@ -48,6 +48,7 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--strangers", type=click.IntRange(0), help="Healthy machines without repeats.")
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
 @click.option("--set-healthy", type=click.IntRange(0), help="Healthy records of each machine that is set otherwise.")
+@click.option("--kept", is_flag=True, help="Run nothing: take the trials that the folder holds already.")
 @click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
 @click.option(
     "-o",
@@ -63,6 +64,11 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write the tables there as Markdown, overwritten, and the pictures beside it.",
 )
+@click.option(
+    "--than",
+    type=click.Path(path_type=Path, dir_okay=False, exists=True),
+    help="An earlier document: its figures stand beside those of the goals.",
+)
 def main(
     size: str | None,
     effects: str | None,
@@ -75,9 +81,11 @@ def main(
     strangers: int | None,
     pairs: int | None,
     set_healthy: int | None,
+    kept: bool,
     workers: int | None,
     folder: Path,
     document: Path | None,
+    than: Path | None,
 ) -> None:
     """Hides effects in machines that the code under test has never seen and reports what it names."""
     begun = time.monotonic()
@@ -96,6 +104,9 @@ def main(
     }
     plan = replace(plan, **{name: value for name, value in given.items() if value not in (None, ())})
     trials = plan.trials()
+    if kept:
+        there = {row["key"] for row in running.read_rows(folder)}
+        trials = [trial for trial in trials if trial.key in there]
     timed = [trial for trial in trials if trial.kind == "time"]
     rows = running.run([trial for trial in trials if trial.kind != "time"], folder, cores() if workers is None else workers)
     rows += running.run(timed, folder, 0, remember=False)
@@ -104,7 +115,7 @@ def main(
     scoring.show(console, rows)
     console.print(f"{len(rows)} trials, {running.elapsed(begun)}")
     if document is not None:
-        for path in documents.write(rows, document):
+        for path in documents.write(rows, document, documents.reached_in(than) if than else {}):
             console.print(str(path))
 
 

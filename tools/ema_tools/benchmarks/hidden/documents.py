@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ema_tools.base.files import write_text
+from ema_tools.base.files import read_text, write_text
 from ema_tools.benchmarks.hidden import pictures, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, INSEPARABLE, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.machines import COMMANDS, SCATTER, SETTINGS, UNITS
@@ -24,15 +24,22 @@ _KINDS = {
 }
 
 
-def write(rows: Sequence[Row], path: Path) -> list[Path]:
-    """Writes the document and its pictures; returns their paths."""
+def reached_in(path: Path) -> dict[str, str]:
+    """What an earlier document says was reached, by goal."""
+    lines = read_text(path).splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
+    return {row[0]: row[3] for row in cells if len(row) >= 5 and row[2].strip("*") in ("yes", "no")}
+
+
+def write(rows: Sequence[Row], path: Path, before: Mapping[str, str]) -> list[Path]:
+    """Writes the document and its pictures; returns their paths. `before`: what an earlier one says was reached, by goal."""
     curve = path.with_name(f"{path.stem.lower()}_detection.svg")
     matrix = path.with_name(f"{path.stem.lower()}_confusion.svg")
     write_text(curve, _curve(rows), force=True)
     write_text(matrix, pictures.matrix("first name put forward, four signals, all severities", _counts(rows)), force=True)
     sections = [
         _head(rows),
-        _goals(rows),
+        _goals(rows, before),
         _rates(rows, curve.name),
         _by_effect(rows),
         _confusions(rows, matrix.name),
@@ -84,9 +91,14 @@ deviations lie between the two for the ideal observer.
 """
 
 
-def _goals(rows: Sequence[Row]) -> str:
+def _goals(rows: Sequence[Row], before: Mapping[str, str]) -> str:
+    headings = ["goal", "limit", "met", "reached", "beside it, mostly the ideal observer"]
     cells = [[goal.text, goal.limit, "yes" if goal.met else "**no**", goal.reached, goal.beside or ""] for goal in scoring.goals(rows)]
-    return "## Goals\n\n" + _table(("goal", "limit", "met", "reached", "beside it, mostly the ideal observer"), cells, 2)
+    if before:
+        headings.insert(4, "earlier")
+        for line in cells:
+            line.insert(4, before.get(line[0], "-"))
+    return "## Goals\n\n" + _table(headings, cells, len(headings) - 3)
 
 
 def _curve(rows: Sequence[Row]) -> str:
