@@ -203,10 +203,9 @@ def without_reason(found: tuple[Constant, ...]) -> list[str]:
     lines = []
     for one in found:
         if not one.reason or one.set_by not in SET_BY:
-            fault = "no comment" if not one.reason else f"its comment does not end with [{'] or ['.join(SET_BY)}]"
-            lines.append(
-                f"{one.module.replace('.', '/')}.py:{one.line}: {one.name}: {fault}: say what it is and what set it: one of {words}"
-            )
+            fault = "its comment does not say what set it" if one.reason else "no comment"
+            place = f"{one.module.replace('.', '/')}.py:{one.line}: {one.name}"
+            lines.append(f"{place}: {fault}: say what it is and, last and in brackets, what set it: one of {words}")
     return lines
 
 
