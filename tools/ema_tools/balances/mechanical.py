@@ -23,12 +23,10 @@ from ema_tools.data.records import Record
 from ema_tools.plant.native import library
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
-# The shaft rests where it stays below this share of its largest speed for at least this time.
-SLOW_SHARE = 0.01
-REST_S = 0.01
-# Largest noise of the inertia torque over the drive torque, by which the filter is chosen, and the lowest filter.
-NOISE_SHARE = 0.02
-CUTOFF_MIN_HZ = 12.5
+SLOW_SHARE = 0.01  # the shaft rests where it stays below this share of its largest speed ... [judgement]
+REST_S = 0.01  # ... for at least this time: a reversal is shorter [judgement]
+NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
+CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lower one takes the motion itself away [judgement]
 
 
 @dataclass(frozen=True)

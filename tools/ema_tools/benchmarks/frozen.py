@@ -142,7 +142,7 @@ def _write(path: Path, run: Any, signals: Sequence[str], change: str = "") -> No
     path.write_text("\n".join([",".join(table), *(",".join(f"{value:.9g}" for value in row) for row in rows)]) + "\n", encoding="utf-8")
 
 
-def _made(case: FrozenCase, folder: Path) -> list[str] | None:
+def made(case: FrozenCase, folder: Path) -> list[str] | None:
     """The arguments of `ema diagnose` for a case, its files in the folder; None where what it needs is absent."""
     if case.files == ("emps",):
         return _emps(folder)
@@ -199,14 +199,17 @@ def _called(arguments: Sequence[str]) -> str:
 def answered(case: FrozenCase) -> dict[str, Any] | None:
     """The answer of a case, None where its files are absent."""
     with tempfile.TemporaryDirectory() as name, contextlib.chdir(name):
-        arguments = _made(case, Path(name))
-        if arguments is None:
-            return None
-        error = _called(["diagnose", *arguments, "--json", "answer.json"])
-        if error:
-            return {"error_line": error}
-        result: dict[str, Any] = json.loads(Path("answer.json").read_text(encoding="utf-8"))
-        return {key: _short(value) for key, value in result.items() if key not in _LEFT_OUT}
+        arguments = made(case, Path(name))
+        return None if arguments is None else answer_to(arguments)
+
+
+def answer_to(arguments: Sequence[str]) -> dict[str, Any]:
+    """The answer of `ema diagnose` with these arguments, in the working folder."""
+    error = _called(["diagnose", *arguments, "--json", "answer.json"])
+    if error:
+        return {"error_line": error}
+    result: dict[str, Any] = json.loads(Path("answer.json").read_text(encoding="utf-8"))
+    return {key: _short(value) for key, value in result.items() if key not in _LEFT_OUT}
 
 
 def _short(value: Any) -> Any:

@@ -17,11 +17,9 @@ from ema_tools.library.definitions import TableAxis
 
 Halves = NDArray[np.bool_]
 
-# Below this share of the largest speed the rod counts as resting.
-_RESTING_SHARE = 0.01
-# With fewer passes than this the halves alternate in time instead.
-_PASSES_MIN = 6
-_TIME_BLOCKS = 12
+_RESTING_SHARE = 0.01  # below this share of the largest speed the rod counts as resting [judgement]
+_PASSES_MIN = 6  # with fewer passes than this the halves alternate in time instead: three on either side [judgement]
+_TIME_BLOCKS = 12  # stretches of time that alternate between the halves then [judgement]
 
 
 @dataclass(frozen=True)

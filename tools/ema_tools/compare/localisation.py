@@ -31,30 +31,24 @@ from ema_tools.results import localisation as picture
 from ema_tools.results.codec import Series
 from ema_tools.results.localisation import Pictures
 
-# What a term explains must exceed the most that any term explains of a healthy repeat by this factor; with healthy repeats only.
+# What a term explains must exceed the most that any term explains of a healthy repeat by this factor; with healthy repeats only [judgement]
 _TERM_MARGIN = 2.5
-# And the variance of so many independent samples: the best of a dozen terms on white noise, with room for noise that is not white.
+# And the variance of so many independent samples: the best of a dozen terms on white noise, with room for noise that is not white [chance]
 _TERM_VARIANCES = 40.0
-# And this share on passes that it was not fitted to, or it is chance.
-_TERM_LEAST = 0.02
-# Without them: it must explain this share on passes that it was not fitted to.
-_TERM_SHARE = 0.1
-# Standard deviations of the usual scatter that count as one more repeat.
-_SELDOM = 3.0
-# A term that explains less is no description.
-_WINNER_SHARE = 0.25
-# Near standstill: the speeds of a Stribeck bump.
-_SLOW_RAD_S = 10.0
-_BINS = 24
-_POINTS_MAX = 1200
-_DIGITS = 5
-_PLACES_MAX = 24
-# Orders of the spectrum over angle: lines per turn of the motor, or of the screw.
+_TERM_LEAST = 0.02  # and this share on passes that it was not fitted to, or it is chance [judgement]
+_TERM_SHARE = 0.1  # without repeats: it must explain this share on passes that it was not fitted to [judgement]
+_SELDOM = 3.0  # standard deviations of the usual scatter that count as one more repeat: more is seldom [chance]
+_WINNER_SHARE = 0.25  # a term that explains less of the excess is no description [judgement]
+_SLOW_RAD_S = 10.0  # near standstill: the speeds of a Stribeck bump [physics]
+_BINS = 24  # of a picture of means over an axis [layout]
+_POINTS_MAX = 1200  # of a picture: more are not told apart [layout]
+_DIGITS = 5  # of numbers that only a picture needs [layout]
+_PLACES_MAX = 24  # of the list of where the error is largest [layout]
+# Lines per turn of the motor in the spectrum over angle: beyond, the balance's filter passes little [layout]
 _MOTOR_ORDERS = np.arange(1.0, 40.5)
-# An order is drawn when this share of it passes the balance's filter, and sine and cosine of it differ on the stroke.
-_SEEN_SHARE = 0.01
-_DISTINCT = 100.0
-_LEAD_ORDERS = np.arange(0.5, 12.1, 0.5)
+_SEEN_SHARE = 0.01  # an order is drawn when this share of it passes the balance's filter ... [judgement]
+_DISTINCT = 100.0  # ... and its sine and cosine differ on the stroke: the condition number of the two stays below this [judgement]
+_LEAD_ORDERS = np.arange(0.5, 12.1, 0.5)  # the same per turn of the screw, whose stroke is few turns: halves too [layout]
 
 
 @dataclass(frozen=True)

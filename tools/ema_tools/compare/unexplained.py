@@ -23,21 +23,15 @@ from ema_tools.library.definitions import TableAxis
 from ema_tools.library.registry import learned_effect, record_of
 from ema_tools.results.unexplained import UnknownPicture
 
-NODES = 16
-# Below this share out of sample nothing repeats.
-REPEATS_SHARE = 0.2
-# Less of it is nothing, however small the scatter.
-_LEAST_SHARE = 0.05
-# A simpler description is kept unless a richer one explains this much more.
-RICHER = 0.05
-# What an axis explains must exceed the most that any axis explains of a healthy repeat by this factor.
-_CHANCE_MARGIN = 1.5
-# Along these axes an unknown may be finer than the table: jam spots, teeth, slots.
-_FINE_NODES = 64
+NODES = 16  # of a table that is learned, as the module holds them [layout]
+REPEATS_SHARE = 0.2  # below this share out of sample nothing repeats [judgement]
+_LEAST_SHARE = 0.05  # less of it is nothing, however small the scatter [judgement]
+RICHER = 0.05  # a simpler description is kept unless a richer one explains this much more [judgement]
+_CHANCE_MARGIN = 1.5  # what an axis explains must exceed the most that any axis explains of a healthy repeat by this factor [judgement]
+_FINE_NODES = 64  # along some axes an unknown may be finer than the table: jam spots, teeth, slots. Four times its nodes [judgement]
 _FINE_KINDS = (TableAxis.POSITION, TableAxis.LEAD, TableAxis.TURN)
-# With fewer moving samples all are taken.
-_SEEN_MIN = 4 * NODES
-# A smooth table: second differences of neighbours cost this much beside the data.
+_SEEN_MIN = 4 * NODES  # with fewer moving samples all are taken: four for each node [judgement]
+# A smooth table: second differences of neighbours cost this much beside the data. Enough to fill nodes that were not seen [judgement]
 _STIFFNESS = 1e-3
 
 # balance -> what its residual stands for, the sign that turns it into that

@@ -34,39 +34,33 @@ HIDES = {
     "current_A": "torque effects and electrical effects look alike, and neither the mechanical nor the electrical balance can be drawn",
     "voltage_V": "effects of winding, inverter and supply show only through the motion, and neither the electrical nor the controller's balance can be drawn",
 }
-# Scales of a signal against the model beyond which no effect reaches: the unit is another one.
-_SCALE_DOUBTFUL = 3.0
-_SCALE_WRONG = 10.0
-# A record follows the model that it belongs to at least so closely, as a correlation.
-_ALIKE = 0.5
-_OPPOSITE = -0.5
-_LAG_MAX_S = 0.05
-_LAG_DOUBTFUL_S = 0.015
-_AHEAD_S = 0.01
-_LAG_BETWEEN_S = 0.003
-_LIMIT_SHARE = 0.995
-_SATURATED_WEAKENS = 0.2
-_SATURATED_BLOCKS = 0.8
-_CLIPPED_ROWS = 4
-_STUCK_S = 0.02
-_STUCK_MOVES = 0.1
-# A sensor that is held for this share of the record leaves too little of it.
-_STUCK_BLOCKS = 0.1
-# A rod may rest while the motor crosses the play, which wear may have made so many times its healthy size.
-_PLAYS = 5.0
-# A jump of one or two rows and back: beyond the noise and beyond this share of the signal no machine makes it.
-_SPIKE_NOISE = 30.0
-_SPIKE_SHARE = 0.2
-_SPIKE_WINDOW = 7
-_REVERSALS_MIN = 6
-# A reversal is a way back of this share of the stroke, and of so many times the noise.
-_TURN_SHARE = 0.01
-_TURN_NOISE = 5.0
-_SLOW_SHARE = 0.05
-_BINS = 10
-_MOVING_MIN = 20.0
-_IDENTICAL = 1e-9
-_ROWS_PER_PERIOD = 20.0
+_SCALE_DOUBTFUL = 3.0  # scale of a signal against the model that few effects reach ... [judgement]
+_SCALE_WRONG = 10.0  # ... and that none does: the unit is another one, and units differ by ten or more [physics]
+_ALIKE = 0.5  # a record follows the model that it belongs to at least so closely, as a correlation [judgement]
+_OPPOSITE = -0.5  # one that does the opposite so closely has its sign wrong [judgement]
+_LAG_MAX_S = 0.05  # lags are sought up to here: later than any feedback [physics]
+_LAG_DOUBTFUL_S = 0.015  # a rod later than this behind the model: no effect of a usual size delays it by more [judgement]
+_AHEAD_S = 0.01  # no effect makes a rod move this long before the model [physics]
+_LAG_BETWEEN_S = 0.003  # two positions of one record are this much in step: beyond play, they are one shaft [physics]
+_LIMIT_SHARE = 0.995  # of the largest voltage: from here on the drive is at its limit; rounding and noise are below the rest [judgement]
+_SATURATED_WEAKENS = 0.2  # share of the time at the limit from which on the answer is weaker ... [judgement]
+_SATURATED_BLOCKS = 0.8  # ... and none: the loop is then hardly closed [judgement]
+_CLIPPED_ROWS = 4  # rows at one extreme value: noise repeats a value twice, seldom thrice [chance]
+_STUCK_S = 0.02  # a value held this long, while the model moves by ... [judgement]
+_STUCK_MOVES = 0.1  # ... this share of its range, is of a sensor that is held [judgement]
+_STUCK_BLOCKS = 0.1  # a sensor that is held for this share of the record leaves too little of it [judgement]
+_PLAYS = 5.0  # a rod may rest while the motor crosses the play, which wear may have made so many times its healthy size [judgement]
+_SPIKE_NOISE = 30.0  # a jump of one or two rows and back: so far beyond the noise ... [chance]
+_SPIKE_SHARE = 0.2  # ... and beyond this share of the signal no machine makes it [physics]
+_SPIKE_WINDOW = 7  # rows of the median that it is seen against: twice its length and more [precision]
+_REVERSALS_MIN = 6  # with fewer, friction and play have hardly been seen from both sides [judgement]
+_TURN_SHARE = 0.01  # a reversal is a way back of this share of the stroke ... [judgement]
+_TURN_NOISE = 5.0  # ... and of so many times the noise [chance]
+_SLOW_SHARE = 0.05  # of the largest speed: slower is near standstill [judgement]
+_BINS = 10  # parts of the ranges of speed and position, of which those that were visited are counted [judgement]
+_MOVING_MIN = 20.0  # a stroke below so many times the noise is no motion [judgement]
+_IDENTICAL = 1e-9  # mm: two records that differ by less are copies; noise differs by more [precision]
+_ROWS_PER_PERIOD = 20.0  # of the fastest part of the command: fewer show the motion as corners [judgement]
 
 
 @dataclass(frozen=True)

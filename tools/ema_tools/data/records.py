@@ -90,7 +90,8 @@ class Record:
         return self.with_columns(changed)
 
 
-# How many standard deviations of sensor noise, besides half the play, the first position may be off a command at which the rod rests.
+# How many standard deviations of sensor noise, besides half the play, the first position may be off a command at which the rod rests: as
+# the onboard session [chance]
 _START_NOISE = 4.0
 
 

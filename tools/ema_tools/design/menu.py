@@ -13,20 +13,18 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.plant.native import Simulation
 
-# Shares of what the machine can do that a command of the menu may ask of it.
-_STROKE_SHARE = 0.8  # of the travel
-_SPEED_SHARE = 0.8  # of the speed at which the back-EMF eats the supply
-_OUTPUT_SHARE = 0.95  # of the controller's range: a saturated drive hides what it does
-_CURRENT_SHARE = 0.6  # of the largest current that drive and winding allow
-# The reference chirp asks for these shares of speed and torque at its end.
-_CHIRP_SPEED = 0.64
-_CHIRP_TORQUE = 0.3
-_CHIRP_LEADS = 0.4  # its amplitude, in leads of the screw
-_LONG_LEADS = 1.5
-_LONG_STROKE = 0.25
-_RATE_SHARE = 0.02  # of the record rate: fifty rows a period
-_DURATION_S = 10.0
-_SMOOTH_SHARE = 0.999  # of a command's rows
+_STROKE_SHARE = 0.8  # of the travel, which a command of the menu may use: the rest keeps it off the stops [judgement]
+_SPEED_SHARE = 0.8  # of the speed at which the back-EMF eats the supply [judgement]
+_OUTPUT_SHARE = 0.95  # of the controller's range: a saturated drive hides what it does [judgement]
+_CURRENT_SHARE = 0.6  # of the largest current that drive and winding allow [judgement]
+_CHIRP_SPEED = 0.64  # the reference chirp asks for this share of the speed at its end [measured]
+_CHIRP_TORQUE = 0.3  # the same of the torque [measured]
+_CHIRP_LEADS = 0.4  # its amplitude, in leads of the screw [measured]
+_LONG_LEADS = 1.5  # a long stroke passes this many leads: what repeats with the lead is then seen more than once [physics]
+_LONG_STROKE = 0.25  # or this share of the travel that is allowed [judgement]
+_RATE_SHARE = 0.02  # of the record rate: fifty rows a period [judgement]
+_DURATION_S = 10.0  # of the reference chirp [judgement]
+_SMOOTH_SHARE = 0.999  # of a command's rows, which count for its speed: the jump of a step is none [judgement]
 
 
 # What a user may limit.

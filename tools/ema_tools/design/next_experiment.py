@@ -34,25 +34,19 @@ from ema_tools.plant.native import CHANNELS, Simulation, library
 from ema_tools.select.candidates import signatures
 from ema_tools.select.matched_filter import Screen
 
-# Noise of the sensors, rms, at a record rate of 1 kHz; that of the voltage as a share of the supply: the noise of a position through the gain of a stiff loop.
+# Noise of the sensors, rms, at a record rate of 1 kHz, as of common encoders and current sensors [physics]
 USUAL_NOISE: Mapping[str, float] = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}
-_VOLTAGE_NOISE = 1e-3
-# An effect's signature is trusted to this share of itself: a difference below it is no difference.
-_MODEL_ERROR = 0.02
-_NOISE_PERIOD_S = 1e-3
-# From here on effects can be told apart on one record.
-SEPARATE = 3.0
-# An effect is far above detection from here on; below, a pair may be alike only because there is little to see.
-_PLAIN = 10.0
-# Sizes that are tried where the first ones cannot be told apart.
-_LARGER = (3.0, 10.0)
-# An effect without a usual size: the size at which the first command shows it this well.
-_VISIBLE = 30.0
-_FIRST_SHARE = 0.0002
-_FIT_STARTS = 2
-# Averaging more repeats than this is no advice.
-_REPEATS_MAX = 25
-_REMEDY_COMMANDS = 3
+_VOLTAGE_NOISE = 1e-3  # that of the voltage as a share of the supply: the noise of a position through the gain of a stiff loop [physics]
+_MODEL_ERROR = 0.02  # an effect's signature is trusted to this share of itself: a difference below it is no difference [judgement]
+_NOISE_PERIOD_S = 1e-3  # record period of the noise above [physics]
+SEPARATE = 3.0  # from here on effects can be told apart on one record, in standard deviations [chance]
+_PLAIN = 10.0  # an effect is far above detection from here on; below, a pair may be alike only because there is little to see [judgement]
+_LARGER = (3.0, 10.0)  # sizes that are tried where the first ones cannot be told apart [judgement]
+_VISIBLE = 30.0  # an effect without a usual size: the size at which the first command shows it this well [judgement]
+_FIRST_SHARE = 0.0002  # of a range: the size from which on it is sought [judgement]
+_FIT_STARTS = 2  # of the other effect of a pair, from which the nearest is sought [effort]
+_REPEATS_MAX = 25  # averaging more repeats than this is no advice [judgement]
+_REMEDY_COMMANDS = 3  # commands on which a remedy is tried: the best ones of the menu [effort]
 
 
 @dataclass(frozen=True)

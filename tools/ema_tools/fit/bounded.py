@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 
-# The first point lies inside its bounds by this share of them: from a bound itself the solver would not move along it.
+# The first point lies inside its bounds by this share of them: from a bound itself the solver would not move along it [precision]
 _INSIDE = 1e-9
 
 
@@ -110,7 +110,7 @@ class Stop:
     points: int
     of_point: float
     of_cost: float
-    of_slope: float = 1e-8
+    of_slope: float = 1e-8  # as the solver has it [precision]
 
 
 @dataclass(frozen=True)

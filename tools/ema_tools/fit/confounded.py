@@ -18,8 +18,8 @@ from ema_tools.library.faults import effect_of
 from ema_tools.library.record import ConfoundedParameter
 from ema_tools.library.registry import record_of, records
 
-_LOOSE = 100.0  # spreads
-_ROUNDS = 6
+_LOOSE = 100.0  # spreads to which the twin of an effect is let go: it is then free [judgement]
+_ROUNDS = 6  # of linear steps to where it is best [effort]
 
 
 def confounded_parameter(name: str) -> ConfoundedParameter | None:

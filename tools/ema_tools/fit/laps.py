@@ -11,13 +11,12 @@ from scipy import signal
 from ema_tools.base.arrays import Reals
 from ema_tools.data.records import Record
 
-# Two stretches of a command are the same when their mean squared difference is below this share of twice its variance.
+# Two stretches of a command are the same when their mean squared difference is below this share of twice its variance [judgement]
 SAME = 0.002
-# A repetition is looked for only after the command has become this different from itself: neighbouring rows are always alike.
+# A repetition is looked for only after the command has become this different from itself: neighbouring rows are always alike [judgement]
 _DIFFERENT = 0.2
-# A last lap that is shorter than this share of the others counts with the one before.
-_SHORT = 0.5
-FOLDS = 4
+_SHORT = 0.5  # a last lap that is shorter than this share of the others counts with the one before [judgement]
+FOLDS = 4  # parts of which one is held out in turn: each is fitted to three quarters [judgement]
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of, records
 
-# Usual scatter of one machine from run to run, relative: dry friction, grease, winding.
+# Usual scatter of one machine from run to run, relative: dry friction, grease, winding [physics]
 FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
 
-# Usual distance of one unit from its data sheet, relative: estimates, after the tolerances that makers of motors (constants 5 .. 10 %, resistance 5 .. 10 %)
-# and screws state. Torque and back-EMF constant are one property of the magnets and move together.
+# Usual distance of one unit from its data sheet, relative: estimates, after the tolerances that makers of motors (constants 5 .. 10 %,
+# resistance 5 .. 10 %) and screws state. Torque and back-EMF constant are one property of the magnets and move together [physics]
 FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
     ("screw.csj_Nm",): 0.1,
     ("screw.viscous_Nm_s_per_rad",): 0.2,
@@ -26,24 +26,25 @@ FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
     ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.025,
     ("drive.supply_V",): 0.01,
 }
-# A healthy machine is fitted as freely as its records allow: factor on the spreads above, and what a data sheet gives as zero.
-HEALTHY_FREEDOM = 5.0
+HEALTHY_FREEDOM = 5.0  # a healthy machine is fitted as freely as its records allow: factor on the spreads above [judgement]
+# And of what a data sheet gives as zero [judgement]
 STANDING: Mapping[str, float] = {"screw.friction_asymmetry": 0.05, "encoder.rod_gain_error": 0.005, "encoder.rod_offset_mm": 0.05}
-# The same of a unit that is known by its data sheet alone, and what a data sheet states as exact: the gain of the loop.
+# The same of a unit that is known by its data sheet alone [physics]
 UNIT_STANDING: Mapping[str, float] = {
     "screw.friction_asymmetry": 0.004,
     "encoder.rod_gain_error": 0.0003,
     "encoder.rod_offset_mm": 0.003,
 }
+# And what a data sheet states as exact: the gain of the loop [physics]
 UNIT_GAIN: Mapping[tuple[str, ...], float] = {("control.kp_per_m",): 0.005}
-# Dry friction and backlash are what wears: without repeats a worn unit must not be read as a missing effect.
+# Dry friction and backlash are what wears: without repeats a worn unit must not be read as a missing effect [judgement]
 WORN: Mapping[str, float] = {"screw.csj_Nm": 0.5, "screw.blk_mm": 0.7}
-# A size of an effect up to so many of the standard deviations that its record calls slight is what every machine has, and is not named without repeats.
+# A size of an effect up to so many of the standard deviations that its record calls slight is what every machine has, and is not named
+# without repeats [chance]
 SLIGHT_REACH = 2.0
-# Offsets of the recorded signals, relative to the signal's size.
-OFFSET_SHARE = 0.05
+OFFSET_SHARE = 0.05  # offsets of the recorded signals, relative to the signal's size [judgement]
 OFFSET_CHANNELS = ("motor_position_mm", "current_A")
-# Gain errors of the recorded signals of a unit that is known by its data sheet alone, relative.
+# Gain errors of the recorded signals of a unit that is known by its data sheet alone, relative [physics]
 GAIN_SHARE: Mapping[str, float] = {"current_A": 0.005}
 
 

@@ -9,10 +9,10 @@ from scipy import fft
 
 from ema_tools.base.arrays import Complexes, Reals
 
-# Half width of the smoothing of a noise spectrum: this many lines, or this share of the frequency.
-_SMOOTH_LINES = 12
-_SMOOTH_SHARE = 0.15
-# No signal is trusted beyond this share of its own size, whatever its noise: a drive's voltage follows from the other signals and would have none.
+_SMOOTH_LINES = 12  # half width of the smoothing of a noise spectrum: this many lines, so that its own scatter is a fifth ... [chance]
+_SMOOTH_SHARE = 0.15  # ... or this share of the frequency: noise has no narrower lines than that [judgement]
+# No signal is trusted beyond this share of its own size, whatever its noise: a drive's voltage follows from the other signals and would
+# have none [judgement]
 _LEAST_NOISE = 1e-3
 
 

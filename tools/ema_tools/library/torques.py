@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 
-# Numbers of periods per motor turn that pairs of slots and poles make.
+# Numbers of periods per motor turn that pairs of slots and poles make [physics]
 PERIODS_PER_TURN = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
 
 Shape = Mapping[str, float]

@@ -27,7 +27,7 @@ from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, sm
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.search import standing_effects
 
-_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it
+_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it [judgement]
 
 
 def common_channels(records: Sequence[Record]) -> tuple[str, ...]:
@@ -40,8 +40,7 @@ def same_command(record: Record, other: Record) -> bool:
     return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
 
 
-# Days differ by a factor of three at most from one another (benchmark's machines); one that is faulty, by dozens.
-_ODD = 8.0
+_ODD = 8.0  # days differ by a factor of three at most from one another (benchmark's machines); one that is faulty, by dozens [measured]
 
 
 def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:

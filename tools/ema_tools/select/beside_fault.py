@@ -37,26 +37,19 @@ from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 # Values that have a spread of their own beside CSJ and BLK, relative.
 _SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
-# How far CSJ and BLK may move while the starts are sought, relative.
-_FREE = 0.3
-# What scatters goes no farther than this, in its spreads: it would stand in for what is missing.
-_CREDIBLE = 3.0
-# Steps of one fit, and how many effects go on to the next: all of them by size alone, the better ones from two starts, the few best with all their values.
+_FREE = 0.3  # how far CSJ and BLK may move while the starts are sought, relative [judgement]
+_CREDIBLE = 3.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing [chance]
+# Steps of one fit: all effects by size alone, the better ones from two starts, the few best with all their values [effort]
 _FIRST_STEPS, _SECOND_STEPS, _LAST_STEPS = 4, 8, 20
-_SECOND, _LAST = 6, 3
-_STEP = 0.02  # of a value's scale: large against reversals that jump a step
-_PHASE_SCALE = 0.5
-# Fits whose costs differ by less than three standard deviations cannot be told apart.
-_ALIKE = 9.0
-# The share of the excess over sensor noise that a named effect must take off; with more than the second left the answer is that something is missing, not what.
-_LEAST_SHARE = 0.05
-_UNEXPLAINED = 0.1
-# A named effect's size differs from none by so many standard errors.
-_LEAST_ERRORS = 2.0
-# A model whose residual stays below this many times the noise in every signal lacks nothing that matters.
-_PLAIN = 1.1
-# Of a record without noise: what integration and rounding leave, relative to the signal.
-_NOISELESS = 2e-4
+_SECOND, _LAST = 6, 3  # how many effects go on to the second and the last of these fits [effort]
+_STEP = 0.02  # of a value's scale: large against reversals that jump a step [precision]
+_PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
+_ALIKE = 9.0  # fits whose costs differ by less than three standard deviations cannot be told apart [chance]
+_LEAST_SHARE = 0.05  # the share of the excess over sensor noise that a named effect must take off ... [judgement]
+_UNEXPLAINED = 0.1  # ... and with more than this share left the answer is that something is missing, not what [judgement]
+_LEAST_ERRORS = 2.0  # a named effect's size differs from none by so many standard errors [chance]
+_PLAIN = 1.1  # a model whose residual stays below this many times the noise in every signal lacks nothing that matters [judgement]
+_NOISELESS = 2e-4  # of a record without noise: what integration and rounding leave, relative to the signal [precision]
 
 
 @dataclass(frozen=True)

@@ -33,29 +33,23 @@ from ema_tools.select.torque_patterns import LEVEL, NOT_HERE, Pattern, Setting, 
 
 Rows = NDArray[np.bool_]
 
-EFFECTS_MAX = 8
+EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
-# What an effect must show: its size in standard errors; the fall of the held-out squared error in standard errors; the share of the squared error above the floor that it takes off.
-SIZE_IN_STD = 3.0
-FALL_IN_STD = 2.5
-LEAST_SHARE = 0.03
-# ... and the share of the squared error of the refitted base values: products of large effects look like small effects of their own.
+SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
+FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
+LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
+# ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
 LEAST_OF_FIRST = 0.005
-# By how much it may raise the error at places and speeds to which nothing was fitted.
-WORSE_ELSEWHERE = 1.01
-# A column is the base values' own when they leave less than this of it.
-_OWN = 1e-3
-# A shape that explains less than this share of the best one's is no shape of the effect.
-_SHAPE_SHARE = 0.02
-_ROUND_SHARE = 0.15
-# Effects that lower the fitted error by nearly as much as the best, and look like it, are its class.
-_CLASS_GAIN = 0.8
-_CLASS_COSINE = 0.8
-# Samples next to a rest are not of the sliding balance.
-_REST_SHARE = 0.01
-_BOUND = 1e-6
-_MOST_FLOOR = 0.9
-_SINGULAR = 1e-12
+WORSE_ELSEWHERE = 1.01  # by how much it may raise the error at places and speeds to which nothing was fitted [judgement]
+_OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
+_SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
+_ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
+_CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
+_CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
+_REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
+_BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
+_MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
+_SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
 

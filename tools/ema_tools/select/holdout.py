@@ -20,8 +20,8 @@ from ema_tools.fit.refit import Fit
 from ema_tools.select.baseline import against_known, alone_against_known
 from ema_tools.select.outcome import Diagnosis
 
-_SETTLE_ROUNDS = 3
-# An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent.
+_SETTLE_ROUNDS = 3  # of linear steps to where what scatters is best on the record held out [effort]
+# An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent [chance]
 _RISE = 1.02
 # What moves before any effect is added.
 SCATTER = "what scatters from run to run"

@@ -20,7 +20,8 @@ from ema_tools.library.registry import record_of
 from ema_tools.library.torques import LocalTorque, PeriodicTorque, Shape, States, combined, values_in
 from ema_tools.plant.native import library
 
-_PROBE_SHARE = 0.02  # of the friction level: far below any saturation
+_PROBE_SHARE = 0.02  # of the friction level: far below any saturation, far above rounding [precision]
+# What makes the model linear, so that its answer to a torque is a filter [physics]
 _SMOOTH: Mapping[str, float] = {
     "screw.csj_Nm": 0.0,
     "screw.blk_mm": 0.0,
@@ -28,9 +29,12 @@ _SMOOTH: Mapping[str, float] = {
     "screw.friction_asymmetry": 0.0,
     "gearbox.efficiency": 1.0,
 }
-_QUARTERS = (0.5 * np.pi, np.pi, -0.5 * np.pi)
-# A shape whose neighbour is this close in score and was kept adds nothing.
-_KEPT = 3
+_QUARTERS = (
+    0.5 * np.pi,
+    np.pi,
+    -0.5 * np.pi,
+)  # the other phases at which what holds at rest is tried: it need not stand where it slides [physics]
+_KEPT = 3  # shapes that go on to simulation. One whose neighbour is close in score and was kept adds nothing [effort]
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,8 @@ import numpy as np
 
 from ema_tools.fit.evidence import Evidence, settled
 
-# So much of the excess must be one sensor's for it to be suspected: physics shows in more than one signal.
-_LEAST_SHARE = 0.9
-# A part of the error is told when it alone stands for so much of the excess.
-_TOLD_SHARE = 0.02
+_LEAST_SHARE = 0.9  # so much of the excess must be one sensor's for it to be suspected: physics shows in more than one signal [judgement]
+_TOLD_SHARE = 0.02  # a part of the error is told when it alone stands for so much of the excess [judgement]
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,7 @@ VISCOUS = "screw.viscous_Nm_s_per_rad"
 NOT_HERE = "it does not show between the motor's torque and the measured motion"
 # Base values that an effect's size may be a share of.
 _RELATIVE_TO = (LEVEL, VISCOUS)
-# Probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows.
-_PROBE = 1e-3
+_PROBE = 1e-3  # probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows [precision]
 
 
 @dataclass(frozen=True)

@@ -28,14 +28,12 @@ from ema_tools.select.outcome import Diagnosis
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
 
-_STARTS = 4
-_ROUNDS = 3
-# Two fitted values that move together beyond this cannot be told apart.
-_CORRELATED = 0.95
+_STARTS = 4  # shapes of the effect that a fit begins from, the strongest first [effort]
+_ROUNDS = 3  # of fits with what scatters linear at the last one [effort]
+_CORRELATED = 0.95  # two fitted values that move together beyond this cannot be told apart [judgement]
 # What moves before the effect is added to a machine that is known.
 _FAULTS_ALONE = "CSJ and BLK alone"
-# The error on a record held out must fall, by more than the rounding of what is reported.
-_FALL = 1e-3
+_FALL = 1e-3  # the error on a record held out must fall, by more than the rounding of what is reported [precision]
 
 
 class Why(Enum):

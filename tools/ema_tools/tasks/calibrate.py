@@ -34,26 +34,26 @@ from ema_tools.tasks.identify import BOUNDS
 
 PLAY = "screw.blk_mm"
 FRICTION = "screw.csj_Nm"
-_REST_ROUNDS = 20  # friction at rest and the parameters settle together
-_WEIGHING_ROUNDS = 3
-_STEPS = 30  # of one fit
-_STEP = 1e-3  # of a parameter, for a central difference; the model is not smooth in the small
-_STEP_LEAST = 0.1  # a parameter that has become small is moved as one of this share of its first size
-_AT_BOUND = 1e-6  # of its first size: so near to an end of its range a parameter lies on it
-_SHRINK = 1e-9
-_AT_BOUND_MM = 1e-6  # the search for the play comes this near to a bound, and not onto it
+_REST_ROUNDS = 20  # friction at rest and the parameters settle together, within few of these [effort]
+_WEIGHING_ROUNDS = 3  # fits in which each channel weighs by what the last one left of it [effort]
+_STEPS = 30  # of one fit: far more than it takes [effort]
+_STEP = 1e-3  # of a parameter, for a central difference; the model is not smooth in the small [precision]
+_STEP_LEAST = 0.1  # a parameter that has become small is moved as one of this share of its first size [precision]
+_AT_BOUND = 1e-6  # of its first size: so near to an end of its range a parameter lies on it [precision]
+_SHRINK = 1e-9  # relative: parameters that move less have settled [precision]
+_AT_BOUND_MM = 1e-6  # the search for the play comes this near to a bound, and not onto it [precision]
 # What makes the time constants: a fit that the records do not hold drives them to where the model cannot be stepped.
 _TIME_CONSTANTS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", *ELECTRICAL_PARAMETERS)
-# No channel is trusted to a smaller share of its size than this: the model's own arithmetic and steps are not better.
+# No channel is trusted to a smaller share of its size than this: the model's own arithmetic and steps are not better [precision]
 _TRUST = 1e-4
 
-# A calibrated model follows its records: the rest of a position is within a twentieth of its motion or ten times the sensor noise, of current and
-# voltage within half of what was measured. A healthy machine stays far below; a record of another machine or command, or a bad signal, far above.
+# A calibrated model follows its records: of a position it leaves no more than this share of the motion. A healthy machine stays far below,
+# a record of another machine or command, or a bad signal, far above [judgement]
 _REST_OF_MOTION = 0.05
-_REST_IN_NOISE = 10.0
-_REST_OF_DRIVE = 0.5
+_REST_IN_NOISE = 10.0  # or so many times the sensor noise, where that is more [judgement]
+_REST_OF_DRIVE = 0.5  # the same share of current and voltage, whose noise is larger [judgement]
 
-# Share by which the loop's fit must lower the errors to be preferred to the balances'.
+# Share by which the loop's fit must lower the errors to be preferred to the balances', which depend on fewer blocks [judgement]
 _LOOP_GAIN = 0.02
 
 

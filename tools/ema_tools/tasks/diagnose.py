@@ -24,8 +24,7 @@ from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
-# Signals of two runs of one command that differ more than this in size are of different units.
-_SIZES = 10.0
+_SIZES = 10.0  # signals of two runs of one command that differ more than this in size are of different units [physics]
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,8 @@ from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import Verdict
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
 
-# Fewer laps than these leave too little to hold out.
-LAPS_MIN = 3
-# What the first model leaves beyond the floor must be more than this, relative, for anything to be missing.
-_FLOOR_MARGIN = 1.2
+LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
+_FLOOR_MARGIN = 1.2  # what the first model leaves beyond the floor must be more than this, relative, for anything to be missing [judgement]
 
 
 @dataclass(frozen=True)

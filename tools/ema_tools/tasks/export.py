@@ -20,12 +20,10 @@ _GUARD = "EMA_EXPORTED_ACTUATOR_H"
 _NAME = "EMA_ACTUATOR"
 _SIGNATURES_GUARD = "EMA_EXPORTED_SIGNATURES_H"
 _SIGNATURES_NAME = "EMA_SIGNATURES"
-# Of ema_signatures_t: version of its layout, largest count, numbers of a line.
-_SIGNATURES_VERSION = 1
-_FULL = 32767
-_LINE = 24
-# Characters of an actuator's name in a comment.
-_TITLE = 200
+_SIGNATURES_VERSION = 1  # of ema_signatures_t: version of its layout [layout]
+_FULL = 32767  # its largest count [layout]
+_LINE = 24  # numbers of a line [layout]
+_TITLE = 200  # characters of an actuator's name in a comment [layout]
 
 
 def check_for_firmware(actuator: Actuator) -> None:

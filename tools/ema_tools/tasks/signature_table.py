@@ -26,34 +26,32 @@ from ema_tools.plant.native import CHANNELS
 from ema_tools.results.files import SignatureTable
 from ema_tools.select.baseline import same_command
 
-# What the table may take in flash, and what it is made of unless told: docs/ONBOARD_DIAGNOSIS.md has the measurement behind it.
-TABLE_BYTES_MAX = 131_072
-ROWS_MAX = 112
+TABLE_BYTES_MAX = 131_072  # what the table may take in flash: docs/ONBOARD_DIAGNOSIS.md has the measurement behind it [measured]
+ROWS_MAX = 112  # what the module holds, EMA_SIGNATURE_ROWS_MAX [layout]
 SIGNALS = ("position_mm", "current_A")
-RATE_HZ = 25.0
-# An effect must take off so many units of cost, as on the desk, and more than healthy runs of the machine show; the same factor for what is left in all.
-LIMIT = 30.0
-HEALTHY_FACTOR = 1.3
-# So much of what CSJ and BLK have moved in the signals may look like something else: standing errors of a machine grow with its friction. As on the desk.
+RATE_HZ = 25.0  # of the bins it is made of unless told: as much as fits into the flash [measured]
+LIMIT = 30.0  # an effect must take off so many units of cost, as on the desk ... [chance]
+HEALTHY_FACTOR = 1.3  # ... and more than healthy runs of the machine show, by this factor; the same for what is left in all [judgement]
+# So much of what CSJ and BLK have moved in the signals may look like something else: standing errors of a machine grow with its friction.
+# As on the desk [judgement]
 TRUST = 0.02
-# An effect that leaves more than this share of the excess is not what is missing.
-LEFT_SHARE = 0.5
-# No signal is trusted beyond this part of what the desk trusts it to: a bin's mean is less noisy than its rows.
+LEFT_SHARE = 0.5  # an effect that leaves more than this share of the excess is not what is missing [judgement]
+# No signal is trusted beyond this part of what the desk trusts it to: a bin's mean is less noisy than its rows [judgement]
 _LEAST_NOISE_PART = 0.3
-# The mean of the healthy runs is off a calibrated model by 2 to 8 times the noise of a bin, off a data sheet by 17 to 58: the story's unit and four machines of the trials.
+# The mean of the healthy runs is off a calibrated model by 2 to 8 times the noise of a bin, off a data sheet by 17 to 58: the story's unit
+# and four machines of the trials [measured]
 _CALIBRATED = 12.0
-# A command that differs by more than this part of its reach is another one.
-_COMMAND_APART = 0.005
-# A signature is taken at the size at which it stands so many standard deviations out of the noise, or at this share of its range; one that turns with its size at more.
+_COMMAND_APART = 0.005  # a command that differs by more than this part of its reach is another one [judgement]
+# A signature is taken at the size at which it stands so many standard deviations out of the noise; one that turns with its size at
+# more [judgement]
 _APART = 60.0
-_SHARE_MAX = 0.3
-_SHARE_FIRST = 0.002
-_SCALINGS = 4
-_NEAR_ENOUGH = 0.3
-_STEP_STD = 0.1
-# The usual scatter counts as much as so many runs that had shown it.
-_USUAL_WEIGHT = 4.0
-_INDEPENDENT = 1e-3
+_SHARE_MAX = 0.3  # or at this share of its range, where it never stands out so far ... [judgement]
+_SHARE_FIRST = 0.002  # ... beginning at this one ... [judgement]
+_SCALINGS = 4  # ... in so many steps ... [effort]
+_NEAR_ENOUGH = 0.3  # ... until it is this near to it, as a logarithm [judgement]
+_STEP_STD = 0.1  # of a spread: the step of a slope where the value is zero, as on the desk [precision]
+_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as so many runs that had shown it [judgement]
+_INDEPENDENT = 1e-3  # two signatures of which less than this is the second's own are one [precision]
 
 
 @dataclass(frozen=True)

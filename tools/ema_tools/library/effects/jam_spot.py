@@ -7,7 +7,7 @@ from ema_tools.library import measurements
 from ema_tools.library.record import EffectRecord, Onboard, Slight, Typical
 from ema_tools.library.torques import LocalTorque, Shape, States, places, shares_of_stroke
 
-_PLACES = 61
+_PLACES = 61  # places that are tried along the stroke: as far apart as the narrowest spot is wide on the reference chirp's [effort]
 
 
 def _torque(states: States, shape: Shape) -> Reals:

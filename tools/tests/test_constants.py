@@ -1,0 +1,180 @@
+"""The constants that steer the diagnosis: each has a reason and a use, and a changed one is changed wherever it is bound."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.base.errors import InputError
+from ema_tools.benchmarks.constants.changing import scaled
+from ema_tools.benchmarks.constants.document import written
+from ema_tools.benchmarks.constants.listing import Constant, constants, constants_in, unused, without_reason
+from ema_tools.benchmarks.constants.replay import outline
+from ema_tools.benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, sources_of, words, write_swept
+from ema_tools.benchmarks.frozen import CASES as FROZEN_CASES
+
+SOURCE = '''
+"""A module."""
+from elsewhere import made
+
+_PLAIN = 3.0
+# Above it
+# in two lines [chance]
+_ABOVE: float = 2.5
+_BEHIND = (1, -0.5)  # behind it [precision]
+_ONE, _TWO = 1, 2  # both [effort]
+_NONE, _TEXT, _ON, _MADE = 0.0, "1", True, made(3.0)
+_DERIVED = 4 * _ABOVE  # from another [judgement]
+_TABLE = {"a": 1.0, ("b",): 2.0}  # of numbers [physics]
+
+
+class Thing:
+    """A class."""
+
+    share: float = 0.3  # of it [judgement]
+    neutral: int = 1
+    limits = made(
+        first=8,  # how many [effort]
+        none=0.0,
+        second=_ABOVE * 2.0,
+    )
+'''
+ONE = Constant("fit.here", "_ONE", 3, "2.0", "what it is", "judgement")
+
+
+# Modules whose constants are still to get their reasons.
+WITHOUT = ("fit.evidence", "fit.refit", "select.candidates", "select.search", "select.strategies")
+
+
+def test_every_constant_has_a_reason_and_a_use() -> None:
+    assert without_reason(tuple(one for one in constants() if not one.module.startswith(WITHOUT))) == []
+    assert unused() == []
+
+
+def test_constants_are_found_with_their_reasons() -> None:
+    found = {one.name: (one.text, one.reason, one.set_by) for one in constants_in("a.module", SOURCE)}
+    assert found == {
+        "_PLAIN": ("3.0", "", ""),
+        "_ABOVE": ("2.5", "Above it in two lines", "chance"),
+        "_BEHIND": ("(1, -0.5)", "behind it", "precision"),
+        "_ONE": ("1", "both", "effort"),
+        "_TWO": ("2", "both", "effort"),
+        "_DERIVED": ("4 * _ABOVE", "from another", "judgement"),
+        "_TABLE": ("{'a': 1.0, ('b',): 2.0}", "of numbers", "physics"),
+        "Thing.share": ("0.3", "of it", "judgement"),
+        "Thing.limits.first": ("8", "how many", "effort"),
+        "Thing.limits.second": ("_ABOVE * 2.0", "", ""),
+    }
+    assert [line.split(": ")[:3] for line in without_reason(tuple(constants_in("a.module", SOURCE)))] == [
+        ["a/module.py:5", "_PLAIN", "no comment"],
+        ["a/module.py:24", "Thing.limits.second", "no comment"],
+    ]
+
+
+def test_every_number_of_a_value_is_scaled() -> None:
+    assert scaled(3.0, 0.5) == 1.5 and scaled(7, 2.0) == 14 and scaled(1, 0.5) == 1 and scaled(True, 2.0) is True
+    assert scaled({"a": (1.0, "text", [4])}, 2.0) == {"a": (2.0, "text", [8])}
+    assert scaled(np.array([1.0, 2.0]), 0.5).tolist() == [0.5, 1.0]
+
+
+def in_a_process(text: str) -> dict[str, object]:
+    """What a program prints as JSON."""
+    ran = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    found: dict[str, object] = json.loads(ran.stdout)
+    return found
+
+
+def test_a_changed_constant_is_changed_wherever_it_is_bound() -> None:
+    found = in_a_process("""
+import json
+from ema_tools.benchmarks.constants.changing import install_change
+changed = install_change("select.strategies.strategy", "LEAST_LIMIT", 2.0)
+import ema_tools.select.strategies.strategy as strategy, ema_tools.tasks.add as add
+from ema_tools.select.strategies import DataSheetAlone, WithRepeats
+print(json.dumps([changed, strategy.LEAST_LIMIT, add.LEAST_LIMIT, WithRepeats.limits.least, DataSheetAlone.limits.least]))
+""")
+    assert found == [[True], 60.0, 60.0, 60.0, 120.0]
+    found = in_a_process("""
+import json
+from ema_tools.benchmarks.constants.changing import install_change
+install_change("select.strategies.with_repeats", "WithRepeats.limits.finalists", 0.5)
+from ema_tools.select.strategies import WithRepeats
+import ema_tools.fit.evidence as evidence
+print(json.dumps([WithRepeats.limits.finalists, WithRepeats.limits.finalist_share, evidence.settled.__defaults__[1] == evidence._ROUNDS]))
+""")
+    assert found == [2, 0.4, True]
+
+
+def test_readings_are_noted() -> None:
+    found = in_a_process("""
+import json
+from ema_tools.benchmarks.constants.changing import install_notes
+read, imported = install_notes()
+import numpy as np
+from ema_tools.fit.bounded import OneSided, Stop, Unknown, fit
+import ema_tools.tasks.signature_table, ema_tools.fit.laps
+before = sorted(read)
+fit([Unknown("a", 1.0, 1.0, 0.0, 3.0)], lambda values: np.array([values["a"] - 2.0]), OneSided((0.1,)), Stop(5, 1e-9, 1e-9))
+print(json.dumps([before, sorted(read), "tasks.signature_table:RATE_HZ" in imported, "fit.laps:SAME" in imported]))
+""")
+    assert found == [[], ["fit.bounded:_INSIDE"], True, False]
+
+
+def answer(verdict: str, error: float | None, *accepted: str) -> dict[str, object]:
+    """A row of one case."""
+    return {"outline": {"verdict": verdict, "first": (*accepted, None)[0], "accepted": list(accepted), "error": error}, "seconds": 1.0}
+
+
+def swept_rows() -> Swept:
+    """A constant read in two of three cases."""
+    rows = Swept(sources_of())
+    for name, plain in (("a", answer("missing", 1.0, "x")), ("b", answer("adequate", 1.0)), ("c", answer("adequate", 1.0))):
+        rows.cases[name] = {**plain, "read": ["fit.here:_ONE"] if name != "c" else [], "imported": []}
+    return rows
+
+
+def test_what_moved_is_counted_in_the_cases_that_read_the_constant() -> None:
+    rows = swept_rows()
+    assert rows.reached("fit.here:_ONE") == ("a", "b") and rows.reached("fit.here:_OTHER") == ()
+    assert rows.reached("fit.here:Thing.limits.first") == ("a", "b", "c")
+    assert words(moved(rows, ONE, 2.0)) == "not swept"
+    rows.keep(ONE, 2.0, "a", answer("unknown", 1.2, "y"))
+    rows.keep(ONE, 2.0, "b", answer("adequate", 1.0))
+    assert moved(rows, ONE, 2.0) == Moved(2, 1, 1, 1, 0, pytest.approx(0.2), False)
+    assert words(moved(rows, ONE, 2.0)) == "1 verdict, 1 first name, 1 accepted set, error 20 % of 2"
+    rows.keep(ONE, 0.5, "a", {"broken": "ValueError: no"})
+    assert words(moved(rows, ONE, 0.5)) == "1 broken of 1"
+    text = written([ONE, Constant("fit.here", "_OTHER", 4, "1.0", "another", "chance")], rows)
+    assert "| `fit.here` `_ONE` | `2.0` | what it is | judgement | 1 broken of 1 | 1 verdict" in text
+    assert "| `fit.here` `_OTHER` | `1.0` | another | chance | not reached by these cases | not reached by these cases |" in text
+
+
+def test_rows_are_kept_for_the_same_value_and_the_same_sources(tmp_path: Path) -> None:
+    rows = swept_rows()
+    rows.keep(ONE, 2.0, "a", answer("missing", 1.0, "x"))
+    path = tmp_path / "rows.json"
+    write_swept(path, rows)
+    again = read_swept(path)
+    assert again == rows
+    other = Constant(ONE.module, ONE.name, ONE.line, "5.0", ONE.reason, ONE.set_by)
+    assert again.answers(ONE, 2.0) and not again.answers(other, 2.0)
+    again.sources = "another"
+    write_swept(path, again)
+    with pytest.raises(InputError, match="measured with other sources than today's: give another file with -o, or delete it"):
+        read_swept(path)
+
+
+def test_an_answer_is_told_by_its_verdict_its_first_name_and_what_is_accepted() -> None:
+    listed = [{"name": "x", "accepted": False, "score": 9.0}, {"name": "y", "accepted": True, "score": 5.0}]
+    full = {"verdict": "missing", "effects": listed, "faults": {"csj": {"accepted": True, "score": 7.0}}, "error": {"after": 1.5}}
+    assert outline(full) == {"verdict": "missing", "first": "csj", "accepted": ["csj", "y"], "error": 1.5}
+    assert outline({"error_line": "no"}) == {"verdict": "refused", "first": "no", "accepted": [], "error": None}
+
+
+def test_the_usual_cases_exist() -> None:
+    assert set(CASES) <= {case.name for case in FROZEN_CASES}
