@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from ema_tools.base.arrays import Reals
-from ema_tools.fit.bounded import OneSided, Slopes, Stop, TwoSided, Unknown, fit
+from ema_tools.fit.bounded import FreeValue, OneSided, Slopes, Stop, TwoSided, fit
 
 TIME = np.linspace(0.0, 1.0, 50)
 STOP = Stop(50, 1e-12, 1e-12, 1e-12)
-UNKNOWNS = (Unknown("gain", 1.0, 2.0, 0.0, 10.0, 1e-6), Unknown("rate", 1.0, 0.5, 0.1, 8.0, 1e-6))
+UNKNOWNS = (FreeValue("gain", 1.0, 2.0, 0.0, 10.0, 1e-6), FreeValue("rate", 1.0, 0.5, 0.1, 8.0, 1e-6))
 
 
 def falling(values: Mapping[str, float]) -> Reals:
@@ -34,7 +34,7 @@ def test_values_and_standard_errors_are_those_of_the_linear_theory(slopes: Slope
 def test_a_value_ends_on_its_bound_and_only_a_wall_is_told() -> None:
     target = falling({"gain": 12.0, "rate": 2.0})
     assert fit(UNKNOWNS, falling, OneSided((1e-6,)), STOP, target).at_bound == ("gain",)
-    open_above = (Unknown("gain", 1.0, 2.0, 0.0, 10.0, 1e-6, (True, False)), UNKNOWNS[1])
+    open_above = (FreeValue("gain", 1.0, 2.0, 0.0, 10.0, 1e-6, (True, False)), UNKNOWNS[1])
     found = fit(open_above, falling, OneSided((1e-6,)), STOP, target)
     assert found.at_bound == () and found.values["gain"] == pytest.approx(10.0, abs=1e-5)
 
@@ -53,7 +53,7 @@ def test_residual_and_slopes_at_one_point_ask_for_the_model_once() -> None:
 
 
 def test_a_step_never_leaves_a_range_that_is_narrower_than_it() -> None:
-    narrow = (Unknown("gain", 3.0, 3.0, 2.99, 3.02), UNKNOWNS[1])
+    narrow = (FreeValue("gain", 3.0, 3.0, 2.99, 3.02), UNKNOWNS[1])
     gains: list[float] = []
 
     def watched(values: Mapping[str, float]) -> Reals:

@@ -17,7 +17,7 @@ _INSIDE = 1e-9
 
 
 @dataclass(frozen=True)
-class Unknown:
+class FreeValue:
     """One unknown in its own unit: where the fit begins, what it is stepped and measured in, and the range that it never leaves.
 
     `near`: so close to an end it lies on it; `walls`: whether its lower and its upper end are bounds that a value can run into. A size that ends at none runs into nothing, nor does a phase.
@@ -131,7 +131,7 @@ class Found:
 
 
 def fit(
-    unknowns: Sequence[Unknown],
+    unknowns: Sequence[FreeValue],
     vector: Vector,
     slopes: Slopes,
     stop: Stop,

@@ -24,21 +24,19 @@ from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.whitening import Whitener, counted
 from ema_tools.plant.native import library
 
-DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity
-_DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero
-# Differences smaller than this, in standard deviations of noise, may be the model's own roughness.
-ROUGHNESS = 12.0
-_CREDIBLE = 3.0  # spreads
-# How far the machine may stand in for what is missing, in spreads: beyond, one parameter runs away against another and comes back slowly.
+DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity [precision]
+_DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero [precision]
+ROUGHNESS = 12.0  # differences smaller than this, in standard deviations of noise, may be the model's own roughness [precision]
+_CREDIBLE = 3.0  # how far what scatters may go, in spreads: more is not credible [chance]
+# How far the machine may stand in for what is missing, in spreads: beyond, one parameter runs away against another and comes back
+# slowly [judgement]
 FAR = 12.0
-FAR_ROUNDS = 12
-_ROUNDS = 6
-_SETTLED = 1e-4
-# Steps by the directions of one place: they cost a tenth of new directions; the last of them takes off less than this share.
-_CHORDS = 4
-_WORTH_A_CHORD = 1e-3
-# A step that overshoots, where what scatters bends, is taken in part.
-_SHARES = (1.0, 0.4, 0.1)
+FAR_ROUNDS = 12  # of linear steps on the way there, which is long and bends [effort]
+_ROUNDS = 6  # of linear steps where what scatters stays credible [effort]
+_SETTLED = 1e-4  # of the cost: a step that lowers it by less was the last [precision]
+_CHORDS = 4  # steps by the directions of one place, which cost a tenth of new ones [effort]
+_WORTH_A_CHORD = 1e-3  # share of the cost: a step that takes off less is the last by these directions [effort]
+_SHARES = (1.0, 0.4, 0.1)  # a step that overshoots, where what scatters bends, is taken in part [judgement]
 
 
 def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str], start_mm: float) -> Reals:

@@ -12,26 +12,27 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Row, row_of
 from ema_tools.fit import bounded
-from ema_tools.fit.bounded import OneSided, Stop, Unknown
+from ema_tools.fit.bounded import FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import ROUGHNESS, View, settled
 from ema_tools.library.faults import effect_of
 from ema_tools.library.shapes import penalty
 
-_RUNS = 8
-# A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard deviations of noise.
+_RUNS = 8  # points of one fit at most, each of which costs a simulation for every value [effort]
+# A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard
+# deviations of noise [precision]
 _JACOBIAN_STEPS = (0.05, 0.2, 0.6)
-_PHASE_SCALE = 0.5
-# What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature.
+_PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
+# What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature [judgement]
 _BENT = 0.5
-_DETERMINED = 2.0  # standard errors
-_NOTICED = 3.0  # standard deviations of the cost
-# Share of a change to which the model and the machine's known values are trusted.
-_TRUSTED = 0.006
-_AT_BOUND = 1e-6
-_JOINT_ROUNDS = 8
+_DETERMINED = 2.0  # standard errors by which a size differs from the machine's own [chance]
+_NOTICED = 3.0  # standard deviations of the cost from which on it is misfit [chance]
+_TRUSTED = 0.006  # share of a change to which the model and the machine's known values are trusted [judgement]
+_AT_BOUND = 1e-6  # of its range: so near to an end a value lies on it [precision]
+_JOINT_ROUNDS = 8  # of steps together with what scatters [effort]
+# Shares of a value over which a slope is taken to both sides: the first, or the second where that one does not show [precision]
 _JOINT_STEPS = (0.1, 0.3)
-_JOINT_SHARES = (1.0, 0.5, 0.2)
-_JOINT_DONE = 0.1  # of the cost
+_JOINT_SHARES = (1.0, 0.5, 0.2)  # of a step that are tried, until one lowers the cost [judgement]
+_JOINT_DONE = 0.1  # of the cost: a step that lowers it by less was the last [precision]
 
 
 @dataclass(frozen=True)
@@ -101,12 +102,12 @@ def _scale_of(name: str, first: float) -> float:
     return max(abs(first), 1e-9)
 
 
-def _unknown(name: str, first: float) -> Unknown:
+def _unknown(name: str, first: float) -> FreeValue:
     """A value of the fit: a size that ends at none is on no bound, and a phase has none."""
     row = row_of(name)
     turns = name.endswith("phase_rad")
     walls = (not turns and row.lower != row.nominal, not turns)
-    return Unknown(name, first, _scale_of(name, first), row.lower, row.upper, _AT_BOUND * (row.upper - row.lower), walls)
+    return FreeValue(name, first, _scale_of(name, first), row.lower, row.upper, _AT_BOUND * (row.upper - row.lower), walls)
 
 
 def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | None = None) -> Fit:

@@ -22,7 +22,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit import bounded
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.bounded import OneSided, Stop, Unknown
+from ema_tools.fit.bounded import FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled, simulate_channels, view
 from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.refit import refit
@@ -140,9 +140,9 @@ class _Known:
         std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
         return _Fit(effect, {**first, **found.values}, std, found.cost)
 
-    def _unknown(self, name: str, first: float) -> Unknown:
+    def _unknown(self, name: str, first: float) -> FreeValue:
         lower, upper = self._ends(name)
-        return Unknown(name, first, self._scale(name, first), lower, upper)
+        return FreeValue(name, first, self._scale(name, first), lower, upper)
 
     def _ends(self, name: str) -> tuple[float, float]:
         """Where a value may lie."""

@@ -24,21 +24,20 @@ from ema_tools.library.shapes import penalty
 from ema_tools.library.torques import PeriodicTorque, combined
 from ema_tools.select.matched_filter import Screen, Shaped
 
-# First size tried, as a share of an effect's range; then it is scaled by what the residual asks for.
-_FIRST_SHARE = 0.002
-_SCALINGS = 4
-# Where the scatter of the healthy machine explains a small change, only a large one shows, and not in proportion: further first sizes for effects of one shape.
+_FIRST_SHARE = 0.002  # first size tried, as a share of an effect's range; then it is scaled by what the residual asks for [judgement]
+_SCALINGS = 4  # how often it is scaled [effort]
+# Where the scatter of the healthy machine explains a small change, only a large one shows, and not in proportion: further first sizes for
+# effects of one shape [judgement]
 _LADDER = (1.0, 8.0, 30.0, 100.0)
-# A signature shows when this share of its square is left beside what scatters; one that would take off less than this at any size is not scaled.
-_SHOWN_SHARE = 0.05
-_NOTHING = 4.0
-# After the first round, effects that may take off this share of what is needed, and at most so many, are simulated.
-_PROMISING_SHARE = 0.3
-_PROMISING_MAX = 7
-# Where periods are tried by simulation, each number of them at these phases; of so many phases that follow from them the best is taken, and so many numbers are kept.
+_SHOWN_SHARE = 0.05  # a signature shows when this share of its square is left beside what scatters [judgement]
+_NOTHING = 4.0  # a signature that would take off less than this at any size is not scaled: two standard deviations [chance]
+_PROMISING_SHARE = 0.3  # after the first round, effects that may take off this share of what is needed .. [judgement]
+_PROMISING_MAX = 7  # ... and at most so many, are simulated [effort]
+# Where periods are tried by simulation, each number of them at these phases, a quarter of a turn apart [effort]
 _SIMULATED_PHASES = np.array([0.0, 0.5 * np.pi])
+# ... of so many phases that follow from them the best is taken [precision]
 _FINE_PHASES = np.linspace(-np.pi, np.pi, 24, endpoint=False)
-_FINE_KEPT = 3
+_FINE_KEPT = 3  # ... and so many numbers are kept [effort]
 
 
 def _harmonics(phases: Reals) -> Reals:
@@ -48,8 +47,8 @@ def _harmonics(phases: Reals) -> Reals:
 
 _OF_PHASES = np.linalg.inv(_harmonics(_SIMULATED_PHASES))
 _AT_FINE = _harmonics(_FINE_PHASES)
-_FACTORS = (1e-3, 1e3)
-_POWERS = (0.5, 3.0)
+_FACTORS = (1e-3, 1e3)  # by which a size is scaled at once, at least and at most [judgement]
+_POWERS = (0.5, 3.0)  # of its size with which a signature grows, at least and at most: friction's root and a cube [physics]
 
 
 @dataclass(frozen=True)

@@ -17,15 +17,15 @@ from ema_tools.select.strategies import strategy_for
 from ema_tools.select.strategies.healthy_machine import HealthyMachine
 from ema_tools.select.strategies.strategy import Strategy
 
-# Fits whose costs differ by less than this cannot be told apart: three standard deviations.
-_ALIKE = 9.0
-# A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another effect.
+_ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: three standard deviations [chance]
+# A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another
+# effect [chance]
 _SHOWN = 2.0
-_UNEXPLAINED = 0.1
-# The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may leave.
+_UNEXPLAINED = 0.1  # with more than this share of the excess left the answer is that something is missing, not what [judgement]
+# The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may
+# leave [judgement]
 _MODEL_ERROR = 0.02
-# A round whose best score is below this share of what is needed is not worth its refits.
-_WORTH_REFITS = 0.7
+_WORTH_REFITS = 0.7  # a round whose best score is below this share of what is needed is not worth its refits [effort]
 
 
 def _finalists(found: Sequence[Signature], strategy: Strategy) -> list[Signature]:

@@ -28,7 +28,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.linear_axis import VALUES, ForceModel, at_rod, lead_m_per_rad
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit import bounded
-from ema_tools.fit.bounded import Found, Stop, TwoSided, Unknown
+from ema_tools.fit.bounded import Found, FreeValue, Stop, TwoSided
 from ema_tools.plant.native import CHANNELS, Simulation
 from ema_tools.tasks.identify import BOUNDS
 
@@ -257,11 +257,11 @@ def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str,
     return tuple(names)
 
 
-def _unknown(actuator: Actuator, name: str) -> Unknown:
+def _unknown(actuator: Actuator, name: str) -> FreeValue:
     """A parameter in units of its own size; one that may be zero is measured by what it competes with: load by friction."""
     lower, upper = range_of(actuator, name)
     size = abs(actuator[name]) or max(actuator[FRICTION], 1e-6)
-    return Unknown(name, actuator[name], size, lower, upper, _AT_BOUND * size)
+    return FreeValue(name, actuator[name], size, lower, upper, _AT_BOUND * size)
 
 
 def _errors(actuator: Actuator, given: Actuator, record: Record) -> Reals:

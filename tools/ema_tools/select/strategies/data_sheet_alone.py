@@ -16,12 +16,11 @@ from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, refined_near
 
-# Rounds of the fit of a finalist together with the machine, and the share of the limit that makes it worth them.
-_JOINT_ROUNDS = 3
-_WORTH_FITTING = 0.3
-_GAIN_SHARE = 0.5
-_CONFOUNDED_LIMIT = 9.0  # three standard deviations of a parameter
-_EXCESS_SHARE = 0.05
+_JOINT_ROUNDS = 3  # rounds of the fit of a finalist together with the machine .. [effort]
+_WORTH_FITTING = 0.3  # ... and the share of the limit that makes it worth them [effort]
+_GAIN_SHARE = 0.5  # finalists that are behind the best by less than this share of its gain get them too [effort]
+_CONFOUNDED_LIMIT = 9.0  # three standard deviations of a parameter [chance]
+_EXCESS_SHARE = 0.05  # most that the misfit raises the limit by, as a share of the excess [judgement]
 
 
 class DataSheetAlone(Strategy):
@@ -31,9 +30,13 @@ class DataSheetAlone(Strategy):
     as well at first shows from there alone, one that bends from here alone.
     """
 
-    # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are; there is nothing to take a limit from: twice the least, which of nearly 300
-    # healthy machines of the benchmark's kind hardly one exceeds; and what no parameter of a unit holds, such as a slight ripple of its friction, leaves 5 %
-    limits = SearchLimits(finalists=8, finalist_share=0.1, least=2.0 * LEAST_LIMIT, model_error=0.05)
+    limits = SearchLimits(
+        finalists=8,  # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are [effort]
+        finalist_share=0.1,  # for the same reason [effort]
+        # there is nothing to take a limit from: of nearly 300 healthy machines of the benchmark's kind hardly one exceeds this [measured]
+        least=2.0 * LEAST_LIMIT,
+        model_error=0.05,  # what no parameter of a unit holds, such as a slight ripple of its friction, leaves so much [measured]
+    )
 
     def __init__(self, evidence: Evidence) -> None:
         super().__init__(evidence)

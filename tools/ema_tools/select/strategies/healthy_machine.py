@@ -12,14 +12,19 @@ from ema_tools.fit.refit import Fit
 from ema_tools.select.candidates import Signature
 from ema_tools.select.strategies.strategy import SearchLimits, Strategy, polished_near
 
-_STANDING_SHARE = 0.05
-_POLISH_ROUNDS = 3
+_STANDING_SHARE = 0.05  # of what the healthy mean leaves: an effect that takes off less is not worth having [judgement]
+_POLISH_ROUNDS = 3  # of fits with what scatters linear at the last one [effort]
 
 
 class HealthyMachine(Strategy):
     """Standing effects are worth having only when they are large against what repeats leave, and against each other."""
 
-    limits = SearchLimits(finalists=5, finalist_share=0.4, least=100.0, model_error=0.0)
+    limits = SearchLimits(
+        finalists=5,  # as against repeats [effort]
+        finalist_share=0.4,  # as against repeats [effort]
+        least=100.0,  # a standing effect makes every later run dearer: three times what chance can do [judgement]
+        model_error=0.0,
+    )
 
     def __init__(self, evidence: Evidence) -> None:
         super().__init__(evidence)

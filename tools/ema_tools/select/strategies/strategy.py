@@ -15,14 +15,13 @@ from ema_tools.fit.refit import Fit, best_of_each, polished
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 
-# Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is taken.
+# Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is
+# taken [chance]
 LEAST_LIMIT = 30.0
-# An effect must also take off this share of the excess that was found, or most of what is left where more is left than noise can leave.
-_LEAST_SHARE = 0.02
-_MOST_OF_REST = 0.5
-_NOISE = 6.0  # standard deviations
-# Fits this share of the best cost behind the best may still overtake it.
-_POLISH_REACH = 0.3
+_LEAST_SHARE = 0.02  # an effect must also take off this share of the excess that was found .. [judgement]
+_MOST_OF_REST = 0.5  # ... or this share of what is left, where more is left than noise can leave .. [judgement]
+_NOISE = 6.0  # ... which is so many standard deviations of the cost [chance]
+_POLISH_REACH = 0.3  # fits this share of the best cost behind the best may still overtake it [effort]
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,8 @@ class SearchLimits:
     finalist_share: float  # of the best score that a finalist has at least
     least: float  # cost that an effect must take off
     model_error: float  # share of what changed, in amplitude, to which a further effect trusts the model
-    effects: int = 3  # a set grows no further
-    finalist_reach: float = 30.0  # cost that a finalist may be behind the best
+    effects: int = 3  # a set grows no further [effort]
+    finalist_reach: float = 30.0  # cost that a finalist may be behind the best: what chance can do [chance]
 
 
 class Strategy(ABC):

@@ -15,20 +15,22 @@ from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, polished_near
 
-_REPEAT_MARGIN = 1.5
-_POLISH_ROUNDS = 1
-# An error of twice the floor is no answer, however large the change was.
-_FLOORS = 2.0
-# Where both faults are fitted first: where they begin, in healthy values, and how many effects may follow.
-_WORN_START = 1.3
-_BESIDE_WEAR_MAX = 2
+_REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
+_POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
+_FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
+_WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
+_BESIDE_WEAR_MAX = 2  # ... and how many effects may follow [effort]
 
 
 class WithRepeats(Strategy):
     """The repeats say what a record with nothing new is like, and what the same signatures make of it."""
 
-    # the model is trusted to 2 % of what changed: what a missing interplay of a change and a standing error may leave
-    limits = SearchLimits(finalists=5, finalist_share=0.4, least=LEAST_LIMIT, model_error=0.02)
+    limits = SearchLimits(
+        finalists=5,  # every further one costs its refits [effort]
+        finalist_share=0.4,  # a signature at its best size has most of what a refit gives [effort]
+        least=LEAST_LIMIT,
+        model_error=0.02,  # what a missing interplay of a change and a standing error may leave [judgement]
+    )
 
     def __init__(self, evidence: Evidence) -> None:
         self._repeats = evidence.of_repeats
