@@ -33,8 +33,7 @@ class DataSheetAlone(Strategy):
     limits = SearchLimits(
         finalists=8,  # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are [effort]
         finalist_share=0.1,  # for the same reason [effort]
-        # there is nothing to take a limit from: of nearly 300 healthy machines of the benchmark's kind hardly one exceeds this [measured]
-        least=2.0 * LEAST_LIMIT,
+        least=2.0 * LEAST_LIMIT,  # no repeats set it: hardly one of 300 healthy machines of the benchmark's kind exceeds it [measured]
         model_error=0.05,  # what no parameter of a unit holds, such as a slight ripple of its friction, leaves so much [measured]
     )
 
