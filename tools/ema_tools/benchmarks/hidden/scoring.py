@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 
 from ema_tools.benchmarks.hidden.catalogue import FORMS, SEVERITIES, stands_for
-from ema_tools.benchmarks.hidden.trials import SET
+from ema_tools.benchmarks.hidden.trials import SET, TIMED
 from ema_tools.words.terminal.console import table
 
 Row = dict[str, Any]
@@ -19,6 +19,12 @@ Row = dict[str, Any]
 SEPARABLE = 3.0
 _TRAINING_LIMIT, _HELD_OUT_LIMIT = 1.05, 1.15
 STRONG = ("medium", "large")
+# What a diagnosis may take, s on two cores: longer, and nobody waits beside it.
+TIME_LIMITS = {
+    "time": ("with five repeats", 2.5),
+    "time_alone": ("without healthy repeats", 5.0),
+    "time_position": ("with command and rod position alone", 5.0),
+}
 # Kinds of trial in which nothing is hidden: against repeats, and against the data sheet alone.
 HEALTHY = ("healthy", "stranger")
 
@@ -201,10 +207,11 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
         found.append(
             Goal("stated 95 % intervals that hold the true size", str(held_share), "90 .. 99 %", 90.0 <= held_share.percent <= 99.0)
         )
-    timed = of_kind(rows, "time")
-    if timed:
-        slowest = max(row["run_s"] for row in timed)
-        found.append(Goal("a diagnosis with five repeats on all cores", f"{slowest:.1f} s", "<= 10 s", slowest <= 10.0))
+    for kind, (text, limit_s) in TIME_LIMITS.items():
+        timed = of_kind(rows, kind)
+        if timed:
+            slowest = max(row["run_s"] for row in timed)
+            found.append(Goal(f"a diagnosis {text} on all cores", f"{slowest:.1f} s", f"<= {limit_s:g} s", slowest <= limit_s))
     return found
 
 
@@ -216,7 +223,7 @@ def missed(row: Row) -> bool:
         return bool(row["verdict"] != "unknown")
     if row["kind"] == "pair":
         return not exact_set(row)
-    return row["kind"] != "time" and not first_right(row)
+    return row["kind"] not in TIMED and not first_right(row)
 
 
 def set_rows(rows: Sequence[Row]) -> dict[str, list[Row]]:
@@ -252,7 +259,7 @@ def show(console: Console, rows: Sequence[Row]) -> None:
         "processor, s",
         text_columns=2,
     )
-    plain = ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", *HEALTHY, "form", "time")
+    plain = ("library", "position", "alone", "fault", "same", "placebo", "outside", "pair", *HEALTHY, "form", *TIMED)
     for name, kind_rows in [*((kind, of_kind(rows, kind)) for kind in plain), *set_rows(rows).items()]:
         for severity in ("", *SEVERITIES):
             some = [row for row in kind_rows if row["severity"] == severity]

@@ -17,7 +17,9 @@ from ema_tools.benchmarks.hidden.machines import CHANNELS, HELD_OUT, SETTINGS, M
 
 # Kinds of trial whose machines are set otherwise, by the name of the setting.
 SET = tuple(filter(None, SETTINGS))
-KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position", "alone", "same", "placebo", "form", *SET, "time")
+# Trials that run by themselves on all cores, with nothing remembered, as a user's diagnosis does: against repeats, without, with the rod position alone.
+TIMED = ("time", "time_alone", "time_position")
+KINDS = ("library", "fault", "outside", "healthy", "stranger", "pair", "position", "alone", "same", "placebo", "form", *SET, *TIMED)
 OTHER_COMMANDS = ("fast chirp", "slow chirp", "multisine", "triangle")
 # A placebo deals the record's difference from the repeats anew, in pieces of so many rows with random signs.
 _PIECE_ROWS = 250
@@ -73,7 +75,7 @@ class Trial:
     @property
     def channels(self) -> tuple[str, ...] | None:
         """The signals given; None for all."""
-        return ("position_mm",) if self.kind == "position" else None
+        return ("position_mm",) if self.kind in ("position", "time_position") else None
 
 
 def _pairs(count: int, numbers: Sequence[int], severities: Sequence[str], command: str, names: Sequence[str], repeats: int) -> list[Trial]:
@@ -96,7 +98,7 @@ class Plan:
     the others by their counts. Other forms of effects are hidden in `seeds` machines each, at medium and large; every setting of machines gets every effect once at each of those severities,
     on `seeds` machines in turn, and `set_healthy` healthy records of each of these.
 
-    `timed`: trials that run one after the other on all cores, with nothing remembered, as a user's diagnosis does.
+    `timed`: trials of each kind of TIMED.
     """
 
     seeds: int
@@ -148,7 +150,9 @@ class Plan:
             found += [Trial("form", (name,), severity, "chirp", number, self.repeats) for name in forms for severity in strong]
         for setting in SET:
             found += self._set(setting, library, numbers, strong)
-        found += [Trial("time", (name,), strong[0], "chirp", first, self.repeats) for name in library[: self.timed] if strong]
+        for kind in TIMED:
+            repeats = 0 if kind == "time_alone" else self.repeats
+            found += [Trial(kind, (name,), strong[0], "chirp", first, repeats) for name in library[: self.timed] if strong]
         return [trial for trial in found if trial.kind in self.kinds]
 
     def _set(self, setting: str, library: Sequence[str], numbers: Sequence[int], strong: Sequence[str]) -> list[Trial]:
@@ -263,7 +267,7 @@ def perform(trial: Trial) -> dict[str, Any]:
     row["class"] = list(answer.said[0].alike) if answer.said else []
     row["ranked"] = [[one.name, round(one.score, 1)] for one in answer.said[:6]]
     row |= {name: getattr(answer, name) for name in ("error", "unexplained", "sensor", "refused", "run_s", "cpu_s")}
-    if trial.effects and trial.kind not in ("placebo", "time"):
+    if trial.effects and trial.kind not in ("placebo", *TIMED):
         row["observer"] = observer.judged(
             trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels, unit.setting
         )
