@@ -5,7 +5,7 @@
 #include "ema_effect_rows.h"
 #include "ema_math.h"
 
-#define EMA_TABLE_SPANS ((uint32_t)(EMA_TABLE_VALUES - EMA_TABLE_NODES - 1))
+#define EMA_TABLE_SPAN_COUNT ((uint32_t)(EMA_TABLE_VALUES - EMA_TABLE_NODES - 1))
 
 #define EMA_ASSERT_TABLE(name)                                                                                         \
     _Static_assert(                                                                                                    \
@@ -65,17 +65,17 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
     ema_place_t place;
     ema_table_place(table, site, &place);
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
-    ema_real value = node[EMA_TABLE_SPANS];
+    ema_real value = node[EMA_TABLE_SPAN_COUNT];
     if ((place.period > EMA_R(0.0)) && (place.from_first > range)) {
         /* round to the first node */
         const ema_real share = ema_clamp((place.from_first - range) / (place.period - range), EMA_R(0.0), EMA_R(1.0));
-        value += share * (node[0] - node[EMA_TABLE_SPANS]);
+        value += share * (node[0] - node[EMA_TABLE_SPAN_COUNT]);
     } else {
         /* written so that NaN lands on the first node */
         const ema_real spans =
-            ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPANS / range), EMA_R(0.0), (ema_real)EMA_TABLE_SPANS);
+            ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPAN_COUNT / range), EMA_R(0.0), (ema_real)EMA_TABLE_SPAN_COUNT);
         const uint32_t span = (uint32_t)spans;
-        if (span < EMA_TABLE_SPANS) {
+        if (span < EMA_TABLE_SPAN_COUNT) {
             value = node[span] + ((spans - (ema_real)span) * (node[span + 1U] - node[span]));
         }
     }
