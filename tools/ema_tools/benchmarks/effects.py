@@ -58,6 +58,12 @@ def _table(effect: str) -> dict[str, float]:
     return {f"{start}gain": 1.0, f"{start}axis": axis, f"{start}first": -range_, f"{start}last": range_, **nodes}
 
 
+def costed_changes() -> dict[str, dict[str, float]]:
+    """Per effect the changed values of the reference actuator under which its cost is measured."""
+    reference = reference_actuator()
+    return {effect.name: typical_change(reference, effect.name, _PEAK_A) or _table(effect.name) for effect in load_definitions().effects}
+
+
 def _run(values: Mapping[str, float], command_mm: Reals, runs: int) -> tuple[float, Simulation]:
     """Shortest time of a model run in seconds, and the run."""
     actuator, options = reference_actuator().changed(values).arrays()
@@ -78,15 +84,13 @@ def measure() -> tuple[float, list[Cost]]:
     """Time of a model step without effects in ns, and what each effect costs, the dearest first."""
     numbers = {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}
     command_mm = library(64).command("chirp", numbers, STEP_S, ROWS)
-    reference = reference_actuator()
     plain_s, _ = _run({}, command_mm, RUNS)
     found: list[tuple[str, float, float, float]] = []
-    for effect in load_definitions().effects:
-        values = typical_change(reference, effect.name, _PEAK_A) or _table(effect.name)
+    for effect, values in costed_changes().items():
         truth = simulate({name.removeprefix(_SECTION): value for name, value in values.items()}, command_mm)
         with_s, run = _run(values, command_mm, RUNS)
         plain_s = min(plain_s, _run({}, command_mm, RUNS)[0])
-        found.append((effect.name, with_s, 1e3 * _rms(run.position_mm - truth.position_mm), 1e3 * _rms(run.current_A - truth.current_A)))
+        found.append((effect, with_s, 1e3 * _rms(run.position_mm - truth.position_mm), 1e3 * _rms(run.current_A - truth.current_A)))
     per_step = 1e9 / ROWS
     costs = [Cost(name, per_step * with_s, with_s / plain_s, position_um, current_mA) for name, with_s, position_um, current_mA in found]
     return per_step * plain_s, sorted(costs, key=lambda cost: -cost.ratio)
