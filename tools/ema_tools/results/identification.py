@@ -22,6 +22,8 @@ class EstimateEntry:
     estimate: float
     std: float | None  # standard error; None where the record does not determine the value
     shift_percent: float  # of the healthy value
+    # lower and upper end: counted is all that moves the estimate, not sensor noise alone; None where the record does not determine the value
+    interval95: tuple[float | None, float | None] = (None, None)
     healthy: float | None = field(default=None, metadata=SPARE)
     at_bound: bool = False  # of the search
     bias: float | None = field(
@@ -36,6 +38,7 @@ class NotIdentified:
     estimate: None
     std: None
     shift_percent: None
+    interval95: None
     healthy: float
     reason: str
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, nearest, row_of, shown
 from ema_tools.data.records import Record
+from ema_tools.fit.interval import interval95, scatter_of
 from ema_tools.plant.native import (
     CHANNELS,
     NOT_DETERMINED,
@@ -35,6 +37,7 @@ _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
 # Reasons that send the guard out even where the residual is small: wear does not look like this, a missing effect may.
 _STRANGE = (REASONS[4], REASONS[64])
 NOT_ADEQUATE = REASONS[2]
+_POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Baseline:
 class Identified:
     """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
 
+    `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
     `guarded`: what stands behind the estimates instead of a fault; None where nobody looked, because the record is plainly healthy or it was not wanted.
     """
 
@@ -64,6 +68,14 @@ class Identified:
     wall_s: float
     weighted: bool
     guarded: Guarded | None = None
+    scatter: Mapping[str, float] = field(default_factory=dict)
+
+    def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
+        """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, and what moves from run to run, as healthy records show it where there are two or more."""
+        seen = 0.0
+        if self.baseline is not None and self.baseline.records > 1:
+            seen = self.baseline.std[one.name] * math.sqrt(self.baseline.records)
+        return interval95(one.estimate, one.std, one.bias if math.isfinite(one.bias) else 0.0, max(seen, self.scatter.get(one.name, 0.0)))
 
     @property
     def objects(self) -> bool:
@@ -242,7 +254,9 @@ def identify(
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
     wanted = guarding and table is None and bool(estimates) and needs_guard(answer)
     guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None
-    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, settings.weight is not None, guarded)
+    weighted = settings.weight is not None
+    scatter = scatter_of(found, record, identified_of(known), dict(zip(CHANNELS, settings.weight or _POSITION_ALONE, strict=True)))
+    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, guarded, scatter)
 
 
 def needs_guard(answer: Identification) -> bool:

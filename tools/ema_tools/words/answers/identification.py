@@ -58,10 +58,14 @@ def identification(
 
 def _values(found: Identified) -> Mapping[str, Any]:
     absent = {
-        key: result.NotIdentified(None, None, None, 0.0, _ZERO) for name, key in KEYS.items() if name not in identified_of(found.healthy)
+        key: result.NotIdentified(None, None, None, None, 0.0, _ZERO)
+        for name, key in KEYS.items()
+        if name not in identified_of(found.healthy)
     }
     return absent | {
-        KEYS[one.name]: result.EstimateEntry(one.estimate, one.std, one.shift_percent, found.healthy[one.name], one.at_bound, one.bias)
+        KEYS[one.name]: result.EstimateEntry(
+            one.estimate, one.std, one.shift_percent, found.interval95(one), found.healthy[one.name], one.at_bound, one.bias
+        )
         for one in found.answer.identified
     }
 

@@ -1,0 +1,53 @@
+"""How far what a search reads may be off what wears: sensor noise is only a small part of it, since friction, grease and winding are another every day.
+
+An estimate is where the weighted squared error of the recorded signals is least; there it follows a change of any other value by the normal equations of least squares.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.records import Record, start_of
+from ema_tools.fit import nuisance as spreads
+from ema_tools.fit.evidence import simulate_channels
+
+_STEP = 0.01  # of a value, to both sides: large against reversals that jump a step, small against what bends [precision]
+_NORMAL_95 = 1.96  # standard deviations on either side that hold 95 % of a normal distribution [chance]
+
+
+def scatter_of(actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]) -> dict[str, float]:
+    """Standard deviation, in their own units, by which the estimates of `names` move from run to run with what scatters on a healthy machine.
+
+    `weights`: of the squared error of each signal by name, as in the search. `actuator` holds the estimates. Raises InputError when the model refuses a value near them.
+    """
+    channels = tuple(name for name, weight in weights.items() if weight > 0.0)
+    root = np.sqrt([weights[name] for name in channels])[:, None]
+    start = start_of(actuator, record)
+
+    def slope(name: str) -> Reals:
+        """Of the weighted signals, per unit of the value, [channels * rows]."""
+        value, row = actuator[name], row_of(name)
+        low, high = max(value * (1.0 - _STEP), row.lower), min(value * (1.0 + _STEP), row.upper)
+        if not high > low:
+            return np.zeros(root.size * record.rows)
+        ends = [simulate_channels(actuator.changed({name: at}), record, channels, start) for at in (low, high)]
+        return np.asarray(((ends[1] - ends[0]) * root / (high - low)).ravel())
+
+    moving = {one.title: one.std * abs(actuator[one.title]) for one in spreads.from_run_to_run()}
+    columns = dict(zip(found := [*dict.fromkeys([*names, *moving])], each(slope, found), strict=True))
+    own = np.column_stack([columns[name] for name in names])
+    follow = np.linalg.pinv(own)
+    moved = np.array([std * (follow @ columns[name]) for name, std in moving.items()])
+    return {name: float(size) for name, size in zip(names, np.sqrt(np.sum(moved**2, axis=0)), strict=True)}
+
+
+def interval95(estimate: float, *stds: float) -> tuple[float | None, float | None]:
+    """The 95 % interval about an estimate with independent errors of these standard deviations; no ends where the record does not determine it."""
+    half = _NORMAL_95 * math.hypot(*stds)
+    return (estimate - half, estimate + half) if math.isfinite(half) else (None, None)
