@@ -32,20 +32,22 @@ if(CMAKE_C_COMPILER_ID STREQUAL "GNU")
     list(APPEND EMA_WARNINGS -Wlogical-op -Wduplicated-cond -Wduplicated-branches -Wjump-misses-init)
 endif()
 
-set(EMA_FLOAT_FLAGS "")
-foreach(flag -ffp-contract=off -fno-math-errno)
+# A model step writes its values one by one and reads them again at once. Vectorised, a read of several of them waits until the
+# writes have left the processor's store buffer, which costs more than it saves.
+set(EMA_CODE_FLAGS "")
+foreach(flag -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize)
     string(MAKE_C_IDENTIFIER "EMA_HAS${flag}" ema_has)
     check_c_compiler_flag(${flag} ${ema_has})
     if(${ema_has})
-        list(APPEND EMA_FLOAT_FLAGS ${flag})
+        list(APPEND EMA_CODE_FLAGS ${flag})
     endif()
 endforeach()
 
-# ema_compile(target): language, float rules and warnings for one target of this project.
+# ema_compile(target): language, rules of the code and warnings for one target of this project.
 function(ema_compile target)
     target_compile_features(${target} PUBLIC c_std_11)
     set_target_properties(${target} PROPERTIES C_STANDARD 11 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF)
-    target_compile_options(${target} PRIVATE ${EMA_FLOAT_FLAGS})
+    target_compile_options(${target} PRIVATE ${EMA_CODE_FLAGS})
     if(PROJECT_IS_TOP_LEVEL)
         target_compile_options(${target} PRIVATE ${EMA_WARNINGS})
     endif()

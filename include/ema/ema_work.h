@@ -45,9 +45,7 @@ typedef struct {
     ema_point_t start;
     ema_point_t end;
     ema_forces_t forces; /* at the start */
-    ema_real input_rise;
-    ema_real torque_rise_Nm;
-    ema_real turn_rad; /* from start to end */
+    ema_real turn_rad;   /* from start to end */
 } ema_segment_t;
 
 /* What the current does over a segment that is located. */

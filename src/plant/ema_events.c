@@ -48,12 +48,8 @@ void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_wor
     ema_segment_t* const segment = &work->segment;
     ema_span_t* const span = &work->span;
     ema_series_t* const series = &work->series;
-    span->current_A = state->current_A;
-    span->speed_rad_s = state->speed_rad_s;
     span->input = segment->forces.input;
-    span->input_rise = segment->input_rise;
     span->torque_Nm = segment->forces.torque_Nm + work->regime.saturated_Nm;
-    span->torque_rise_Nm = segment->torque_rise_Nm;
     span->input_bend = EMA_R(0.0);
     span->torque_bend_Nm = EMA_R(0.0);
     span->torque_twist_Nm = EMA_R(0.0);
@@ -125,7 +121,7 @@ static void ema_event_release(const ema_state_t* state, ema_work_t* work)
     }
     const ema_real held_A = work->series.current_A[0];
     terms[0] += (circuit->rate_current * held_A) + (circuit->rate_voltage * work->segment.forces.input);
-    terms[1] += circuit->rate_voltage * work->segment.input_rise;
+    terms[1] += circuit->rate_voltage * work->span.input_rise;
     if (circuit->algebraic) {
         terms[0] -= held_A;
     }

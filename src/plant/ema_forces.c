@@ -95,30 +95,40 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
 void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
     ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
+    span->current_A = state->current_A;
+    span->speed_rad_s = state->speed_rad_s;
     segment->start.current_A = state->current_A;
     segment->start.speed_rad_s = state->speed_rad_s;
     segment->start.angle_rad = state->angle_rad;
-    segment->end = segment->start;
     ema_forces_at(plant, state, work, &segment->start);
     segment->forces = work->forces;
-    segment->input_rise = EMA_R(0.0);
-    segment->torque_rise_Nm = EMA_R(0.0);
+    span->input = segment->forces.input;
+    span->torque_Nm = segment->forces.torque_Nm;
+    segment->end.current_A = EMA_R(0.0);
+    segment->end.speed_rad_s = EMA_R(0.0);
+    segment->turn_rad = EMA_R(0.0);
+    span->input_rise = EMA_R(0.0);
+    span->torque_rise_Nm = EMA_R(0.0);
 }
 
 void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
     ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
     ema_real reaction_Nm = EMA_R(0.0);
+    span->torque_Nm = EMA_R(0.0);
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         const ema_real play_end_mm =
             ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
         ema_site_transmission_trial(plant, state, play_end_mm, work->span_s, &work->rod);
-        segment->forces.torque_Nm += work->rod.reaction_start_Nm;
+        span->torque_Nm = work->rod.reaction_start_Nm;
+        segment->forces.torque_Nm += span->torque_Nm;
         reaction_Nm = work->rod.reaction_end_Nm;
     }
     ema_forces_at(plant, state, work, &segment->end);
-    segment->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
-    segment->input_rise = work->forces.input - segment->forces.input;
+    span->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
+    span->input_rise = work->forces.input - segment->forces.input;
 }
 
 void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32_t to)
@@ -144,26 +154,10 @@ void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32
         segment->turn_rad = turn_rad;
     } else {
         /* torques drive nothing */
-        for (uint32_t k = from / 2U; k < (to / 2U); ++k) {
+        for (uint32_t k = (from + 1U) / 2U; k < (to / 2U); ++k) {
             current_A += stuck[k] * driven[(size_t)2U * k];
         }
     }
     segment->end.current_A = current_A;
     segment->end.angle_rad = segment->start.angle_rad + segment->turn_rad;
-}
-
-void ema_segment_drive(int32_t motion, ema_work_t* work, uint32_t columns)
-{
-    ema_segment_t* const segment = &work->segment;
-    ema_span_t* const span = &work->span;
-    span->current_A = segment->start.current_A;
-    span->speed_rad_s = segment->start.speed_rad_s;
-    span->input = segment->forces.input;
-    span->torque_Nm = segment->forces.torque_Nm;
-    span->input_rise = segment->input_rise;
-    span->torque_rise_Nm = segment->torque_rise_Nm;
-    segment->end.current_A = EMA_R(0.0);
-    segment->end.speed_rad_s = EMA_R(0.0);
-    segment->turn_rad = EMA_R(0.0);
-    ema_segment_respond(motion, work, 0U, columns);
 }

@@ -11,11 +11,9 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
  * known. */
 void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
 
-/* Lets the forces rise evenly to those at the predicted end. */
+/* Lets the forces rise evenly to those at the predicted end. The span's torque is then what has come to that at the
+ * start: the reaction of what lies behind the play. */
 void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
-
-/* The segment's end under forces that rise evenly, by the first `columns` of the work's responses. */
-void ema_segment_drive(int32_t motion, ema_work_t* work, uint32_t columns);
 
 /* Adds to the segment's end what the work's span drives by the responses in the columns `from` to `to`. */
 void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32_t to);

@@ -12,6 +12,11 @@
 #define EMA_TAME EMA_R(1.0e-3)
 #define EMA_SHARE_OF_INPUT EMA_R(0.25)
 
+/* A torque that bends by less than this share of its rise, and hardly twists, is no ripple too fast for four points;
+ * and what the polynomial leaves of its bend, be it a kink, is less than the second share of it. */
+#define EMA_GENTLE EMA_R(0.25)
+#define EMA_LEFT_OF_BEND EMA_R(0.1)
+
 /* Bend and twist, as in ema_response_t, of what is off an even rise at the nodes. */
 #define EMA_BEND_OF_SUM EMA_R(2.5)
 #define EMA_TWIST_OF_DIFFERENCE EMA_R(5.590169943749474)
@@ -55,13 +60,13 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     if (state->motion != (int32_t)EMA_MOTION_STUCK) {
         bend_rad_s = (half_s * plant->screw.inverse_inertia_per_kgm2)
                      * ((plant->screw.viscous_Nm_s_per_rad * gained_rad_s)
-                        - (plant->motor.torque_constant_Nm_per_A * gained_A) - segment->torque_rise_Nm);
+                        - (plant->motor.torque_constant_Nm_per_A * gained_A) - work->span.torque_rise_Nm);
     }
     const ema_real bend_A = circuit->algebraic
                                 ? (circuit->rate_speed * bend_rad_s)
                                 : (-half_s
                                    * ((circuit->rate_current * gained_A) + (circuit->rate_speed * gained_rad_s)
-                                      + (circuit->rate_voltage * segment->input_rise)));
+                                      + (circuit->rate_voltage * work->span.input_rise)));
     const ema_point_t here = {
         segment->start.current_A + (node->at * gained_A) + (node->bubble * bend_A),
         segment->start.speed_rad_s + (node->at * gained_rad_s) + (node->bubble * bend_rad_s),
@@ -75,8 +80,8 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
         work->forces.torque_Nm +=
             work->rod.reaction_start_Nm + (node->at * (work->rod.reaction_end_Nm - work->rod.reaction_start_Nm));
     }
-    work->forces.torque_Nm -= segment->forces.torque_Nm + (node->at * segment->torque_rise_Nm);
-    work->forces.input -= segment->forces.input + (node->at * segment->input_rise);
+    work->forces.torque_Nm -= segment->forces.torque_Nm + (node->at * work->span.torque_rise_Nm);
+    work->forces.input -= segment->forces.input + (node->at * work->span.input_rise);
 }
 
 static bool ema_segment_within(const ema_plant_t* plant, const ema_work_t* work, ema_real input, ema_real torque_Nm,
@@ -88,8 +93,9 @@ static bool ema_segment_within(const ema_plant_t* plant, const ema_work_t* work,
            && (ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(work->applied.input)));
 }
 
-/* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that. An elastic
- * contact forgets which way it was stretched, so a turning point inside is too much for it. */
+/* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that, which is
+ * looked at where it can be. An elastic contact forgets which way it was stretched, so a turning point inside is too
+ * much for it. */
 static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
     const ema_segment_t* const segment = &work->segment;
@@ -100,7 +106,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
     }
     ema_segment_off(plant, state, work, &ema_nodes[0]);
     bool resolved = ema_segment_within(plant, work, here->input, here->torque_Nm, EMA_UNEVEN)
-                    && ema_segment_within(plant, work, EMA_R(0.0), segment->torque_rise_Nm, EMA_TAME);
+                    && ema_segment_within(plant, work, EMA_R(0.0), work->span.torque_rise_Nm, EMA_TAME);
     if (!resolved) {
         ema_span_t* const span = &work->span;
         const ema_real first_input = here->input;
@@ -109,7 +115,16 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
         span->input_bend = EMA_BEND_OF_SUM * (first_input + here->input);
         span->torque_bend_Nm = EMA_BEND_OF_SUM * (first_Nm + here->torque_Nm);
         const ema_real twists_Nm = here->torque_Nm - first_Nm;
-        const uint32_t nodes = ema_segment_within(plant, work, EMA_R(0.0), twists_Nm, EMA_TAME) ? 3U : 4U;
+        uint32_t nodes = 4U;
+        if (ema_segment_within(plant, work, EMA_R(0.0), twists_Nm, EMA_TAME)) {
+            nodes = 3U;
+            if ((state->motion != (int32_t)EMA_MOTION_ELASTIC)
+                && (ema_abs(here->torque_Nm) <= (EMA_GENTLE * ema_abs(span->torque_rise_Nm)))
+                && ema_segment_within(plant, work, ema_max(ema_abs(first_input), ema_abs(here->input)),
+                                      EMA_LEFT_OF_BEND * here->torque_Nm, EMA_UNRESOLVED)) {
+                nodes = 2U;
+            }
+        }
         span->torque_twist_Nm = EMA_TWIST_OF_DIFFERENCE * twists_Nm;
         ema_segment_respond(state->motion, work, 6U, EMA_RESPONSES);
         resolved = true;
@@ -134,10 +149,10 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
     }
     ema_segment_t* const segment = &work->segment;
     ema_segment_open(plant, state, work);
-    ema_segment_drive(state->motion, work, 4U);
+    ema_segment_respond(state->motion, work, 0U, 4U);
     if (ema_acts_on_motion(plant)) {
         ema_segment_correct(plant, state, work);
-        ema_segment_drive(state->motion, work, EMA_RESPONSES_EVEN);
+        ema_segment_respond(state->motion, work, 3U, EMA_RESPONSES_EVEN);
         if (whole && !ema_segment_resolve(plant, state, work)) {
             return false;
         }
@@ -152,7 +167,8 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
     } else {
         const ema_real gain = plant->motor.torque_constant_Nm_per_A;
         const ema_real first_Nm = segment->forces.torque_Nm + (gain * segment->start.current_A);
-        const ema_real last_Nm = segment->forces.torque_Nm + segment->torque_rise_Nm + (gain * segment->end.current_A);
+        const ema_real last_Nm =
+            segment->forces.torque_Nm + work->span.torque_rise_Nm + (gain * segment->end.current_A);
         smooth = smooth && (ema_max(first_Nm, last_Nm) <= segment->forces.level_forward_Nm)
                  && (ema_min(first_Nm, last_Nm) >= -segment->forces.level_backward_Nm);
     }
