@@ -40,6 +40,17 @@ configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/e
                @ONLY NEWLINE_STYLE UNIX
                FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
+# What is written from the lists and kept in the project: reference vectors, and what the example firmware compiles in.
+add_custom_target(written
+    COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib" "EMA_BIN_DIR=${CMAKE_BINARY_DIR}/bin"
+            "${EMA_VENV_PYTHON}" -B -m ema_tools.vectors "${CMAKE_CURRENT_SOURCE_DIR}/tests/vectors"
+    COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
+            --root "${CMAKE_CURRENT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_actuator.h"
+            "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_signatures.h"
+    WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/tools"
+    DEPENDS venv ema_desk32 ema_desk64 ema_identify
+    COMMENT "" USES_TERMINAL VERBATIM)
+
 add_custom_target(demo
     COMMAND "${CMAKE_BINARY_DIR}/ema" demo
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"

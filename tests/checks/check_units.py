@@ -65,6 +65,13 @@ def names_in(path: Path) -> list[tuple[int, str]]:
     return found
 
 
+def unknown_compound(name: str, units: set[str]) -> str:
+    """The unit at the end of a name of which it is only the last part, as in `_per_sqrt_A`; empty where there is none."""
+    ends = sorted((unit for unit in units if name.endswith("_" + unit)), key=len)
+    before = name[: -len(ends[-1]) - 1] if ends else ""
+    return ends[-1] if ends and before.endswith(("_per", "_sqrt")) else ""
+
+
 def check(root: Path, names: Path) -> tuple[list[str], int]:
     """Problems, and the number of names looked at."""
     units, plain = read_names(names)
@@ -76,6 +83,11 @@ def check(root: Path, names: Path) -> tuple[list[str], int]:
             looked_at += 1
             if name in plain:
                 used.add(name)
+            elif part := unknown_compound(name, units):
+                problems.append(
+                    f"{path.relative_to(root)}:{line}: `{name}` ends in a unit that {names.name} does not have, of which `{part}` is only the last part:"
+                    f" add `unit ...` there, and its printed text in tools/ema_tools/library/definitions.py"
+                )
             elif not any(name.endswith("_" + unit) for unit in units):
                 problems.append(
                     f"{path.relative_to(root)}:{line}: `{name}` has no unit: end it in one (_Nm, _rad_s, ...),"

@@ -91,6 +91,9 @@ def main() -> int:
     parser.add_argument("header", type=Path, help="the configuration that the firmware compiles in")
     parser.add_argument("table", type=Path, help="its table of signatures")
     given = parser.parse_args()
+    # the tools run in a folder of their own; the Python stays the link that it is
+    given.python, given.root = Path(os.path.abspath(given.python)), given.root.resolve()
+    given.header, given.table = given.header.resolve(), given.table.resolve()
     try:
         with tempfile.TemporaryDirectory() as folder:
             header, table = export(given, Path(folder))

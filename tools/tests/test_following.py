@@ -25,6 +25,7 @@ from ema_tools.library.faults import FAULTS
 from ema_tools.library.measurements import MEASUREMENTS
 from ema_tools.library.registry import separating
 from ema_tools.select.candidates import signatures
+from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.sentences.experiment import advice, offence, sentence
 from support import REFERENCE, complaint, run_ema
@@ -86,7 +87,8 @@ def test_the_separation_is_what_noisy_records_show() -> None:
         noisy = clean + np.sqrt(evidence.noise[:, :1]) * random.normal(size=clean.shape)
         seen = view(dataclasses.replace(evidence, target=noisy), {})
         wrong, right = (
-            min(refit(seen, one.start()).cost for one in signatures(seen, only=name)[:2]) for name in ("viscous_rise", "quadratic_viscous")
+            min(refit(seen, one.start()).cost for one in signatures(Screen(seen), only=(name,))[:2])
+            for name in ("viscous_rise", "quadratic_viscous")
         )
         extra.append(wrong - right)
     # one direction of the pair, and the share to which the model is trusted taken out

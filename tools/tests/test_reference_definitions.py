@@ -80,3 +80,15 @@ def test_units_come_from_the_suffix() -> None:
     assert unit_of("drag_Nm_s2_per_rad2") == "Nm s2/rad2"
     assert unit_of("ki_per_m_s") == "1/(m s)"
     assert unit_of("efficiency") == ""
+    assert unit_of("bow_per_mm") == "1/mm"
+    assert unit_of("speed_mm_s") == "mm/s"
+
+
+def test_every_unit_has_a_printed_text() -> None:
+    lines = (ROOT / "tests" / "checks" / "unit_names.txt").read_text(encoding="utf-8").splitlines()
+    units = [line.split()[1] for line in lines if line.startswith("unit ")]
+    assert len(units) > 30
+    silent = [unit for unit in units if not unit_of(f"x_{unit}") and unit != "ratio"]
+    assert not silent, f"{silent}: write their printed text in library/definitions.py"
+    # the numbers of a compound are those of its own text, not of its last part
+    assert [unit_of(f"x_{unit}") for unit in ("mm_per_rad", "per_kgm2", "per_m_s")] == ["mm/rad", "1/(kg m2)", "1/(m s)"]

@@ -30,7 +30,7 @@ TITLES = {
     "speed_mm_s": "rod speed",
 }
 _BINS = 5  # equal parts of each axis of the machine's state: as many as a reader of a table takes in [layout]
-# Ends of the times since the last reversal: play and presliding are over after the first, friction's bump after the second [judgement]
+# Ends of the times since the last reversal: play and stretch of the contacts are over after the first, friction's bump after the second [judgement]
 _SINCE_REVERSAL_S = (0.0, 0.02, 0.1, 0.5, math.inf)
 _LOWEST_BAND_HZ = 0.5  # octaves begin here: slower is the command's own sweep [layout]
 FLOOR_MARGIN = 1.5  # a balance within this many times what noise and method make of it says nothing against the model [judgement]

@@ -21,6 +21,12 @@ from ema_tools.base.errors import LibraryError
 _UNITS = (
     ("Nm_per_sqrt_rad_s", "Nm/sqrt(rad/s)"),
     ("Nm_s2_per_rad2", "Nm s2/rad2"),
+    ("mm_per_rad", "mm/rad"),
+    ("per_kgm2", "1/(kg m2)"),
+    ("per_mm", "1/mm"),
+    ("mm_s", "mm/s"),
+    ("hz", "Hz"),
+    ("m", "m"),
     ("Nm_s_per_rad", "Nm s/rad"),
     ("V_s_per_rad", "V s/rad"),
     ("Nm_per_mm", "Nm/mm"),
@@ -58,11 +64,8 @@ class TableAxis(IntEnum):
 
 
 def unit_of(field: str) -> str:
-    """The unit that the suffix of `field` names, as printed text; empty for a plain number."""
-    for suffix, unit in _UNITS:
-        if field.endswith("_" + suffix):
-            return unit
-    return ""
+    """The unit that the suffix of `field` names, the longest that fits, as printed text; empty for a plain number."""
+    return next((unit for suffix, unit in sorted(_UNITS, key=lambda one: -len(one[0])) if field.endswith("_" + suffix)), "")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import importlib
 import pkgutil
 from collections.abc import Collection, Iterator, Mapping
 
+from ema_tools.base.errors import LibraryError
 from ema_tools.library import effects
 from ema_tools.library.definitions import Definitions, Effect, load_definitions
 from ema_tools.library.faults import FAULT_RECORDS
@@ -77,11 +78,14 @@ def described() -> dict[str, EffectRecord]:
 
 @functools.lru_cache(maxsize=2)
 def _joined(definitions: Definitions) -> dict[str, EffectRecord]:
-    return joined(definitions, described())
+    try:
+        return joined(definitions, described())
+    except LookupError as error:
+        raise LibraryError(str(error)) from None
 
 
 def records() -> Mapping[str, EffectRecord]:
-    """The record of every effect of the lists in use, in their order. Raises LookupError as `joined` does."""
+    """The record of every effect of the lists in use, in their order. Raises LibraryError that says what `joined` does."""
     return _joined(load_definitions())
 
 
