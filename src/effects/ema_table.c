@@ -72,8 +72,8 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
         value += share * (node[0] - node[EMA_TABLE_SPAN_COUNT]);
     } else {
         /* written so that NaN lands on the first node */
-        const ema_real spans =
-            ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPAN_COUNT / range), EMA_R(0.0), (ema_real)EMA_TABLE_SPAN_COUNT);
+        const ema_real spans = ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPAN_COUNT / range), EMA_R(0.0),
+                                         (ema_real)EMA_TABLE_SPAN_COUNT);
         const uint32_t span = (uint32_t)spans;
         if (span < EMA_TABLE_SPAN_COUNT) {
             value = node[span] + ((spans - (ema_real)span) * (node[span + 1U] - node[span]));

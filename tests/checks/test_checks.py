@@ -61,9 +61,7 @@ class Layers(Tree):
         self.write("include/ema/ema_real.h", "typedef float ema_real;\n")
         self.write("include/ema/ema_model.h", '#include "ema/ema_real.h"\n')
         self.write("include/ema/ema_search.h", '#include "ema/ema_real.h"\n')
-        self.write(
-            "src/base/ema_math.h", '#include <math.h>\n#include "ema/ema_real.h"\n'
-        )
+        self.write("src/base/ema_math.h", '#include <math.h>\n#include "ema/ema_real.h"\n')
         self.write("src/blocks/ema_motor.h", '#include "ema_math.h"\n')
         self.write(
             "src/plant/ema_model.c",
@@ -113,13 +111,9 @@ class Layers(Tree):
         """Two files of one level that include each other's headers, one of them by way of a third."""
         self.write("src/blocks/ema_gear.h", '#include "ema_wheel.h"\n')
         self.write("src/blocks/ema_wheel.h", "")
-        self.write(
-            "src/blocks/ema_wheel.c", '#include "ema_wheel.h"\n#include "ema_tooth.h"\n'
-        )
+        self.write("src/blocks/ema_wheel.c", '#include "ema_wheel.h"\n#include "ema_tooth.h"\n')
         self.write("src/blocks/ema_tooth.h", '#include "ema_gear.h"\n')
-        self.assertIn(
-            "ema_gear -> ema_wheel -> ema_tooth -> ema_gear: a circle", self.problem()
-        )
+        self.assertIn("ema_gear -> ema_wheel -> ema_tooth -> ema_gear: a circle", self.problem())
 
     def test_search_knows_no_actuator(self) -> None:
         """Search depends on base alone."""
@@ -129,9 +123,7 @@ class Layers(Tree):
     def test_port_from_module(self) -> None:
         """Nothing in src knows a port."""
         self.write("src/base/ema_io.c", '#include "csv.h"\n')
-        self.assertIn(
-            "src/base/ema_io.c:1: the module includes port/host", self.problem()
-        )
+        self.assertIn("src/base/ema_io.c:1: the module includes port/host", self.problem())
 
     def test_private_header_from_port(self) -> None:
         """A port uses public headers."""
@@ -160,9 +152,7 @@ class Layers(Tree):
     def test_system_header(self) -> None:
         """stdio in the module, and the square root outside its header."""
         self.write("src/base/ema_log.c", "#include <stdio.h>\n")
-        self.assertIn(
-            "src/base/ema_log.c:1: <stdio.h> is not for the module", self.problem()
-        )
+        self.assertIn("src/base/ema_log.c:1: <stdio.h> is not for the module", self.problem())
         self.write("src/base/ema_log.c", "#include <math.h>\n")
         self.assertIn("<math.h>", self.problem())
 
@@ -184,9 +174,7 @@ class Layers(Tree):
 
     def test_nothing(self) -> None:
         """An empty project fails."""
-        self.assertEqual(
-            self.exit_code("check_layers.py", "--root", str(self.root / "include")), 1
-        )
+        self.assertEqual(self.exit_code("check_layers.py", "--root", str(self.root / "include")), 1)
 
 
 class Words(Tree):
@@ -213,16 +201,12 @@ class Words(Tree):
             for word in words.split():
                 problems = self.module(f"\nint y = {word}(x);\n")
                 self.assertEqual(len(problems), 1, word)
-                self.assertTrue(
-                    problems[0].startswith(f"src/base/ema_x.c:2: `{word}`"), problems[0]
-                )
+                self.assertTrue(problems[0].startswith(f"src/base/ema_x.c:2: `{word}`"), problems[0])
         self.assertEqual(self.exit_code("check_words.py", "--root", str(self.root)), 1)
 
     def test_float32_branch(self) -> None:
         """The branch that the float32 build sees, and what follows it, is read."""
-        self.assertEqual(
-            len(self.module("#if EMA_REAL64\n#else\ndouble x;\n#endif\n")), 1
-        )
+        self.assertEqual(len(self.module("#if EMA_REAL64\n#else\ndouble x;\n#endif\n")), 1)
         self.assertEqual(len(self.module("#if EMA_REAL64\n#endif\ndouble x;\n")), 1)
 
     def test_tree(self) -> None:
@@ -277,9 +261,7 @@ class Symbols(Tree):
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         return run.returncode, run.stdout + run.stderr
 
-    @unittest.skipUnless(
-        COMPILER and NM and sys.platform == "linux", "needs a compiler and nm"
-    )
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux", "needs a compiler and nm")
     def test_examples(self) -> None:
         """Good code passes; a library call, a global and a hidden static fail, each by name."""
         good = (
@@ -300,16 +282,12 @@ class Symbols(Tree):
             self.assertEqual(code, 1, text)
             self.assertIn(expected, output)
 
-    @unittest.skipUnless(
-        COMPILER and NM and sys.platform == "linux", "needs a compiler and nm"
-    )
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux", "needs a compiler and nm")
     def test_nothing(self) -> None:
         """A library without functions, and one that is not there."""
         self.assertEqual(self.verdict("extern int x;\n")[0], 1)
         self.assertEqual(
-            self.exit_code(
-                "check_symbols.py", "--nm", str(NM), str(self.root / "none.a")
-            ),
+            self.exit_code("check_symbols.py", "--nm", str(NM), str(self.root / "none.a")),
             1,
         )
 
@@ -337,10 +315,7 @@ class Calls(Tree):
         library = self.root / "liba.a"
         library.unlink(missing_ok=True)
         self.write("other/c.c", f"extern int none;\n{extra}")
-        sources = [
-            str(path)
-            for path in (*(self.root / "src").rglob("*.c"), self.root / "other/c.c")
-        ]
+        sources = [str(path) for path in (*(self.root / "src").rglob("*.c"), self.root / "other/c.c")]
         subprocess.run(
             [str(COMPILER), "-std=c11", "-O2", "-c", *sources],
             cwd=self.root,
@@ -367,10 +342,7 @@ class Calls(Tree):
         return run.returncode, run.stdout + run.stderr
 
     @unittest.skipUnless(
-        COMPILER
-        and NM
-        and sys.platform == "linux"
-        and check_calls.has_graph(str(COMPILER)),
+        COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)),
         "needs gcc and nm",
     )
     def test_examples(self) -> None:
@@ -389,28 +361,21 @@ class Calls(Tree):
             self.write("src/base/d.c", text)
             self.write(
                 "src/base/b.c",
-                "int b(int i);\nint c(int i);\nint b(int i) { return "
-                + ("c(i - 1)" if "int c(" in text else "2 * i")
-                + "; }\n",
+                "int b(int i);\nint c(int i);\nint b(int i) { return " + ("c(i - 1)" if "int c(" in text else "2 * i") + "; }\n",
             )
             code, output = self.verdict()
             self.assertEqual(code, 1, text)
             self.assertIn(expected, output)
 
     @unittest.skipUnless(
-        COMPILER
-        and NM
-        and sys.platform == "linux"
-        and check_calls.has_graph(str(COMPILER)),
+        COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)),
         "needs gcc and nm",
     )
     def test_nothing(self) -> None:
         """A graph without a function of the library, no sources, and a library without functions."""
         code, output = self.verdict("int lost(int i);\nint lost(int i) { return i; }\n")
         self.assertEqual(code, 1)
-        self.assertIn(
-            "lost: the library defines it, the call graph does not hold it", output
-        )
+        self.assertIn("lost: the library defines it, the call graph does not hold it", output)
         shutil.rmtree(self.root / "src")
         self.assertIn("liba.a defines no function", self.verdict()[1])
         self.assertIn(
@@ -420,9 +385,7 @@ class Calls(Tree):
 
     def test_cycles(self) -> None:
         """Two rings in one graph, and none in a graph whose paths meet again."""
-        self.assertEqual(
-            check_calls.cycles({"a": {"b", "c"}, "b": {"d"}, "c": {"d"}}), []
-        )
+        self.assertEqual(check_calls.cycles({"a": {"b", "c"}, "b": {"d"}, "c": {"d"}}), [])
         self.assertEqual(
             check_calls.cycles({"a": {"b"}, "b": {"a", "c"}, "c": {"c"}}),
             [["a", "b"], ["c"]],
@@ -434,9 +397,7 @@ class Units(Tree):
 
     def setUp(self) -> None:
         super().setUp()
-        self.names = self.write(
-            "names.txt", "# comment\nunit Nm\nunit rad_s\nplain gain factor\n"
-        )
+        self.names = self.write("names.txt", "# comment\nunit Nm\nunit rad_s\nplain gain factor\n")
         self.write(
             "include/ema/ema_a.h",
             "typedef struct { ema_real torque_Nm; ema_real gain; /* ema_real odd; */ int count; } a_t;\nema_real f(ema_real x);\n",
@@ -470,14 +431,10 @@ class Units(Tree):
             ("struct { int n; ema_real inner; } s;", "inner"),
             ("ema_real Nm;", "Nm"),
         ):
-            self.write(
-                "include/ema/ema_b.h", f"struct b {{\n    int n;\n    {field}\n}};\n"
-            )
+            self.write("include/ema/ema_b.h", f"struct b {{\n    int n;\n    {field}\n}};\n")
             self.assertEqual(len(self.problems()), 1, field)
             self.assertTrue(
-                self.problems()[0].startswith(
-                    f"include/ema/ema_b.h:3: `{name}` has no unit"
-                ),
+                self.problems()[0].startswith(f"include/ema/ema_b.h:3: `{name}` has no unit"),
                 self.problems()[0],
             )
 
@@ -499,9 +456,7 @@ class Units(Tree):
 
     def test_stale_and_broken_list(self) -> None:
         """A name that nothing uses; a line without a reason."""
-        self.names.write_text(
-            "unit Nm\nplain gain factor\nplain gone factor\n", encoding="utf-8"
-        )
+        self.names.write_text("unit Nm\nplain gain factor\nplain gone factor\n", encoding="utf-8")
         self.assertIn("names.txt: `gone` names nothing any more", self.problems()[0])
         self.names.write_text("unit Nm\nplain gain\n", encoding="utf-8")
         with self.assertRaisesRegex(ValueError, "names.txt:2"):
@@ -529,46 +484,30 @@ class Compiles(Tree):
         """A header that leans on another one, and one without a guard."""
         good = "#ifndef A_H\n#define A_H\n#include <stdint.h>\ntypedef struct { uint32_t n; } a_t;\n#endif\n"
         self.write("include/ema/a.h", good)
-        self.assertEqual(
-            check_compiles.check_headers(self.root, str(COMPILER)), ([], 1)
-        )
-        self.write(
-            "include/ema/b.h", "#ifndef B_H\n#define B_H\nuint32_t b(void);\n#endif\n"
-        )
+        self.assertEqual(check_compiles.check_headers(self.root, str(COMPILER)), ([], 1))
+        self.write("include/ema/b.h", "#ifndef B_H\n#define B_H\nuint32_t b(void);\n#endif\n")
         problems, count = check_compiles.check_headers(self.root, str(COMPILER))
         self.assertEqual((len(problems), count), (2, 2))
         self.assertIn("include/ema/b.h alone, EMA_REAL64=0", problems[0])
         self.write("include/ema/b.h", "typedef struct { int n; } b_t;\n")
-        self.assertEqual(
-            len(check_compiles.check_headers(self.root, str(COMPILER))[0]), 2
-        )
+        self.assertEqual(len(check_compiles.check_headers(self.root, str(COMPILER))[0]), 2)
 
-    @unittest.skipUnless(
-        any(shutil.which(name) for name in check_compiles.CLANGS), "needs clang"
-    )
+    @unittest.skipUnless(any(shutil.which(name) for name in check_compiles.CLANGS), "needs clang")
     def test_clang(self) -> None:
         """A conversion of double to float that gcc lets pass without its own flag."""
         clang = next(name for name in check_compiles.CLANGS if shutil.which(name))
-        self.write(
-            "src/base/a.c", "float a(float x);\nfloat a(float x) { return x * 0.5f; }\n"
-        )
+        self.write("src/base/a.c", "float a(float x);\nfloat a(float x) { return x * 0.5f; }\n")
         self.assertEqual(check_compiles.check_clang(self.root, clang), ([], 1))
-        self.write(
-            "src/base/a.c", "float a(double x);\nfloat a(double x) { return x; }\n"
-        )
+        self.write("src/base/a.c", "float a(double x);\nfloat a(double x) { return x; }\n")
         self.assertEqual(len(check_compiles.check_clang(self.root, clang)[0]), 2)
-        self.write(
-            "src/base/a.c", "double a(float x);\ndouble a(float x) { return x; }\n"
-        )
+        self.write("src/base/a.c", "double a(float x);\ndouble a(float x) { return x; }\n")
         self.assertEqual(len(check_compiles.check_clang(self.root, clang)[0]), 2)
 
     def snippets(self, **texts: str) -> list[str]:
         """Problems of documents that must show C, by name."""
         for name, text in texts.items():
             self.write(f"docs/{name}.md", text)
-        return check_compiles.check_snippets(
-            self.root, str(COMPILER), [], tuple(f"docs/{name}.md" for name in texts)
-        )[0]
+        return check_compiles.check_snippets(self.root, str(COMPILER), [], tuple(f"docs/{name}.md" for name in texts))[0]
 
     @unittest.skipUnless(COMPILER, "needs a compiler")
     def test_snippets(self) -> None:
@@ -586,24 +525,16 @@ class Compiles(Tree):
         ):
             problems = self.snippets(page=bad)
             self.assertEqual(len(problems), 2)
-            self.assertRegex(
-                problems[0], r"^docs/page\.md, EMA_REAL64=0: docs/page\.md:[4-9]"
-            )
-        self.assertIn(
-            "no block of C", self.snippets(page=good.replace("```c", "```"))[0]
-        )
+            self.assertRegex(problems[0], r"^docs/page\.md, EMA_REAL64=0: docs/page\.md:[4-9]")
+        self.assertIn("no block of C", self.snippets(page=good.replace("```c", "```"))[0])
         self.assertEqual(len(self.snippets(page=good + "\n```C\nint;;\n```\n")), 2)
         (self.root / "docs/page.md").unlink()
         self.assertIn(
             "not there",
-            check_compiles.check_snippets(
-                self.root, str(COMPILER), [], ("docs/page.md",)
-            )[0][0],
+            check_compiles.check_snippets(self.root, str(COMPILER), [], ("docs/page.md",))[0][0],
         )
         self.write("docs/other.md", good.replace("a(1)", "c(1)"))
-        self.assertEqual(
-            len(check_compiles.check_snippets(self.root, str(COMPILER), [], ())[0]), 2
-        )
+        self.assertEqual(len(check_compiles.check_snippets(self.root, str(COMPILER), [], ())[0]), 2)
 
     @unittest.skipUnless(COMPILER, "needs a compiler")
     def test_rows_of_effects(self) -> None:
@@ -625,18 +556,12 @@ class Compiles(Tree):
         code = '\n```c\n#include "ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
         self.write("README.md", "no C\n")
         self.assertEqual(self.snippets(page=row + code), [])
-        self.assertEqual(
-            len(self.snippets(page=row + code.replace("->force", "->size"))), 2
-        )
-        self.assertGreaterEqual(
-            len(self.snippets(page=row.replace("drag, force", "drag, force, 1"))), 2
-        )
+        self.assertEqual(len(self.snippets(page=row + code.replace("->force", "->size"))), 2)
+        self.assertGreaterEqual(len(self.snippets(page=row.replace("drag, force", "drag, force, 1"))), 2)
 
     def test_nothing(self) -> None:
         """An empty project fails."""
-        self.assertEqual(
-            self.exit_code("check_compiles.py", "headers", "--root", str(self.root)), 1
-        )
+        self.assertEqual(self.exit_code("check_compiles.py", "headers", "--root", str(self.root)), 1)
 
 
 class Misra(Tree):
@@ -659,9 +584,7 @@ class Misra(Tree):
         self.write("src/base/a.c", self.FAULT)
         self.assertEqual(
             self.problems(str(CPPCHECK)),
-            [
-                "src/base/a.c:5: against the required rule 10.4: mend it, or mark it with a deviation of docs/MISRA.md"
-            ],
+            ["src/base/a.c:5: against the required rule 10.4: mend it, or mark it with a deviation of docs/MISRA.md"],
         )
         self.write("docs/MISRA.md", self.ROW)
         self.write("src/base/a.c", self.FAULT.replace("2U;", "2U; /* EMA-D1 */"))
@@ -669,9 +592,7 @@ class Misra(Tree):
         self.write("src/base/a.c", self.GOOD.replace("2U;", "2U; /* EMA-D1 */"))
         self.assertEqual(
             self.problems(str(CPPCHECK)),
-            [
-                "src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"
-            ],
+            ["src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"],
         )
 
     @unittest.skipUnless(CPPCHECK, "needs cppcheck")
@@ -692,9 +613,7 @@ class Misra(Tree):
         tool.chmod(0o755)
         problems = self.problems(str(tool))
         self.assertEqual(len(problems), 4, problems)
-        self.assertIn(
-            "a file with known faults shows none against 10.4, 15.1, 21.15", problems[0]
-        )
+        self.assertIn("a file with known faults shows none against 10.4, 15.1, 21.15", problems[0])
         self.assertIn("src: a.c was not looked at", problems[1])
 
     def test_judge(self) -> None:
@@ -708,9 +627,7 @@ class Misra(Tree):
             check_misra.Finding("src/a.c", 3, "10.4"),
             check_misra.Finding("src/a.c", 4, "15.5"),
         }
-        self.assertEqual(
-            check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}}), []
-        )
+        self.assertEqual(check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}}), [])
         for rule, group in (
             ("10.4", "required"),
             ("17.3", "mandatory"),
@@ -726,9 +643,7 @@ class Misra(Tree):
             )
         self.assertIn(
             "src/a.c:9: EMA-D3 is no deviation",
-            check_misra.judge(
-                found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}}
-            )[0],
+            check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}})[0],
         )
         self.assertEqual(
             check_misra.judge(found, rows, {place: {"EMA-D1"}}),
@@ -765,11 +680,7 @@ class Misra(Tree):
     def test_tagless(self) -> None:
         """The rules on tags hold where there is one."""
         self.write("src/base/a.h", "enum {\nenum a {\n")
-        findings = {
-            check_misra.Finding("src/base/a.h", line, rule)
-            for line in (1, 2)
-            for rule in ("5.7", "10.4")
-        }
+        findings = {check_misra.Finding("src/base/a.h", line, rule) for line in (1, 2) for rule in ("5.7", "10.4")}
         self.assertEqual(
             check_misra.without_tagless(self.root, findings),
             findings - {check_misra.Finding("src/base/a.h", 1, "5.7")},
@@ -810,9 +721,7 @@ class Tidy(Tree):
 
     def problems(self) -> list[str]:
         """Problems of the tree."""
-        problems, checked = check_tidy.check(
-            self.root, self.root / "build", str(TIDY), 1
-        )
+        problems, checked = check_tidy.check(self.root, self.root / "build", str(TIDY), 1)
         self.assertEqual(checked, 1)
         return problems
 
@@ -820,17 +729,13 @@ class Tidy(Tree):
     def test_finding(self) -> None:
         """A clean file, a suspicious one, and one that is no C."""
         self.assertEqual(self.problems(), [])
-        self.write(
-            "src/base/a.c", self.FILE.replace("x + 1", "sizeof(sizeof(x)) == 4U")
-        )
+        self.write("src/base/a.c", self.FILE.replace("x + 1", "sizeof(sizeof(x)) == 4U"))
         self.assertIn(
             "src/base/a.c:4: suspicious usage of 'sizeof(sizeof(...))'",
             self.problems()[0],
         )
         self.write("src/base/a.c", self.FILE.replace("x + 1", "x + y"))
-        self.assertIn(
-            "src/base/a.c:4: use of undeclared identifier 'y'", self.problems()[0]
-        )
+        self.assertIn("src/base/a.c:4: use of undeclared identifier 'y'", self.problems()[0])
 
     @unittest.skipUnless(TIDY, "needs clang-tidy")
     def test_checks_that_see_nothing(self) -> None:
@@ -894,9 +799,7 @@ class Python(Tree):
         """Clean files, those with a fault that one of the tools sees, and one that is no Python."""
         self.write("cmake/b.py", "print(1)\n")
         self.write("tools/tests/test_a.py", "def test_a():\n    assert True\n")
-        self.assertEqual(
-            check_python.check(self.root, self.root / "build/mypy"), ([], 4)
-        )
+        self.assertEqual(check_python.check(self.root, self.root / "build/mypy"), ([], 4))
         self.write("tools/ema_tools/a.py", self.FILE.replace("count + 1", "str(count)"))
         self.write("cmake/b.py", "def b(count):\n    return count\n")
         self.write("tools/tests/test_a.py", "import os\n")
@@ -905,9 +808,7 @@ class Python(Tree):
             [one.split(" ")[0] for one in found],
             ["tools/tests/test_a.py:1:", "cmake/b.py:1:", "tools/ema_tools/a.py:2:"],
         )
-        for one, rule in zip(
-            found, ("F401", "[no-untyped-def]", "[return-value]"), strict=True
-        ):
+        for one, rule in zip(found, ("F401", "[no-untyped-def]", "[return-value]"), strict=True):
             self.assertIn(rule, one)
         self.write("tools/ema_tools/a.py", "def\n")
         self.assertIn("tools/ema_tools/a.py:1: ", self.problems()[0])
@@ -921,9 +822,7 @@ class Python(Tree):
         )
         found = self.problems()
         self.assertEqual([one.split(":")[0] for one in found], ["ruff", "mypy"])
-        self.assertTrue(
-            all("finds nothing in a file with a known fault" in one for one in found)
-        )
+        self.assertTrue(all("finds nothing in a file with a known fault" in one for one in found))
         self.write("tools/pyproject.toml", "[tool.mypy]\nno_such_setting\n")
         self.assertIn("ruff failed", self.problems()[0])
 
@@ -935,9 +834,7 @@ class Python(Tree):
         """An empty project fails."""
         self.source.unlink()
         (self.root / "tools/ema_tools/__init__.py").unlink()
-        self.assertEqual(
-            check_python.check(self.root, self.root / "build/mypy"), ([], 0)
-        )
+        self.assertEqual(check_python.check(self.root, self.root / "build/mypy"), ([], 0))
         self.assertEqual(
             self.exit_code(
                 "check_python.py",
@@ -950,9 +847,7 @@ class Python(Tree):
         )
 
 
-@unittest.skipUnless(
-    FORMATTER and PYTHON_TOOLS, "needs clang-format and ruff in its environment"
-)
+@unittest.skipUnless(FORMATTER and PYTHON_TOOLS, "needs clang-format and ruff in its environment")
 class Format(Tree):
     """check_format.py"""
 
@@ -984,12 +879,8 @@ class Format(Tree):
         self.write(".clang-format", "DisableFormat: true\n")
         self.write("tools/pyproject.toml", "[tool.ruff]\nline-length = 0\n")
         found = self.problems()
-        self.assertEqual(
-            [one.split(":")[0] for one in found], ["clang-format", "ruff format"]
-        )
-        self.assertTrue(
-            all("finds nothing in a file with a known fault" in one for one in found)
-        )
+        self.assertEqual([one.split(":")[0] for one in found], ["clang-format", "ruff format"])
+        self.assertTrue(all("finds nothing in a file with a known fault" in one for one in found))
 
     def test_nothing(self) -> None:
         """An empty project fails."""
@@ -1029,9 +920,7 @@ class PythonLayers(Tree):
     def test_good(self) -> None:
         """The order as it is meant."""
         self.assertEqual(check_python_layers.check(self.root), ([], 5))
-        self.assertEqual(
-            self.exit_code("check_python_layers.py", "--root", str(self.root)), 0
-        )
+        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root)), 0)
 
     def test_upward(self) -> None:
         """Upward, beside, inside a function and by a relative import."""
@@ -1042,24 +931,16 @@ class PythonLayers(Tree):
         ):
             self.write("tools/ema_tools/base/errors.py", text)
             problems, _ = check_python_layers.check(self.root)
-            self.assertIn(
-                "base imports fit.calibrate, which does not stand below it", problems[0]
-            )
+            self.assertIn("base imports fit.calibrate, which does not stand below it", problems[0])
         self.write("tools/ema_tools/base/errors.py", "")
         self.write("tools/ema_tools/plant/a.py", "import ema_tools.reference.b\n")
         self.write("tools/ema_tools/reference/b.py", "")
-        self.assertIn(
-            "plant imports reference.b, which does not stand below it", self.problem()
-        )
-        self.assertEqual(
-            self.exit_code("check_python_layers.py", "--root", str(self.root)), 1
-        )
+        self.assertIn("plant imports reference.b, which does not stand below it", self.problem())
+        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root)), 1)
 
     def test_less_than_the_table_allows(self) -> None:
         """The truth is independent of what it is held against."""
-        self.write(
-            "tools/ema_tools/truth/plant.py", "from ema_tools.library import native\n"
-        )
+        self.write("tools/ema_tools/truth/plant.py", "from ema_tools.library import native\n")
         self.assertIn(
             "truth imports library.native, which it is to stay independent of",
             self.problem(),
@@ -1072,15 +953,9 @@ class PythonLayers(Tree):
 
     def test_circle(self) -> None:
         """Two files of one folder that import each other by way of a third."""
-        self.write(
-            "tools/ema_tools/base/errors.py", "from ema_tools.base import files\n"
-        )
-        self.write(
-            "tools/ema_tools/base/files.py", "from ema_tools.base import words\n"
-        )
-        self.write(
-            "tools/ema_tools/base/words.py", "from ema_tools.base.errors import wrong\n"
-        )
+        self.write("tools/ema_tools/base/errors.py", "from ema_tools.base import files\n")
+        self.write("tools/ema_tools/base/files.py", "from ema_tools.base import words\n")
+        self.write("tools/ema_tools/base/words.py", "from ema_tools.base.errors import wrong\n")
         self.assertIn(
             "base.errors -> base.files -> base.words -> base.errors: a circle",
             self.problem(),
