@@ -90,7 +90,7 @@ COMPARED = ComparisonResult(
 )
 IDENTIFIED = IdentificationResult(
     csj_Nm=EstimateEntry(0.3, 1e-4, 117.4, (0.297, 0.303), 0.138),
-    blk_mm=NotIdentified(None, None, None, None, 0.0, "zero"),
+    blk_mm=NotIdentified(None, None, None, 0.0, "zero"),
     objective_before_mm2s=0.6,
     objective_after_mm2s=2e-4,
     evaluations=7,

@@ -38,9 +38,9 @@ class NotIdentified:
     estimate: None
     std: None
     shift_percent: None
-    interval95: None
     healthy: float
     reason: str
+    interval95: None = None
 
 
 @dataclass(frozen=True)

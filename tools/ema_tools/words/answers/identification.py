@@ -58,9 +58,7 @@ def identification(
 
 def _values(found: Identified) -> Mapping[str, Any]:
     absent = {
-        key: result.NotIdentified(None, None, None, None, 0.0, _ZERO)
-        for name, key in KEYS.items()
-        if name not in identified_of(found.healthy)
+        key: result.NotIdentified(None, None, None, 0.0, _ZERO) for name, key in KEYS.items() if name not in identified_of(found.healthy)
     }
     return absent | {
         KEYS[one.name]: result.EstimateEntry(
