@@ -54,14 +54,14 @@ class Slopes(Protocol):
 
 @dataclass(frozen=True)
 class OneSided:
-    """Each unknown moved by the first of `steps`, in scales, that changes the vector by more than `rough`, its length; by the last where none does. Never over an end of its range."""
+    """Each unknown moved by the first of `steps`, in scales, that changes the vector by more than `rough`, its length; by the last where none does. Never over an end of its range. All at once."""
 
     steps: tuple[float, ...]
     rough: float = 0.0
 
     def __call__(self, vector: Callable[[Reals], Reals], point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
         """The columns."""
-        return np.column_stack([self._column(vector, point, here, place, lower[place], upper[place]) for place in range(point.size)])
+        return np.column_stack(each(lambda place: self._column(vector, point, here, place, lower[place], upper[place]), range(point.size)))
 
     def _column(self, vector: Callable[[Reals], Reals], point: Reals, here: Reals, place: int, lower: float, upper: float) -> Reals:
         column = np.zeros_like(here)
