@@ -369,7 +369,11 @@ def settled(
         if there is None:
             break
         done = here.plain_cost - there.cost < _SETTLED * there.cost
-        here = _seen(evidence, values, there)
+        try:
+            here = _seen(evidence, values, there)
+        except InputError:
+            # at the edge of what the model takes: what scatters cannot be moved any further there
+            break
         if done:
             break
     return here

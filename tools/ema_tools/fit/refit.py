@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -176,16 +177,19 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
         step = np.asarray(np.linalg.lstsq(columns, seen.plain, rcond=None)[0], dtype=float)
         covariance = np.asarray(np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)], dtype=float)
         here = replace(here, covariance=covariance)
-        there = _joint_move(here, step, columns[:, len(rows) :], rows)
+        before = here.view.plain_cost
+        moves = (_joint_move(here, step, columns[:, len(rows) :], rows, exact) for exact in (False, True))
+        # the cheap move first: where it comes to nothing, the way may bend
+        there = next((move for move in moves if move is not None and before - move.view.plain_cost >= _JOINT_DONE), None)
         if there is None:
             break
-        fallen = here.view.plain_cost - there.view.plain_cost
         here = there
-        if fallen < _JOINT_DONE:
-            break
-    if here is not fit:
-        seen = here.view.linear_here()
-        here = replace(here, view=seen, cost=seen.cost)
+    if here.view is not fit.view:
+        # at the edge of what the model takes the directions of the last step stay
+        with suppress(InputError):
+            seen = here.view.linear_here()
+            here = replace(here, view=seen)
+        here = replace(here, cost=here.view.cost)
     return here
 
 
@@ -200,8 +204,8 @@ def _around(name: str, value: float, row: Row) -> list[tuple[float, float]]:
     return [(max(value - step, row.lower), min(value + step, row.upper)) for step in steps]
 
 
-def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row]) -> Fit | None:
-    """The fit after a share of a step that lowers its cost, what scatters moving it there as the columns `scatter` say; None when none does."""
+def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row], exact: bool) -> Fit | None:
+    """The fit after a share of a step that lowers its cost, what scatters moving it there as the columns `scatter` say, or, `exact`, as it does there; None when none does."""
     seen = fit.view
     for share in _JOINT_SHARES:
         values = dict(fit.values)
@@ -210,7 +214,7 @@ def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row]) 
         try:
             there = seen.at(values, seen.deviations + share * step[len(rows) :], scatter)
             # where an effect and the scatter do the same, the way between them is narrow and bends
-            there = there.at(values, there.best_deviations(reach=np.inf))
+            there = there.at(values, (there.linear_here() if exact else there).best_deviations(reach=np.inf), scatter)
         except InputError:
             continue
         if there.plain_cost < seen.plain_cost:

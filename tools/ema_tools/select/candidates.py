@@ -237,11 +237,13 @@ def _scaled(candidate: Candidate, first: float, view: View) -> tuple[Signature, 
         if place == 0:
             whole = float(shown.vector @ shown.vector)
             shows = whole > ROUGHNESS**2 and square > _SHOWN_SHARE * whole
-            if shows and product * product < _NOTHING * square:
+            if product * product < _NOTHING * square:
+                # what bends may show at a larger size
+                shows = False
                 break
         if share <= 0.0 or abs(share - 1.0) < 0.2:
-            # a larger first size would lead here again
-            shows = shows or (place > 0 and share > 0.0)
+            # where it shows, a larger first size would lead here again; where what scatters hides nearly all of it, perhaps not
+            shows = shows or (share > 0.0 and square > _SHOWN_SHARE * float(shown.vector @ shown.vector))
             break
         reach, length = abs(size - candidate.zero), float(np.sqrt(max(square, 1e-300)))
         if earlier is not None and reach != earlier[0]:
