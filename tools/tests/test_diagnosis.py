@@ -12,8 +12,9 @@ from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import settled
+from ema_tools.fit.evidence import View, settled, view
 from ema_tools.fit.whitening import Whitener, counted, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
@@ -24,6 +25,7 @@ from ema_tools.select.holdout import Step, refuted
 from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import Answer, answer
+from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.answers.diagnosis import diagnosis
 from ema_tools.words.sentences.addition import reason
 from ema_tools.words.sentences.diagnosis import sentence
@@ -158,6 +160,37 @@ def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
     found = answer(reference_actuator(), run_of(worn, 812))
     # the unit's own friction asymmetry of 0.3 % is really there, and one class with a constant load
     assert {one.name for one in found.effects} <= {"coulomb_asymmetry", "constant_load"}, sentence(found)
+
+
+@pytest.mark.slow
+@needs_numba
+def test_without_repeats_an_effect_in_a_narrow_valley_is_named() -> None:
+    """Grease that thickens with the day does nearly what the unit's own viscous friction does: the fit has to follow the bend between the two."""
+    run = measured(machine(1), {"viscous_rise.rise": 1.5}, "chirp", 813)
+    record = Record(STEP_S, run.command_mm, run.position_mm, run.motor_position_mm, run.current_A, run.voltage_V, file="run")
+    found = answer(reference_actuator(), record)
+    assert [one.name for one in found.effects] == ["viscous_rise"], sentence(found)
+    assert found.effects[0].values["effects.viscous_rise.rise"] == pytest.approx(1.5, abs=0.5)
+
+
+def test_where_the_model_takes_no_other_value_the_last_view_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A unit at the edge of what the model takes ends the fit, not the command."""
+    actuator = reference_actuator()
+    record = simulate_record(
+        actuator.changed({"screw.viscous_Nm_s_per_rad": 1.1 * actuator["screw.viscous_Nm_s_per_rad"]}), make_command("chirp", actuator)
+    )
+    evidence = gather(actuator, record.with_noise({"position_mm": 0.002, "current_A": 0.03}, 4))
+    first = view(evidence, {})
+    seen: list[int] = []
+
+    def refuses(*_: object) -> View:
+        seen.append(1)
+        raise InputError("simulate: too far")
+
+    monkeypatch.setattr("ema_tools.fit.evidence.view", lambda *_: first)
+    monkeypatch.setattr("ema_tools.fit.evidence._seen", refuses)
+    assert settled(evidence, {}) is first
+    assert seen == [1]
 
 
 @needs_numba
