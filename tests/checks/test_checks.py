@@ -63,22 +63,10 @@ class Layers(Tree):
         self.write("include/ema/ema_search.h", '#include "ema/ema_real.h"\n')
         self.write("src/base/ema_math.h", '#include <math.h>\n#include "ema/ema_real.h"\n')
         self.write("src/blocks/ema_motor.h", '#include "ema_math.h"\n')
-        self.write(
-            "src/plant/ema_model.c",
-            '#include "ema/ema_model.h"\n#include "ema_motor.h"\n#include <string.h>\n',
-        )
-        self.write(
-            "src/search/ema_search.c",
-            '#include "ema/ema_search.h"\n#include "ema_math.h"\n',
-        )
-        self.write(
-            "src/ident/ema_ident.c",
-            '#include "ema/ema_model.h"\n#include "ema/ema_search.h"\n',
-        )
-        self.write(
-            "port/host/main.c",
-            '#include <stdio.h>\n#include "ema/ema_model.h"\n#include "csv.h"\n',
-        )
+        self.write("src/plant/ema_model.c", '#include "ema/ema_model.h"\n#include "ema_motor.h"\n#include <string.h>\n')
+        self.write("src/search/ema_search.c", '#include "ema/ema_search.h"\n#include "ema_math.h"\n')
+        self.write("src/ident/ema_ident.c", '#include "ema/ema_model.h"\n#include "ema/ema_search.h"\n')
+        self.write("port/host/main.c", '#include <stdio.h>\n#include "ema/ema_model.h"\n#include "csv.h"\n')
         self.write("port/host/csv.h", "")
 
     def problem(self) -> str:
@@ -95,10 +83,7 @@ class Layers(Tree):
     def test_upward(self) -> None:
         """A block that includes the plant's header."""
         self.write("src/blocks/ema_pid.c", '#include "ema/ema_model.h"\n')
-        self.assertIn(
-            "src/blocks/ema_pid.c: level blocks sees ema_model.h of level plant",
-            self.problem(),
-        )
+        self.assertIn("src/blocks/ema_pid.c: level blocks sees ema_model.h of level plant", self.problem())
         self.assertEqual(self.exit_code("check_layers.py", "--root", str(self.root)), 1)
 
     def test_upward_through_another_header(self) -> None:
@@ -128,10 +113,7 @@ class Layers(Tree):
     def test_private_header_from_port(self) -> None:
         """A port uses public headers."""
         self.write("port/host/blocks.c", '\n#include "ema_motor.h"\n')
-        self.assertIn(
-            "port/host/blocks.c:2: a port includes the private header ema_motor.h",
-            self.problem(),
-        )
+        self.assertIn("port/host/blocks.c:2: a port includes the private header ema_motor.h", self.problem())
 
     def test_the_desk_shows_blocks(self) -> None:
         """The desk sees the blocks, and nothing above them."""
@@ -139,10 +121,7 @@ class Layers(Tree):
         self.assertEqual(check_layers.check(self.root), ([], 13))
         self.write("src/plant/ema_inner.h", "")
         self.write("port/desk/inner.c", '#include "ema_inner.h"\n')
-        self.assertIn(
-            "port/desk/inner.c:1: a port includes the private header ema_inner.h",
-            self.problem(),
-        )
+        self.assertIn("port/desk/inner.c:1: a port includes the private header ema_inner.h", self.problem())
 
     def test_private_header_from_public(self) -> None:
         """A public header stands on public headers."""
@@ -159,10 +138,7 @@ class Layers(Tree):
     def test_unknown_header_and_level(self) -> None:
         """A name that resolves nowhere, and a folder that the rule does not know."""
         self.write("src/base/ema_odd.c", '#include "nowhere.h"\n')
-        self.assertIn(
-            "src/base/ema_odd.c:1: nowhere.h is no header of the project",
-            self.problem(),
-        )
+        self.assertIn("src/base/ema_odd.c:1: nowhere.h is no header of the project", self.problem())
         (self.root / "src/base/ema_odd.c").unlink()
         self.write("src/extra/ema_odd.c", "")
         self.assertIn("src has no level extra", self.problem())
@@ -215,10 +191,7 @@ class Words(Tree):
         self.write("tools/a.py", "x = '/" + "work/main'\n")
         self.write("build/a.py", "x = '/" + "work/main'\n")
         problems = check_words.check_tree(self.root)
-        self.assertEqual(
-            [problem.split(": ")[0] for problem in problems],
-            ["docs/a.md:2", "tools/a.py:1"],
-        )
+        self.assertEqual([problem.split(": ")[0] for problem in problems], ["docs/a.md:2", "tools/a.py:1"])
 
     def test_nothing(self) -> None:
         """An empty project fails."""
@@ -233,31 +206,13 @@ class Symbols(Tree):
         source = self.write("x.c", text)
         unit, library = self.root / "x.o", self.root / "libx.a"
         library.unlink(missing_ok=True)
-        subprocess.run(
-            [
-                str(COMPILER),
-                "-std=c11",
-                "-O2",
-                "-fno-builtin",
-                "-c",
-                str(source),
-                "-o",
-                str(unit),
-            ],
-            check=True,
-        )
+        subprocess.run([str(COMPILER), "-std=c11", "-O2", "-fno-builtin", "-c", str(source), "-o", str(unit)], check=True)
         subprocess.run(["ar", "rc", str(library), str(unit)], check=True)
         return library
 
     def verdict(self, text: str) -> tuple[int, str]:
         """Exit code and output of the check."""
-        command = [
-            sys.executable,
-            str(HERE / "check_symbols.py"),
-            "--nm",
-            str(NM),
-            str(self.library(text)),
-        ]
+        command = [sys.executable, str(HERE / "check_symbols.py"), "--nm", str(NM), str(self.library(text))]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         return run.returncode, run.stdout + run.stderr
 
@@ -286,17 +241,13 @@ class Symbols(Tree):
     def test_nothing(self) -> None:
         """A library without functions, and one that is not there."""
         self.assertEqual(self.verdict("extern int x;\n")[0], 1)
-        self.assertEqual(
-            self.exit_code("check_symbols.py", "--nm", str(NM), str(self.root / "none.a")),
-            1,
-        )
+        self.assertEqual(self.exit_code("check_symbols.py", "--nm", str(NM), str(self.root / "none.a")), 1)
 
     def test_problem_names_the_object(self) -> None:
         """The message carries the member of the library."""
         table = "Symbols from libema.a[ema_pid.c.o]:\n\nema_pid |0000| T | FUNC|0010| |.text\npow | | U | NOTYPE| | |*UND*\n"
         self.assertEqual(
-            check_symbols.check_table(table, "libema.a"),
-            (["libema.a(ema_pid.c.o): needs pow: keep it out of src, or inline it"], 1),
+            check_symbols.check_table(table, "libema.a"), (["libema.a(ema_pid.c.o): needs pow: keep it out of src, or inline it"], 1)
         )
 
 
@@ -316,16 +267,8 @@ class Calls(Tree):
         library.unlink(missing_ok=True)
         self.write("other/c.c", f"extern int none;\n{extra}")
         sources = [str(path) for path in (*(self.root / "src").rglob("*.c"), self.root / "other/c.c")]
-        subprocess.run(
-            [str(COMPILER), "-std=c11", "-O2", "-c", *sources],
-            cwd=self.root,
-            check=True,
-        )
-        subprocess.run(
-            ["ar", "rc", str(library), *(f"{Path(name).stem}.o" for name in sources)],
-            cwd=self.root,
-            check=True,
-        )
+        subprocess.run([str(COMPILER), "-std=c11", "-O2", "-c", *sources], cwd=self.root, check=True)
+        subprocess.run(["ar", "rc", str(library), *(f"{Path(name).stem}.o" for name in sources)], cwd=self.root, check=True)
         command = [
             sys.executable,
             str(HERE / "check_calls.py"),
@@ -341,10 +284,7 @@ class Calls(Tree):
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         return run.returncode, run.stdout + run.stderr
 
-    @unittest.skipUnless(
-        COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)),
-        "needs gcc and nm",
-    )
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)), "needs gcc and nm")
     def test_examples(self) -> None:
         """Good code passes; each forbidden thing fails and is named, a recursion also where an optimised build makes a loop of it."""
         self.assertEqual(self.verdict()[0], 0, self.verdict()[1])
@@ -367,10 +307,7 @@ class Calls(Tree):
             self.assertEqual(code, 1, text)
             self.assertIn(expected, output)
 
-    @unittest.skipUnless(
-        COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)),
-        "needs gcc and nm",
-    )
+    @unittest.skipUnless(COMPILER and NM and sys.platform == "linux" and check_calls.has_graph(str(COMPILER)), "needs gcc and nm")
     def test_nothing(self) -> None:
         """A graph without a function of the library, no sources, and a library without functions."""
         code, output = self.verdict("int lost(int i);\nint lost(int i) { return i; }\n")
@@ -378,18 +315,12 @@ class Calls(Tree):
         self.assertIn("lost: the library defines it, the call graph does not hold it", output)
         shutil.rmtree(self.root / "src")
         self.assertIn("liba.a defines no function", self.verdict()[1])
-        self.assertIn(
-            "a: the library defines it",
-            "".join(check_calls.check_graph(stack.Graph(), {"a"})),
-        )
+        self.assertIn("a: the library defines it", "".join(check_calls.check_graph(stack.Graph(), {"a"})))
 
     def test_cycles(self) -> None:
         """Two rings in one graph, and none in a graph whose paths meet again."""
         self.assertEqual(check_calls.cycles({"a": {"b", "c"}, "b": {"d"}, "c": {"d"}}), [])
-        self.assertEqual(
-            check_calls.cycles({"a": {"b"}, "b": {"a", "c"}, "c": {"c"}}),
-            [["a", "b"], ["c"]],
-        )
+        self.assertEqual(check_calls.cycles({"a": {"b"}, "b": {"a", "c"}, "c": {"c"}}), [["a", "b"], ["c"]])
 
 
 class Units(Tree):
@@ -413,10 +344,7 @@ class Units(Tree):
 
     def test_last_part_of_a_unit(self) -> None:
         """Newton metres per square root of radians per second are no radians per second."""
-        self.write(
-            "include/ema/ema_b.h",
-            "typedef struct { ema_real drag_Nm_per_rad_s; ema_real fade_per_sqrt_rad_s; } b_t;\n",
-        )
+        self.write("include/ema/ema_b.h", "typedef struct { ema_real drag_Nm_per_rad_s; ema_real fade_per_sqrt_rad_s; } b_t;\n")
         found = self.problems()
         self.assertEqual(len(found), 2)
         self.assertTrue(all("`rad_s` is only the last part" in one for one in found))
@@ -433,10 +361,7 @@ class Units(Tree):
         ):
             self.write("include/ema/ema_b.h", f"struct b {{\n    int n;\n    {field}\n}};\n")
             self.assertEqual(len(self.problems()), 1, field)
-            self.assertTrue(
-                self.problems()[0].startswith(f"include/ema/ema_b.h:3: `{name}` has no unit"),
-                self.problems()[0],
-            )
+            self.assertTrue(self.problems()[0].startswith(f"include/ema/ema_b.h:3: `{name}` has no unit"), self.problems()[0])
 
     def test_bad_rows(self) -> None:
         """The rows of the lists are held to the same rule; macros in headers are not fields."""
@@ -445,10 +370,7 @@ class Units(Tree):
             'EMA_PARAM(motor, torque_Nm, 1.0, 0.0, 2.0, "t")\nEMA_PARAM(motor, speed, 1.0, 0.0, 2.0, "t")\n'
             'EMA_EFFECT(x, TORQUE, 0, 1, "e", "s", "l",\n   EMA_P(size, 0.0, 0.0, 1.0, "t") EMA_P(b_rad_s, -1.0, 0.0, 1.0, "t"))\n',
         )
-        self.write(
-            "include/ema/ema_c.h",
-            "typedef struct {\n#define EMA_P(field, n) ema_real field;\n#undef EMA_P\n} c_t;\n",
-        )
+        self.write("include/ema/ema_c.h", "typedef struct {\n#define EMA_P(field, n) ema_real field;\n#undef EMA_P\n} c_t;\n")
         self.assertEqual(
             [problem.split(" has")[0] for problem in self.problems()],
             ["include/ema/ema_p.def:2: `speed`", "include/ema/ema_p.def:4: `size`"],
@@ -464,16 +386,7 @@ class Units(Tree):
 
     def test_nothing(self) -> None:
         """An empty project fails."""
-        self.assertEqual(
-            self.exit_code(
-                "check_units.py",
-                "--root",
-                str(self.root / "none"),
-                "--names",
-                str(self.names),
-            ),
-            1,
-        )
+        self.assertEqual(self.exit_code("check_units.py", "--root", str(self.root / "none"), "--names", str(self.names)), 1)
 
 
 class Compiles(Tree):
@@ -529,10 +442,7 @@ class Compiles(Tree):
         self.assertIn("no block of C", self.snippets(page=good.replace("```c", "```"))[0])
         self.assertEqual(len(self.snippets(page=good + "\n```C\nint;;\n```\n")), 2)
         (self.root / "docs/page.md").unlink()
-        self.assertIn(
-            "not there",
-            check_compiles.check_snippets(self.root, str(COMPILER), [], ("docs/page.md",))[0][0],
-        )
+        self.assertIn("not there", check_compiles.check_snippets(self.root, str(COMPILER), [], ("docs/page.md",))[0][0])
         self.write("docs/other.md", good.replace("a(1)", "c(1)"))
         self.assertEqual(len(check_compiles.check_snippets(self.root, str(COMPILER), [], ())[0]), 2)
 
@@ -540,18 +450,9 @@ class Compiles(Tree):
     def test_rows_of_effects(self) -> None:
         """A row is an effect of one's own beside the library's, also where the library has one of its name."""
         read = '#define EMA_EFFECT(name, field) typedef struct { int field; } ema_##name##_t;\n#include "ema/ema_effects.def"\n#undef EMA_EFFECT\n'
-        self.write(
-            "include/ema/ema_effects.def",
-            "EMA_EFFECT(drag, size)\n#ifdef EMA_OWN_EFFECTS\n#include EMA_OWN_EFFECTS\n#endif\n",
-        )
-        self.write(
-            "src/effects/ema_effect_sites.h",
-            f"#ifndef SITES_H\n#define SITES_H\n{read}#endif\n",
-        )
-        self.write(
-            "src/base/ema_actuator.c",
-            '#include "ema_effect_sites.h"\nextern int ema_actuator_check;\n',
-        )
+        self.write("include/ema/ema_effects.def", "EMA_EFFECT(drag, size)\n#ifdef EMA_OWN_EFFECTS\n#include EMA_OWN_EFFECTS\n#endif\n")
+        self.write("src/effects/ema_effect_sites.h", f"#ifndef SITES_H\n#define SITES_H\n{read}#endif\n")
+        self.write("src/base/ema_actuator.c", '#include "ema_effect_sites.h"\nextern int ema_actuator_check;\n')
         row = "```c\nEMA_EFFECT(drag, force)\n```\n"
         code = '\n```c\n#include "ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
         self.write("README.md", "no C\n")
@@ -591,8 +492,7 @@ class Misra(Tree):
         self.assertEqual(self.problems(str(CPPCHECK)), [])
         self.write("src/base/a.c", self.GOOD.replace("2U;", "2U; /* EMA-D1 */"))
         self.assertEqual(
-            self.problems(str(CPPCHECK)),
-            ["src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"],
+            self.problems(str(CPPCHECK)), ["src/base/a.c:5: nothing is found against rule 10.4 any more: take the mark EMA-D1 off"]
         )
 
     @unittest.skipUnless(CPPCHECK, "needs cppcheck")
@@ -600,10 +500,7 @@ class Misra(Tree):
         """What the tool cannot read is not clean."""
         self.write("docs/MISRA.md", "")
         self.write("src/base/a.c", "int a(void)\n{\n    return (;\n}\n")
-        self.assertIn(
-            "src/base/a.c:3: syntaxError",
-            self.problems(str(CPPCHECK))[0].replace(str(self.root) + "/", ""),
-        )
+        self.assertIn("src/base/a.c:3: syntaxError", self.problems(str(CPPCHECK))[0].replace(str(self.root) + "/", ""))
 
     def test_tool_that_looks_at_nothing(self) -> None:
         """A cppcheck without addon: no file looked at, and none of the known faults found."""
@@ -618,44 +515,25 @@ class Misra(Tree):
 
     def test_judge(self) -> None:
         """A mark answers its own rule in its own line; advisory rules need none; rows and marks belong together."""
-        rows = {
-            "EMA-D1": check_misra.Deviation("10.4", True),
-            "EMA-D2": check_misra.Deviation("18.1", False),
-        }
+        rows = {"EMA-D1": check_misra.Deviation("10.4", True), "EMA-D2": check_misra.Deviation("18.1", False)}
         place, other = check_misra.Line("src/a.c", 3), check_misra.Line("src/a.c", 9)
-        found = {
-            check_misra.Finding("src/a.c", 3, "10.4"),
-            check_misra.Finding("src/a.c", 4, "15.5"),
-        }
+        found = {check_misra.Finding("src/a.c", 3, "10.4"), check_misra.Finding("src/a.c", 4, "15.5")}
         self.assertEqual(check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}}), [])
-        for rule, group in (
-            ("10.4", "required"),
-            ("17.3", "mandatory"),
-            ("99.9", "required"),
-        ):
+        for rule, group in (("10.4", "required"), ("17.3", "mandatory"), ("99.9", "required")):
             self.assertIn(
                 f"src/a.c:9: against the {group} rule {rule}",
-                check_misra.judge(
-                    {check_misra.Finding("src/a.c", 9, rule)} | found,
-                    rows,
-                    {place: {"EMA-D1"}, other: {"EMA-D2"}},
-                )[0],
+                check_misra.judge({check_misra.Finding("src/a.c", 9, rule)} | found, rows, {place: {"EMA-D1"}, other: {"EMA-D2"}})[0],
             )
         self.assertIn(
-            "src/a.c:9: EMA-D3 is no deviation",
-            check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}})[0],
+            "src/a.c:9: EMA-D3 is no deviation", check_misra.judge(found, rows, {place: {"EMA-D1"}, other: {"EMA-D2", "EMA-D3"}})[0]
         )
         self.assertEqual(
-            check_misra.judge(found, rows, {place: {"EMA-D1"}}),
-            ["docs/MISRA.md: EMA-D2 is used nowhere any more: take its row out"],
+            check_misra.judge(found, rows, {place: {"EMA-D1"}}), ["docs/MISRA.md: EMA-D2 is used nowhere any more: take its row out"]
         )
 
     def test_marks(self) -> None:
         """A comment of its own is for the line below; lists are read as well."""
-        self.write(
-            "src/base/a.c",
-            "/* EMA-D1, EMA-D2 */\n#define A(x) x\nint b; /* EMA-D3 */\n",
-        )
+        self.write("src/base/a.c", "/* EMA-D1, EMA-D2 */\n#define A(x) x\nint b; /* EMA-D3 */\n")
         self.write("include/ema/a.def", "A(1) /* EMA-D1 */\n")
         self.assertEqual(
             check_misra.read_marks(self.root),
@@ -681,10 +559,7 @@ class Misra(Tree):
         """The rules on tags hold where there is one."""
         self.write("src/base/a.h", "enum {\nenum a {\n")
         findings = {check_misra.Finding("src/base/a.h", line, rule) for line in (1, 2) for rule in ("5.7", "10.4")}
-        self.assertEqual(
-            check_misra.without_tagless(self.root, findings),
-            findings - {check_misra.Finding("src/base/a.h", 1, "5.7")},
-        )
+        self.assertEqual(check_misra.without_tagless(self.root, findings), findings - {check_misra.Finding("src/base/a.h", 1, "5.7")})
 
     @unittest.skipUnless(CPPCHECK, "needs cppcheck")
     def test_nothing(self) -> None:
@@ -707,16 +582,7 @@ class Tidy(Tree):
         """The list that CMake writes."""
         self.write(
             "build/compile_commands.json",
-            json.dumps(
-                [
-                    {
-                        "directory": str(self.root),
-                        "file": str(file),
-                        "command": f"cc -std=c11 -c {file}",
-                    }
-                    for file in files
-                ]
-            ),
+            json.dumps([{"directory": str(self.root), "file": str(file), "command": f"cc -std=c11 -c {file}"} for file in files]),
         )
 
     def problems(self) -> list[str]:
@@ -730,10 +596,7 @@ class Tidy(Tree):
         """A clean file, a suspicious one, and one that is no C."""
         self.assertEqual(self.problems(), [])
         self.write("src/base/a.c", self.FILE.replace("x + 1", "sizeof(sizeof(x)) == 4U"))
-        self.assertIn(
-            "src/base/a.c:4: suspicious usage of 'sizeof(sizeof(...))'",
-            self.problems()[0],
-        )
+        self.assertIn("src/base/a.c:4: suspicious usage of 'sizeof(sizeof(...))'", self.problems()[0])
         self.write("src/base/a.c", self.FILE.replace("x + 1", "x + y"))
         self.assertIn("src/base/a.c:4: use of undeclared identifier 'y'", self.problems()[0])
 
@@ -749,31 +612,13 @@ class Tidy(Tree):
         self.commands(self.source)
         self.assertIn("src/base/a.c: 1 compile commands in", self.problems()[0])
         (self.root / "build/compile_commands.json").unlink()
-        self.assertEqual(
-            self.exit_code(
-                "check_tidy.py",
-                "--root",
-                str(self.root),
-                "--build",
-                str(self.root / "build"),
-            ),
-            1,
-        )
+        self.assertEqual(self.exit_code("check_tidy.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
 
     @unittest.skipUnless(TIDY, "needs clang-tidy")
     def test_nothing(self) -> None:
         """An empty project fails."""
         self.source.unlink()
-        self.assertEqual(
-            self.exit_code(
-                "check_tidy.py",
-                "--root",
-                str(self.root),
-                "--build",
-                str(self.root / "build"),
-            ),
-            1,
-        )
+        self.assertEqual(self.exit_code("check_tidy.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
 
 
 class Python(Tree):
@@ -783,10 +628,7 @@ class Python(Tree):
 
     def setUp(self) -> None:
         super().setUp()
-        self.write(
-            "tools/pyproject.toml",
-            "[tool.mypy]\nstrict = true\n\n[tool.ruff]\nline-length = 100\n",
-        )
+        self.write("tools/pyproject.toml", "[tool.mypy]\nstrict = true\n\n[tool.ruff]\nline-length = 100\n")
         self.write("tools/ema_tools/__init__.py", "")
         self.source = self.write("tools/ema_tools/a.py", self.FILE)
 
@@ -804,10 +646,7 @@ class Python(Tree):
         self.write("cmake/b.py", "def b(count):\n    return count\n")
         self.write("tools/tests/test_a.py", "import os\n")
         found = self.problems()
-        self.assertEqual(
-            [one.split(" ")[0] for one in found],
-            ["tools/tests/test_a.py:1:", "cmake/b.py:1:", "tools/ema_tools/a.py:2:"],
-        )
+        self.assertEqual([one.split(" ")[0] for one in found], ["tools/tests/test_a.py:1:", "cmake/b.py:1:", "tools/ema_tools/a.py:2:"])
         for one, rule in zip(found, ("F401", "[no-untyped-def]", "[return-value]"), strict=True):
             self.assertIn(rule, one)
         self.write("tools/ema_tools/a.py", "def\n")
@@ -816,10 +655,7 @@ class Python(Tree):
     @unittest.skipUnless(PYTHON_TOOLS, "needs mypy and ruff")
     def test_settings_that_see_nothing(self) -> None:
         """Settings that switch everything off are no clean bill, and what is left out is counted."""
-        self.write(
-            "tools/pyproject.toml",
-            "[tool.mypy]\nignore_errors = true\n\n[tool.ruff.lint]\nselect = ['W605']\n",
-        )
+        self.write("tools/pyproject.toml", "[tool.mypy]\nignore_errors = true\n\n[tool.ruff.lint]\nselect = ['W605']\n")
         found = self.problems()
         self.assertEqual([one.split(":")[0] for one in found], ["ruff", "mypy"])
         self.assertTrue(all("finds nothing in a file with a known fault" in one for one in found))
@@ -835,16 +671,7 @@ class Python(Tree):
         self.source.unlink()
         (self.root / "tools/ema_tools/__init__.py").unlink()
         self.assertEqual(check_python.check(self.root, self.root / "build/mypy"), ([], 0))
-        self.assertEqual(
-            self.exit_code(
-                "check_python.py",
-                "--root",
-                str(self.root),
-                "--build",
-                str(self.root / "build"),
-            ),
-            1,
-        )
+        self.assertEqual(self.exit_code("check_python.py", "--root", str(self.root), "--build", str(self.root / "build")), 1)
 
 
 @unittest.skipUnless(FORMATTER and PYTHON_TOOLS, "needs clang-format and ruff in its environment")
@@ -869,10 +696,7 @@ class Format(Tree):
         self.write("src/base/ema_a.c", "int ema_a(void);\nint  ema_b(void);\n")
         self.write("tools/tests/test_a.py", "a = [1,2]\n")
         found = self.problems()
-        self.assertEqual(
-            [one.split(" ")[0] for one in found],
-            ["src/base/ema_a.c:2:", "tools/tests/test_a.py:"],
-        )
+        self.assertEqual([one.split(" ")[0] for one in found], ["src/base/ema_a.c:2:", "tools/tests/test_a.py:"])
 
     def test_settings_that_see_nothing(self) -> None:
         """Settings that switch everything off are no clean bill."""
@@ -897,19 +721,10 @@ class PythonLayers(Tree):
         self.write("tools/ema_tools/__init__.py", "")
         self.write("tools/ema_tools/base/__init__.py", "")
         self.write("tools/ema_tools/base/errors.py", "import math\n")
-        self.write(
-            "tools/ema_tools/library/native.py",
-            "from ema_tools.base.errors import wrong\n",
-        )
+        self.write("tools/ema_tools/library/native.py", "from ema_tools.base.errors import wrong\n")
         self.write("tools/ema_tools/truth/plant.py", "import ema_tools.base.errors\n")
-        self.write(
-            "tools/ema_tools/fit/calibrate.py",
-            "from ema_tools.library import native\nfrom ..base import errors\n",
-        )
-        self.write(
-            "tools/ema_tools/cli.py",
-            "def run():\n    from ema_tools.fit.calibrate import fit\n",
-        )
+        self.write("tools/ema_tools/fit/calibrate.py", "from ema_tools.library import native\nfrom ..base import errors\n")
+        self.write("tools/ema_tools/cli.py", "def run():\n    from ema_tools.fit.calibrate import fit\n")
 
     def problem(self) -> str:
         """The one problem there is."""
@@ -941,10 +756,7 @@ class PythonLayers(Tree):
     def test_less_than_the_table_allows(self) -> None:
         """The truth is independent of what it is held against."""
         self.write("tools/ema_tools/truth/plant.py", "from ema_tools.library import native\n")
-        self.assertIn(
-            "truth imports library.native, which it is to stay independent of",
-            self.problem(),
-        )
+        self.assertIn("truth imports library.native, which it is to stay independent of", self.problem())
 
     def test_no_place(self) -> None:
         """A folder that the table does not have."""
@@ -956,17 +768,11 @@ class PythonLayers(Tree):
         self.write("tools/ema_tools/base/errors.py", "from ema_tools.base import files\n")
         self.write("tools/ema_tools/base/files.py", "from ema_tools.base import words\n")
         self.write("tools/ema_tools/base/words.py", "from ema_tools.base.errors import wrong\n")
-        self.assertIn(
-            "base.errors -> base.files -> base.words -> base.errors: a circle",
-            self.problem(),
-        )
+        self.assertIn("base.errors -> base.files -> base.words -> base.errors: a circle", self.problem())
 
     def test_nothing(self) -> None:
         """An empty project fails."""
-        self.assertEqual(
-            self.exit_code("check_python_layers.py", "--root", str(self.root / "none")),
-            1,
-        )
+        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root / "none")), 1)
 
 
 if __name__ == "__main__":
