@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.interval import interval95, scatter_of
+from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.identify import identify

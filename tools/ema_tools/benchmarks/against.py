@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ema_tools.base.files import write_text
 from ema_tools.benchmarks import frozen
-from ema_tools.benchmarks.effects import costed_changes
+from ema_tools.benchmarks.effects import CHIRP, ROWS, STEP_S, costed_changes
 from ema_tools.benchmarks.structure import counted, sources
 
 _ROOT = Path(__file__).resolve().parents[3]
@@ -40,8 +40,7 @@ try:
 except ImportError:
     from ema_tools.native import library
     from ema_tools.actuator import reference_actuator
-numbers = {{"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}}
-command = library(64).command("chirp", numbers, 1e-3, 10_000)
+command = library(64).command("chirp", {CHIRP!r}, {STEP_S!r}, {ROWS!r})
 found = {{}}
 for name, changes in json.loads(sys.stdin.read()).items():
     values, options = reference_actuator().changed(changes).arrays()

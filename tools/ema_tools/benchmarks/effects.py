@@ -27,6 +27,7 @@ Reals = NDArray[np.float64]
 
 STEP_S = 1e-3
 ROWS = 10_000
+CHIRP = {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}
 GOAL_RATIO = 6.0
 RUNS = 12
 _PEAK_A = 7.4  # of the healthy run
@@ -82,8 +83,7 @@ def _rms(error: Reals) -> float:
 
 def measure() -> tuple[float, list[Cost]]:
     """Time of a model step without effects in ns, and what each effect costs, the dearest first."""
-    numbers = {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}
-    command_mm = library(64).command("chirp", numbers, STEP_S, ROWS)
+    command_mm = library(64).command("chirp", CHIRP, STEP_S, ROWS)
     plain_s, _ = _run({}, command_mm, RUNS)
     found: list[tuple[str, float, float, float]] = []
     for effect, values in costed_changes().items():

@@ -124,7 +124,7 @@ class _Run:
 
 def check_effects(effects: Sequence[str]) -> tuple[str, ...]:
     """The effects and fault parameters, each once. Raises InputError for an unknown or learned one, and for fewer than two."""
-    known = [effect.name for effect in load_definitions().effects if not effect.is_learned]
+    known = [effect.name for effect in load_definitions().physical]
     for name in effects:
         if name not in known and name not in FAULTS:
             raise InputError(

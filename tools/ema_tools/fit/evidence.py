@@ -150,20 +150,42 @@ class _Directions:
 
 
 @dataclass(frozen=True)
+class _Place:
+    """One set of values and deviations, before its directions are known: `base` [channels, rows] of the model, `plain` [n]: what is left there with nothing taken off."""
+
+    at: Reals
+    base: Reals
+    plain: Reals
+
+    @property
+    def cost(self) -> float:
+        """Squared residual with what scatters where it is, and what that costs."""
+        return float(self.plain @ self.plain)
+
+
+@dataclass(frozen=True)
 class View:
     """The evidence as seen from one set of effects, linear in what scatters: vectors are whitened and have the scatter's directions taken off.
 
-    `values`: of the effects; `deviations` [spread + additive]: of what scatters, in spreads; `base` [channels, rows]: the model there; `residual` [n].
+    `values`: of the effects; `residual` [n].
     """
 
     evidence: Evidence
     values: Mapping[str, float]
-    deviations: Reals
-    base: Reals
     residual: Reals
+    _place: _Place = field(repr=False)
     _basis: Reals = field(repr=False)
-    _plain: Reals = field(repr=False)
     _scatter: _Directions = field(repr=False)
+
+    @property
+    def deviations(self) -> Reals:
+        """Of what scatters, in spreads, [spread + additive]."""
+        return self._place.at
+
+    @property
+    def base(self) -> Reals:
+        """The model there, [channels, rows]."""
+        return self._place.base
 
     @property
     def cost(self) -> float:
@@ -176,16 +198,22 @@ class View:
 
     def projected(self, signals: Reals) -> Reals:
         """Signals [channels, rows] as a vector [n]."""
-        return self._without(np.concatenate([self.evidence.whiten(signals), np.zeros(self.deviations.size)]))
+        return self._without(self._tall(signals))
+
+    def _tall(self, signals: Reals) -> Reals:
+        return np.concatenate([self.evidence.whiten(signals), np.zeros(self.deviations.size)])
 
     def _without(self, tall: Reals) -> Reals:
         return np.asarray(tall - self._basis @ (self._basis.T @ tall))
 
+    def moved(self, changes: Mapping[str, float]) -> Reals:
+        """What `changes` beside the view's own values make of the model, [n], nothing taken off. Raises InputError when the model refuses them."""
+        own = self.deviations[: len(self.evidence.spread)]
+        return self._tall(self.evidence.simulate({**self.values, **changes}, own) - self.base)
+
     def sensitivity(self, changes: Mapping[str, float]) -> Sensitivity:
         """As `signature`, for products alone. Raises InputError when the model refuses the changes."""
-        own = self.deviations[: len(self.evidence.spread)]
-        moved = self.evidence.whiten(self.evidence.simulate({**self.values, **changes}, own) - self.base)
-        vector = np.concatenate([moved, np.zeros(self.deviations.size)])
+        vector = self.moved(changes)
         return Sensitivity(vector, self.shared(vector), self)
 
     def shared(self, vector: Reals) -> Reals:
@@ -207,8 +235,7 @@ class View:
 
     def signature(self, changes: Mapping[str, float]) -> Reals:
         """What `changes` beside the view's own values make of the model, [n]. Raises InputError when the model refuses them."""
-        own = self.deviations[: len(self.evidence.spread)]
-        return self.projected(self.evidence.simulate({**self.values, **changes}, own) - self.base)
+        return self._without(self.moved(changes))
 
     def unwhitened(self) -> Complexes:
         """The residual's lines [channels, lines] weighted once more: their product with a signal's lines is the product of whitened vectors."""
@@ -222,12 +249,12 @@ class View:
     @property
     def plain(self) -> Reals:
         """The residual with what scatters where it is, [n]: nothing taken off."""
-        return self._plain
+        return self._place.plain
 
     @property
     def plain_cost(self) -> float:
         """Squared residual with what scatters where it is, and what that costs."""
-        return float(self._plain @ self._plain)
+        return self._place.cost
 
     def free_slopes(self, around: Mapping[str, Sequence[tuple[float, float]]]) -> Reals:
         """What the view's values named in `around`, per unit, between the first two of those given there that differ by more than the model's own roughness,
@@ -279,14 +306,14 @@ class View:
 
     def linear_here(self) -> View:
         """The same with what scatters linear right here."""
-        return _seen(self.evidence, self.values, _Place(self.deviations, self.base, self._plain))
+        return _seen(self.evidence, self.values, self._place)
 
     def best_deviations(self, vector: Reals | None = None, reach: float = _CREDIBLE) -> Reals:
         """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than `reach`, which is credible.
 
         Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
         """
-        tall = self._plain if vector is None else self._plain - vector
+        tall = self.plain if vector is None else self.plain - vector
         if not self.deviations.size:
             return self.deviations
         # bounded, not clipped: what one direction may not do, the others then do not answer
@@ -294,20 +321,6 @@ class View:
             self._scatter.square, self._scatter.basis.T @ tall, (-reach - self.deviations, reach - self.deviations), method="bvls"
         ).x
         return np.asarray(np.clip(self.deviations + step, -reach, reach))
-
-
-@dataclass(frozen=True)
-class _Place:
-    """One set of values and deviations, before its directions are known: `base` [channels, rows] of the model, `plain` [n]: what is left there with nothing taken off."""
-
-    at: Reals
-    base: Reals
-    plain: Reals
-
-    @property
-    def cost(self) -> float:
-        """Squared residual with what scatters where it is, and what that costs."""
-        return float(self.plain @ self.plain)
 
 
 def _place(evidence: Evidence, values: Mapping[str, float], at: Reals) -> _Place:
@@ -342,7 +355,7 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
 def _along(evidence: Evidence, values: Mapping[str, float], place: _Place, scatter: _Directions) -> View:
     """The evidence at a place where what scatters moves it as it does somewhere near."""
     residual = place.plain - scatter.basis @ (scatter.basis.T @ place.plain)
-    return View(evidence, values, place.at, place.base, residual, scatter.basis, place.plain, scatter)
+    return View(evidence, values, residual, place, scatter.basis, scatter)
 
 
 def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None) -> View:

@@ -5,7 +5,6 @@ An estimate is where the weighted squared error of the recorded signals is least
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -18,7 +17,6 @@ from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import simulate_channels
 
 _STEP = 0.01  # of a value, to both sides: large against reversals that jump a step, small against what bends [precision]
-_NORMAL_95 = 1.96  # standard deviations on either side that hold 95 % of a normal distribution [chance]
 
 
 def scatter_of(actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]) -> dict[str, float]:
@@ -45,9 +43,3 @@ def scatter_of(actuator: Actuator, record: Record, names: Sequence[str], weights
     follow = np.linalg.pinv(own)
     moved = np.array([std * (follow @ columns[name]) for name, std in moving.items()])
     return {name: float(size) for name, size in zip(names, np.sqrt(np.sum(moved**2, axis=0)), strict=True)}
-
-
-def interval95(estimate: float, *stds: float) -> tuple[float | None, float | None]:
-    """The 95 % interval about an estimate with independent errors of these standard deviations; no ends where the record does not determine it."""
-    half = _NORMAL_95 * math.hypot(*stds)
-    return (estimate - half, estimate + half) if math.isfinite(half) else (None, None)

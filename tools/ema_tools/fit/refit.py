@@ -87,10 +87,7 @@ class Fit:
 
     def deviations(self) -> Reals:
         """What scatters, at its best beside the fitted values, in spreads."""
-        view = self.view
-        own = view.deviations[: len(view.evidence.spread)]
-        moved = view.evidence.whiten(view.evidence.simulate({**view.values, **self.values}, own) - view.base)
-        return view.best_deviations(np.concatenate([moved, np.zeros(view.deviations.size)]))
+        return self.view.best_deviations(self.view.moved(self.values))
 
     def of_effect(self, effect: str) -> dict[str, float]:
         """Values of one effect."""
@@ -187,8 +184,7 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
     if here.view is not fit.view:
         # at the edge of what the model takes the directions of the last step stay
         with suppress(InputError):
-            seen = here.view.linear_here()
-            here = replace(here, view=seen)
+            here = replace(here, view=here.view.linear_here())
         here = replace(here, cost=here.view.cost)
     return here
 

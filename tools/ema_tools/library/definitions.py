@@ -158,6 +158,11 @@ class Definitions:
         return tuple(row for row in self.parameters if row.is_option)
 
     @property
+    def physical(self) -> tuple[Effect, ...]:
+        """The effects without the tables that are learned."""
+        return tuple(effect for effect in self.effects if not effect.is_learned)
+
+    @property
     def effect_values(self) -> tuple[EffectParameter, ...]:
         """The values of all effects, in the order of the C structure."""
         return tuple(value for effect in self.effects for value in effect.parameters)

@@ -187,13 +187,8 @@ def candidates(screen: Screen, without: Collection[str] = (), only: Collection[s
             found.append(
                 Candidate(fault, value, {}, _ladders(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal)
             )
-    wanted = [effect for effect in _physical() if effect.name not in without and (only is None or effect.name in only)]
+    wanted = [effect for effect in load_definitions().physical if effect.name not in without and (only is None or effect.name in only)]
     return [*found, *itertools.chain.from_iterable(each(lambda effect: _of_effect(effect, view, screen), wanted))]
-
-
-def _physical() -> list[Effect]:
-    """The effects of the library without the tables that are learned."""
-    return [effect for effect in load_definitions().effects if not effect.is_learned]
 
 
 def _gain(product: float, square: float) -> tuple[float, float]:
@@ -234,16 +229,17 @@ def _scaled(candidate: Candidate, first: float, view: View) -> tuple[Signature, 
         score = gain - penalty([candidate.effect])
         if best is None or score > best.score:
             best = Signature(candidate, size, shown, score)
+        whole = float(shown.vector @ shown.vector)
+        beside_scatter = square > _SHOWN_SHARE * whole
         if place == 0:
-            whole = float(shown.vector @ shown.vector)
-            shows = whole > ROUGHNESS**2 and square > _SHOWN_SHARE * whole
+            shows = whole > ROUGHNESS**2 and beside_scatter
             if product * product < _NOTHING * square:
                 # what bends may show at a larger size
                 shows = False
                 break
         if share <= 0.0 or abs(share - 1.0) < 0.2:
             # where it shows, a larger first size would lead here again; where what scatters hides nearly all of it, perhaps not
-            shows = shows or (share > 0.0 and square > _SHOWN_SHARE * float(shown.vector @ shown.vector))
+            shows = shows or (share > 0.0 and beside_scatter)
             break
         reach, length = abs(size - candidate.zero), float(np.sqrt(max(square, 1e-300)))
         if earlier is not None and reach != earlier[0]:
@@ -270,7 +266,7 @@ def promising(screen: Screen, earlier: Sequence[Signature], least: float) -> tup
         product, length = signature.shown.seen_from(view, *meets[id(signature.view)])
         if length > 0.0 and (product > 0.0 or signature.candidate.lower < signature.candidate.zero):
             guessed[name] = max(guessed.get(name, 0.0), product * product / length)
-    effects = _physical()
+    effects = load_definitions().physical
     for effect, shaped in zip(effects, each(lambda effect: screen.shapes_of(effect.name), effects), strict=True):
         if shaped:
             guessed[effect.name] = max(guessed.get(effect.name, 0.0), shaped[0].score)

@@ -355,9 +355,7 @@ class _Search:
     def __init__(self, actuator: Actuator, record: Record, report: Report) -> None:
         self.bench = Bench(actuator, record)
         self.report = report
-        self.effects = [
-            effect.name for effect in load_definitions().effects if effect.name not in actuator.active_effects and not effect.is_learned
-        ]
+        self.effects = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
         self.patterns: dict[str, Sequence[Pattern] | str] = {}

@@ -131,7 +131,7 @@ def add(
 def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Record | None = None, report: Report | None = None) -> Added:
     """Fits `effect` to a record of a machine that is as `actuator` says but for its CSJ and BLK, which are free: what is written keeps their healthy values. Raises InputError as `add` does."""
     tell = report or untold
-    if next((row.is_learned for row in load_definitions().effects if row.name == effect), True):
+    if effect not in {row.name for row in load_definitions().physical}:
         raise InputError(
             f"{effect}: a table that is learned, or no effect at all: --known takes the physical effects that ema effects lists"
         )

@@ -10,10 +10,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, nearest, row_of, shown
 from ema_tools.data.records import Record
-from ema_tools.fit.interval import interval95, scatter_of
+from ema_tools.fit.interval import scatter_of
 from ema_tools.plant.native import (
     CHANNELS,
     NOT_DETERMINED,

@@ -299,7 +299,7 @@ def _row(bench: _Bench, space: _Space, wanted: _Wanted, values: Mapping[str, flo
 
 def _patterns(bench: _Bench, space: _Space, first: int) -> tuple[list[TablePattern], list[Reals]]:
     """Patterns of all effects, and their rows [n], the first of which is row `first` of the table."""
-    tasks = [one for effect in load_definitions().effects if not effect.is_learned for one in _wanted(bench, effect)]
+    tasks = [one for effect in load_definitions().physical for one in _wanted(bench, effect)]
     made = each(lambda one: [_row(bench, space, one, values) for values in one.rows], tasks)
     patterns: list[TablePattern] = []
     rows: list[Reals] = []

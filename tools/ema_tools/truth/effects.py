@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ema_tools.base.compiled import kept_compiled
 from ema_tools.truth import forms
+from ema_tools.truth.kept import kept_compiled
 
 
 @kept_compiled

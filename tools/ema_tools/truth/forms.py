@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ema_tools.base.compiled import kept_compiled
+from ema_tools.truth.kept import kept_compiled
 
 # Relative change of a copper winding's resistance per degC, IEC 60028.
 COPPER_PER_DEGC = 0.00393

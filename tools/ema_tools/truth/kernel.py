@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.base.compiled import kept_compiled
 from ema_tools.truth import effects, forms, outside
+from ema_tools.truth.kept import kept_compiled
 
 COULOMB = 0
 LUGRE = 1

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ema_tools.base.compiled import kept_compiled
+from ema_tools.truth.kept import kept_compiled
 
 DEFAULTS: Mapping[str, Mapping[str, float]] = {
     "broken_ball": {"friction_Nm": 0.0, "per_turn": 3.3, "sharpness": 20.0, "phase_rad": 0.0},

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.files import write_json
 from ema_tools.benchmarks.constants.listing import PACKAGE, Constant
 from ema_tools.benchmarks.constants.replay import ARGUMENTS, Job
 
@@ -94,9 +95,7 @@ def read_swept(path: Path) -> Swept:
 
 def write_swept(path: Path, swept: Swept) -> None:
     """Into another file first: a sweep that is ended while it writes leaves the last one."""
-    beside = path.with_name(f"{path.name}.new")
-    beside.write_text(json.dumps(swept.__dict__, indent=0), encoding="utf-8")
-    beside.replace(path)
+    write_json(path, swept.__dict__, force=True)
 
 
 def recorded(names: Sequence[str], records: Path, told: Callable[[str], None]) -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import cast
 
+from ema_tools.base.interval import interval95
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.results import diagnosis as result
@@ -20,8 +21,6 @@ from ema_tools.words.sentences.diagnosis import hidden, next_step, sensor_next, 
 
 # Effects that are listed.
 _LISTED = 12
-# Standard errors of a two-sided interval of 95 %.
-INTERVAL = 1.96
 
 
 def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None = None) -> result.DiagnosisResult:
@@ -63,9 +62,7 @@ def _effect(one: Named, found: Searched) -> EffectEntry:
         looks_like_fault=tuple(name for name in one.alike if name in FAULTS and name != one.name),
         parameters={field_of(name): value for name, value in one.values.items()},
         std={field_of(name): value for name, value in one.std.items()},
-        interval95={
-            field_of(name): (one.values[name] - INTERVAL * std, one.values[name] + INTERVAL * std) for name, std in one.std.items()
-        },
+        interval95={field_of(name): interval95(one.values[name], std) for name, std in one.std.items()},
         at_bound=tuple(field_of(name) for name in one.values if name in at_bound),
         score=one.score,
         limit=one.limit,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
+from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import row_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
@@ -13,7 +14,6 @@ from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Prove
 from ema_tools.select import force_balance as forces
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
 from ema_tools.tasks.diagnose_by_laps import LapsAnswer
-from ema_tools.words.answers.diagnosis import INTERVAL
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, field_of
 from ema_tools.words.answers.validity import validity
@@ -67,9 +67,7 @@ def _accepted(way: ForceSteps, step: ForceStep) -> EffectEntry:
         alike=(step.effect, *step.alike),
         parameters=values,
         std=dict(std),
-        interval95={
-            name: (values[name] - INTERVAL * doubt, values[name] + INTERVAL * doubt) for name, doubt in std.items() if name in values
-        },
+        interval95={name: interval95(values[name], doubt) for name, doubt in std.items() if name in values},
         score=before.holdout**2 - step.errors.holdout**2,
         limit=0.0,
         accepted=True,

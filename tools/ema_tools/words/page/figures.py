@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ema_tools.base.interval import WIDTH_95
 from ema_tools.results.parts import Place
 from ema_tools.words.page.results import FAULTS, ShownIdentification
 from ema_tools.words.page.text import number, shift
 
 LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
-
-# Two-sided 95 % of a normal error.
-_WIDTH_95 = 1.96
 
 _PLACES_MAX = 10
 
@@ -67,7 +65,7 @@ def scalars(result: ShownIdentification) -> Figure:
 def _spread(result: ShownIdentification, name: str) -> float:
     """Half the width of the 95 % interval in %; zero, which draws none, where the record does not determine the value."""
     std_percent = result.faults[name].std_percent
-    return 0.0 if math.isnan(std_percent) else _WIDTH_95 * std_percent
+    return 0.0 if math.isnan(std_percent) else WIDTH_95 * std_percent
 
 
 def _reading(result: ShownIdentification, name: str, place: int) -> Figure:
