@@ -16,7 +16,7 @@ from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.benchmarks.hidden.machines import STEP_S, command_mm
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record, write_record
-from ema_tools.select.beside_fault import Guarded
+from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.add import add, add_to_known
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
@@ -62,12 +62,12 @@ def alone(record: Record) -> Record:
     return replace(record, **ALONE)
 
 
-def named(found: Identified) -> Guarded:
+def named(found: Identified) -> CrossCheck:
     """The guard's word on an answer that it took back."""
     assert found.verdict == "undecided" and not found.adequate
-    assert found.guarded is not None and found.guarded.verdict == "missing"
+    assert found.checked is not None and found.checked.kind == "missing"
     assert any("ema add ACTUATOR" in reason for reason in reasons(found))
-    return found.guarded
+    return found.checked
 
 
 def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
@@ -130,17 +130,17 @@ def test_against_healthy_repeats_it_is_named_beside_a_fault(effect: str, only: b
 @needs_numba
 @pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
 @pytest.mark.parametrize("repeats", [0, pytest.param(3, marks=pytest.mark.slow)])
-def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_is_not_looked_at(only: bool, repeats: int) -> None:
+def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_stays_so(only: bool, repeats: int) -> None:
     healthy = [measured("", False, 100 + day, True) for day in range(repeats)]
     worn, sound = measured("", True, 12, repeats > 0), measured("", False, 13, repeats > 0)
     if only:
         worn, sound, healthy = alone(worn), alone(sound), [alone(one) for one in healthy]
     fault = identify(reference_actuator(), worn, healthy)
     assert (fault.verdict, fault.adequate) == ("fault", True)
-    assert fault.guarded is not None and fault.guarded.verdict == "adequate" and fault.guarded.skipped
+    assert fault.checked is not None and fault.checked.kind == "adequate" and fault.checked.skipped
     assert identification(fault, "", {}).missing_effect is None
     nothing = identify(reference_actuator(), sound, healthy)
-    assert nothing.guarded is None
+    assert nothing.checked is not None and nothing.checked.kind == "adequate"
     # the day's grease and winding move BLK by some percent: then it may stand too near its threshold to be told
     assert nothing.verdict == "healthy" or (repeats and nothing.verdict == "undecided" and nothing.adequate), sentence(nothing)
 
@@ -148,7 +148,7 @@ def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_is_not_looked_at
 def test_plainly_adequate_without_noise_stays_a_fault() -> None:
     found = identify(reference_actuator(), chirp_record(reference_actuator().changed(WORN)))
     assert found.verdict == "fault"
-    assert found.guarded is not None and found.guarded.skipped == "every residual is as small as its sensor's noise"
+    assert found.checked is not None and found.checked.skipped == "every residual is as small as its sensor's noise"
 
 
 def test_a_strange_answer_on_a_record_that_cannot_answer_says_why() -> None:

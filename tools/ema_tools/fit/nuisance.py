@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.library.definitions import is_size
+from ema_tools.library.definitions import is_size, load_definitions
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of, records
 
@@ -25,6 +25,15 @@ FROM_DATA_SHEET: Mapping[tuple[str, ...], float] = {
     ("motor.inductance_H",): 0.1,
     ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.025,
     ("drive.supply_V",): 0.01,
+}
+# How far a known machine may be today from what is known of it, with nobody the wiser: winding and magnets by 20 and 10 degC, grease by as much, supply, gain
+# as they vary between days and installations, relative; the sizes of effects that come and go so stand in their records [judgement]
+OF_TODAY: Mapping[tuple[str, ...], float] = {
+    ("motor.resistance_ohm",): 0.08,
+    ("screw.viscous_Nm_s_per_rad",): 0.3,
+    ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.02,
+    ("drive.supply_V",): 0.03,
+    ("control.kp_per_m",): 0.02,
 }
 HEALTHY_FREEDOM = 5.0  # a healthy machine is fitted as freely as its records allow: factor on the spreads above [judgement]
 # And of what a data sheet gives as zero [judgement]
@@ -89,6 +98,14 @@ def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...
 def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, ...]:
     """What differs from the data sheet, of those values that the actuator has at all."""
     return tuple(Spread(names, freedom * std, True) for names, std in FROM_DATA_SHEET.items() if actuator[names[0]] > 0.0)
+
+
+def of_today(actuator: Actuator) -> tuple[Spread, ...]:
+    """How far a known machine may be today from what is known of it, of those values that the actuator has at all."""
+    values = tuple(Spread(names, std, True) for names, std in OF_TODAY.items() if actuator[names[0]] > 0.0)
+    sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().physical}
+    effects = tuple(Spread((sizes[name],), record.today, False) for name, record in records().items() if record.today > 0.0)
+    return (*values, *effects)
 
 
 def of_unit(actuator: Actuator) -> tuple[Spread, ...]:

@@ -93,6 +93,8 @@ class EffectRecord:
     typical: Typical | None = None
     # None: whatever is found of it is named.
     slight: Slight | None = None
+    # Size that a known machine may have of it today with nobody the wiser, one standard deviation; none: only what is named.
+    today: float = 0.0
     # Shapes that are as good as independent of each other: among so many the best one explains some noise.
     independent_shapes: int = 1
     # Values of shape that are tried where no torque suggests them; none: they stay as they are.

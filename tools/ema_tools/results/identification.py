@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
@@ -12,7 +12,8 @@ from ema_tools.results.parts import CurvesEntry, Provenance
 KEYS = ("csj_Nm", "blk_mm")
 
 Verdict = Literal["healthy", "fault", "undecided"]
-GuardVerdict = Literal["adequate", "missing", "unknown"]
+GuardVerdict = Literal["adequate", "missing", "unknown", "rival"]
+Objection = Literal["missing", "unknown", "rival", "signals", "open"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class NotIdentified:
 
 @dataclass(frozen=True)
 class MissingEffect:
-    """The effect behind an estimate that is no fault; values by the last word of their names."""
+    """The effect behind an estimate that is no fault, or that would explain the record as well as one; values by the last word of their names."""
 
     name: str | None  # None where no effect of the library explains the record
     alike: tuple[str, ...] = field(metadata=key("class"))  # effects that this record cannot tell from it, itself first
@@ -57,9 +58,16 @@ class MissingEffect:
 
 @dataclass(frozen=True)
 class Guard:
-    """What the look behind a fault said."""
+    """What all signals of the record say of the answer."""
 
-    verdict: GuardVerdict
+    verdict: GuardVerdict  # rival: an effect explains the record as well as a fault does
+    objection: Objection | None = None  # why the module's answer does not stand; None where it does
+    signals: tuple[str, ...] = ()  # that were compared
+    shift_percent: dict[str, float] = field(
+        default_factory=dict
+    )  # CSJ and BLK by all signals, beside the missing effect where there is one
+    open_std_percent: dict[str, float] = field(default_factory=dict)  # how far they may be off for what machines differ from day to day
+    _: KW_ONLY
     skipped: str | None  # why nothing was sought
     wall_s: float
 

@@ -20,9 +20,10 @@ from ema_tools.fit.refit import Fit, polished, refit
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather
-from ema_tools.select.beside_fault import beside_faults, known_machine
+from ema_tools.select.beside_fault import beside_faults
 from ema_tools.select.candidates import signatures
 from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, walk
+from ema_tools.select.known_machine import known_machine
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis
 from ema_tools.select.strategies.strategy import LEAST_LIMIT

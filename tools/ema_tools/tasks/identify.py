@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from ema_tools.plant.native import (
     Table,
     library,
 )
-from ema_tools.select.beside_fault import Guarded, guard
+from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.tasks.diagnose import check_apart
 
 # Keys of the result for the values that are identified by default.
@@ -35,10 +36,12 @@ BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
-# Reasons that send the guard out even where the residual is small: wear does not look like this, a missing effect may.
-_STRANGE = (REASONS[4], REASONS[64])
 NOT_ADEQUATE = REASONS[2]
 _POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
+
+
+# Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today.
+Objection = Literal["missing", "unknown", "rival", "signals", "open"]
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class Identified:
     """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
 
     `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
-    `guarded`: what stands behind the estimates instead of a fault; None where nobody looked, because the record is plainly healthy or it was not wanted.
+    `checked`: what all signals say of the estimates; None where it was not wanted.
     """
 
     actuator: Actuator
@@ -68,7 +71,7 @@ class Identified:
     precision: int
     wall_s: float
     weighted: bool
-    guarded: Guarded | None = None
+    checked: CrossCheck | None = None
     scatter: Mapping[str, float] = field(default_factory=dict)
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
@@ -79,32 +82,59 @@ class Identified:
         return interval95(one.estimate, one.std, one.bias if math.isfinite(one.bias) else 0.0, max(seen, self.scatter.get(one.name, 0.0)))
 
     @property
-    def objects(self) -> bool:
-        """Whether the guard takes the fault back: the model is not adequate, or CSJ or BLK would be another one beside the missing effect; or says why a strange answer is none."""
-        if self.guarded is None or self.guarded.verdict == "adequate":
-            return False
-        if self.guarded.unusable and self.answer.verdict == "undecided":
-            return True
-        return not self.answer.adequate or (
-            self.guarded.verdict == "missing" and any(self._moved(estimate) for estimate in self.answer.identified)
-        )
+    def objection(self) -> Objection | None:
+        """Why the module's answer does not stand, by all signals; None where it does."""
+        checked = self.checked
+        if checked is None:
+            return None
+        if checked.kind in ("unknown", "rival"):
+            return checked.kind
+        if checked.kind == "missing":
+            return "missing" if not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
+        if self.answer.verdict == "undecided":
+            return None
+        if any(map(self._moved, self.answer.identified)):
+            return "signals"
+        return None if self._stands(checked) else "open"
 
     def _moved(self, estimate: IdentifiedValue) -> bool:
-        beside = self.guarded.faults.get(estimate.name) if self.guarded is not None else None
-        if beside is None:
+        """Whether all signals say another shift than the module does."""
+        shift = self.checked.shift.get(estimate.name) if self.checked is not None else None
+        if shift is None:
             return False
-        least = 0.01 * self.healthy[MIN_SHIFTS[estimate.name]] * abs(self.healthy[estimate.name])
-        return abs(beside - estimate.estimate) > max(least, 3.0 * (estimate.std if np.isfinite(estimate.std) else 0.0))
+        std = estimate.std / abs(self.healthy[estimate.name])
+        return abs(shift - 0.01 * estimate.shift_percent) > max(self._least(estimate.name), 3.0 * (std if np.isfinite(std) else 0.0))
+
+    def _least(self, name: str) -> float:
+        return 0.01 * self.healthy[MIN_SHIFTS[name]]
+
+    def _stands(self, checked: CrossCheck) -> bool:
+        """Whether the verdict is the same for all that the machine may be today."""
+        sure = self.healthy["verdict.confidence_std"]
+        doubt = {name: sure * one.std / abs(self.healthy[name]) for name, one in checked.open.items()}
+        if self.answer.verdict == "fault":
+            return any(shift - doubt[name] > self._least(name) for name, shift in checked.shift.items())
+        return all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
+
+    @property
+    def objects(self) -> bool:
+        """Whether the module's answer does not stand."""
+        return self.objection is not None
+
+    def least_sure(self) -> str:
+        """Of CSJ and BLK, the one that is least known for what the machine may be today, by name."""
+        stands = self.checked.open if self.checked is not None else {}
+        return max(stands, key=lambda name: stands[name].std / self._least(name) / abs(self.healthy[name]))
 
     @property
     def verdict(self) -> str:
-        """The module's verdict, undecided where the guard objects."""
+        """The module's verdict, undecided where all signals object to it."""
         return "undecided" if self.objects else self.answer.verdict
 
     @property
     def adequate(self) -> bool:
-        """Whether the model explains the record, as far as the module and the guard see."""
-        return self.answer.adequate and not self.objects
+        """Whether the model explains the record: the rod position by the module, every signal by the cross-check."""
+        return self.answer.adequate and self.objection not in ("unknown", "missing")
 
 
 def weight_of(text: str | None) -> tuple[float, float, float, float] | None:
@@ -219,7 +249,7 @@ def identify(
 ) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
-    Where the answer is a fault, or the model is not adequate, and `guarding` is on, an effect that the model lacks is sought behind it. `seeds` further searches
+    Unless `guarding` is off, the answer is held against all signals, and an effect that the model lacks is sought behind it. `seeds` further searches
     (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. With a `table` of signatures the answer is the one that firmware gives
     with it, guarded by the table alone. Raises InputError.
     """
@@ -253,13 +283,9 @@ def identify(
         }
     )
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
-    wanted = guarding and table is None and bool(estimates) and needs_guard(answer)
-    guarded = guard(known, record, healthy, estimates, not answer.adequate) if wanted else None
+    wanted = guarding and table is None and bool(estimates)
+    least = {name: 0.01 * known[MIN_SHIFTS[name]] for name in KEYS}
+    checked = cross_check(known, record, healthy, estimates, least, not answer.adequate) if wanted else None
     weighted = settings.weight is not None
     scatter = scatter_of(found, record, identified_of(known), dict(zip(CHANNELS, settings.weight or _POSITION_ALONE, strict=True)))
-    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, guarded, scatter)
-
-
-def needs_guard(answer: Identification) -> bool:
-    """Whether something else than CSJ and BLK may stand behind an answer: a fault, a strange one, or a model that is not adequate. A healthy record needs no guard."""
-    return answer.verdict == "fault" or not answer.adequate or any(reason in answer.reasons for reason in _STRANGE)
+    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, checked, scatter)

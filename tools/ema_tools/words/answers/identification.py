@@ -8,11 +8,13 @@ from typing import Any, cast
 from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
 from ema_tools.results.parts import CurvesEntry, Provenance
-from ema_tools.select.beside_fault import Guarded
+from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import KEYS, Identified, identified_of
 from ema_tools.words.answers.steps import field_of
 from ema_tools.words.sentences.identification import reasons, sentence
 
+# Objections that name an effect, or say that there is none to name.
+_NAMING = ("missing", "unknown", "rival")
 _ZERO = "the healthy value is zero, and a shift is counted in % of it"
 
 
@@ -31,10 +33,8 @@ def identification(
         verdict=cast(result.Verdict, found.verdict),
         adequate=found.adequate,
         reasons=reasons(found),
-        missing_effect=_missing(found.guarded) if found.objects and found.guarded is not None else None,
-        guard=None
-        if found.guarded is None
-        else result.Guard(cast(result.GuardVerdict, found.guarded.verdict), found.guarded.skipped or None, found.guarded.wall_s),
+        missing_effect=_missing(found.checked) if found.objection in _NAMING and found.checked is not None else None,
+        guard=None if found.checked is None else _guard(found, found.checked),
         table=None if answer.finding is None else result.TableFinding(**vars(answer.finding)),
         sentence=sentence(found),
         residual_rms_mm=answer.residual_rms_mm,
@@ -68,14 +68,26 @@ def _values(found: Identified) -> Mapping[str, Any]:
     }
 
 
-def _missing(guarded: Guarded) -> result.MissingEffect:
+def _guard(found: Identified, checked: CrossCheck) -> result.Guard:
+    return result.Guard(
+        verdict=checked.kind,
+        objection=found.objection,
+        signals=checked.signals,
+        shift_percent={KEYS[name]: 100.0 * shift for name, shift in checked.shift.items()},
+        open_std_percent={KEYS[name]: 100.0 * one.std / abs(found.healthy[name]) for name, one in checked.open.items()},
+        skipped=checked.skipped or None,
+        wall_s=checked.wall_s,
+    )
+
+
+def _missing(checked: CrossCheck) -> result.MissingEffect:
     return result.MissingEffect(
-        guarded.effects[0] if guarded.effects else None,
-        tuple(guarded.effects),
-        {field_of(name): value for name, value in guarded.values.items()},
-        {field_of(name): value for name, value in guarded.std.items()},
-        dict(guarded.faults),
-        guarded.against,
+        checked.effects[0] if checked.effects else None,
+        tuple(checked.effects),
+        {field_of(name): value for name, value in checked.values.items()},
+        {field_of(name): value for name, value in checked.std.items()},
+        dict(checked.faults),
+        checked.against,
     )
 
 

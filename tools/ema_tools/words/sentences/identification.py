@@ -7,38 +7,69 @@ import numpy as np
 from ema_tools.data.actuator import row_of
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding
-from ema_tools.select.beside_fault import Guarded
+from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.words.sentences.sizes import size_text
 
+_MORE = "record motor position, current and voltage too"
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
-def missing_words(guarded: Guarded) -> str:
+def missing_words(checked: CrossCheck) -> str:
     """The missing effect in words, for a list of reasons."""
-    if guarded.unusable:
-        return f"nothing can be told from this record: {guarded.skipped}"
-    if guarded.verdict == "unknown":
+    if checked.unusable:
+        return f"nothing can be told from this record: {checked.skipped}"
+    if checked.kind == "unknown":
         return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
-    size = next(iter(guarded.values))
-    missing = "is not in the model at this size" if guarded.there else "is missing from the model"
-    alike = f", which looks like {', '.join(guarded.effects[1:])} on this record" if guarded.effects[1:] else ""
+    size = next(iter(checked.values))
+    missing = "is not in the model at this size" if checked.there else "is missing from the model"
+    alike = f", which looks like {', '.join(checked.effects[1:])} on this record" if checked.effects[1:] else ""
     return (
-        f"{guarded.effects[0]} ({row_of(size).field} {size_text(size, guarded.values[size], guarded.std.get(size))}) {missing}{alike}: "
-        f"ema add ACTUATOR {guarded.effects[0]} --fit REC {'--healthy REC ...' if guarded.against else '--known'} -o NEW.toml puts it in"
+        f"{_effect(checked, size)} {missing}{alike}, beside which all signals say {_shifts(checked)}: "
+        f"ema add ACTUATOR {checked.effects[0]} --fit REC {'--healthy REC ...' if checked.against else '--known'} -o NEW.toml puts it in"
     )
 
 
+def _effect(checked: CrossCheck, size: str) -> str:
+    return f"{checked.effects[0]} ({row_of(size).field} {size_text(size, checked.values[size], checked.std.get(size))})"
+
+
+def _shifts(checked: CrossCheck) -> str:
+    return ", ".join(f"{TITLES[name]} {100.0 * shift:+.1f} %" for name, shift in checked.shift.items())
+
+
+def objection_words(found: Identified, checked: CrossCheck) -> str:
+    """Why the module's answer does not stand, and what would help, for a list of reasons."""
+    if found.objection == "rival":
+        others = f", as do {', '.join(checked.effects[1:])}" if checked.effects[1:] else ""
+        return (
+            f"{_effect(checked, next(iter(checked.values)))} explains the record as well as a fault{others}: {_MORE}, "
+            f"or ema next ACTUATOR --between csj {checked.effects[0]} finds a command that tells them apart"
+        )
+    if found.objection == "signals":
+        return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
+    if found.objection == "open":
+        name = found.least_sure()
+        stands = checked.open[name]
+        percent = 100.0 * stands.std / abs(found.healthy[name])
+        return (
+            f"this record hardly tells {TITLES[name]} from {row_of(stands.most).field}, which differs from day to day: "
+            f"{TITLES[name]} may be off by {2.0 * percent:.2g} % for that: {_MORE}, or a chirp to a higher frequency"
+        )
+    return missing_words(checked)
+
+
 def reasons(found: Identified) -> tuple[str, ...]:
-    """Why it is undecided: the module's reasons, and the missing effect behind the first of them."""
+    """Why it is undecided: the module's reasons, and what all signals object behind the first of them."""
     own = found.answer.reasons
-    if not found.objects or found.guarded is None:
+    if not found.objects or found.checked is None:
         return tuple(own)
-    if found.guarded.unusable:
+    words = objection_words(found, found.checked)
+    if found.checked.unusable:
         # of a record that cannot answer, a residual says nothing about the model
-        return (missing_words(found.guarded), *(reason for reason in own if reason != NOT_ADEQUATE))
+        return (words, *(reason for reason in own if reason != NOT_ADEQUATE))
     place = own.index(NOT_ADEQUATE) + 1 if NOT_ADEQUATE in own else 0
-    return (*own[:place], missing_words(found.guarded), *own[place:])
+    return (*own[:place], words, *own[place:])
 
 
 def sentence(found: Identified) -> str:

@@ -1,0 +1,118 @@
+"""What all signals of a record say of a CSJ and BLK that one signal gave: whether they agree, whether something else would explain the record as well, and what is left unexplained.
+
+The search by itself sees the rod position and two values. Here the machine is taken for known, by its actuator file or by healthy repeats of the same command, and everything that
+was recorded is held against it, over the whole record and in every part of it, whichever way the verdict went.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.select.baseline import gather, same_command
+from ema_tools.select.beside_fault import named, on_unit, rivals
+from ema_tools.select.known_machine import Fit, KnownMachine, OpenStd, as_known, blocked, live
+
+# What was found: the known machine with another CSJ and BLK explains everything; an effect is missing; something is missing that no effect explains; an effect
+# explains the record as well as a fault does.
+Kind = Literal["adequate", "missing", "unknown", "rival"]
+
+
+@dataclass(frozen=True)
+class _Said:
+    faults: Mapping[str, float] = field(default_factory=dict)
+    shift: Mapping[str, float] = field(default_factory=dict)
+    open: Mapping[str, OpenStd] = field(default_factory=dict)
+    effects: tuple[str, ...] = ()
+    values: Mapping[str, float] = field(default_factory=dict)
+    std: Mapping[str, float] = field(default_factory=dict)
+    there: bool = False
+
+
+@dataclass(frozen=True)
+class CrossCheck(_Said):
+    """What all signals say. `effects`: the missing one or the rival, then those that look like it; `values`, `std`: of that effect; `faults`: CSJ and BLK by name, beside it
+    where one is missing; `shift`: of these from the machine that is known, relative; `open`: how far they may be off for how machines differ from day to day; `against`: healthy
+    repeats that the record was compared with; `signals`: that were compared; `skipped`: why nothing was sought; `there`: the model holds the effect, at another size."""
+
+    kind: Kind = "adequate"
+    against: int = 0
+    signals: tuple[str, ...] = ()
+    skipped: str = ""
+    wall_s: float = 0.0
+
+    @property
+    def unusable(self) -> bool:
+        """Whether nothing was sought because the record cannot answer."""
+        return self.kind == "unknown" and bool(self.skipped)
+
+
+def cross_check(
+    actuator: Actuator,
+    record: Record,
+    healthy: Sequence[Record],
+    estimates: Mapping[str, float],
+    least: Mapping[str, float],
+    doubted: bool,
+) -> CrossCheck:
+    """Holds `estimates` of CSJ and BLK, by name, against all signals. `least`: the shift of each that is called a fault, relative; `doubted`: the search itself found the model
+    not adequate.
+
+    Two or more `healthy` records of the record's command are what it is compared with. Raises InputError as `gather` does.
+    """
+    begun = time.perf_counter()
+    same = [other for other in healthy if same_command(record, other)]
+    repeats = same if len(same) > 1 else []
+    signals = live(record, *repeats)
+
+    def said(kind: Kind, what: _Said | None = None, skipped: str = "") -> CrossCheck:
+        told = what or _Said()
+        return CrossCheck(
+            **vars(told), kind=kind, against=len(repeats), signals=signals, skipped=skipped, wall_s=time.perf_counter() - begun
+        )
+
+    why_not = blocked(actuator, record)
+    if why_not:
+        return said("unknown", skipped=why_not)
+    gathered = gather(actuator, record, repeats, signals)
+    known = KnownMachine(gathered if repeats else as_known(gathered))
+    base = known.base(estimates)
+    if (repeats or not doubted) and known.plain(base):
+        plain = _faults(known, base)
+        stands = known.open_std(base)
+        for name, shift in plain.shift.items():
+            found = rivals(known, base, name, least[name]) if abs(shift) > least[name] else []
+            if found:
+                return said("rival", _with_effect(replace(plain, open=stands), found[0], [one.effect for one in found[1:]], actuator))
+        why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
+        return said("adequate", replace(plain, open=stands), why)
+    verdict, best, alike = named(known, base)
+    if verdict == "unknown" or best is None:
+        return said("unknown")
+    # what the effect leaves beyond noise says that the machine is not as its file says
+    as_filed = bool(repeats) or best.cost - known.floor < 6.0 * np.sqrt(2.0 * known.evidence.numbers)
+    best = best if as_filed else on_unit(gathered, best)
+    return said("missing", _with_effect(_faults(known, best), best, alike, actuator))
+
+
+def _faults(known: KnownMachine, fit: Fit) -> _Said:
+    """CSJ and BLK of a fit, and their shifts from the machine that is known."""
+    values = {name: fit.values[name] for name in known.faults}
+    return _Said(faults=values, shift={name: value / known.actuator[name] - 1.0 for name, value in values.items()})
+
+
+def _with_effect(said: _Said, one: Fit, alike: Sequence[str], actuator: Actuator) -> _Said:
+    own = {name: value for name, value in one.values.items() if name.startswith(f"effects.{one.effect}.")}
+    return replace(
+        said,
+        effects=(one.effect, *alike),
+        values=own,
+        std={name: one.std[name] for name in own if name in one.std},
+        there=one.effect in actuator.active_effects,
+    )

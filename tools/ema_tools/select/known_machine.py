@@ -1,0 +1,282 @@
+"""A record of a machine that is taken for known: CSJ and BLK are free, grease and winding scatter as from run to run, and everything else stays.
+
+What is known is the actuator file, or healthy repeats of the same command. Costs are squared residuals of all signals that are connected, in units of their noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.compare.validity import judge
+from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.records import Record
+from ema_tools.fit import bounded
+from ema_tools.fit import nuisance as spreads
+from ema_tools.fit.bounded import FreeValue, OneSided, Stop
+from ema_tools.fit.evidence import Evidence, simulate_channels, view
+from ema_tools.fit.nuisance import Spread
+from ema_tools.library.faults import FAULTS
+from ema_tools.select.baseline import common_channels, gather
+from ema_tools.select.candidates import candidates
+from ema_tools.select.matched_filter import Screen
+
+# Values that have a spread of their own beside CSJ and BLK, relative.
+SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
+_FREE = 0.3  # how far CSJ and BLK may move while the starts are sought, relative [judgement]
+_CREDIBLE = 3.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing [chance]
+_STEP = 0.02  # of a value's scale: large against reversals that jump a step [precision]
+LAST_STEPS = 20  # of a fit of all values [effort]
+_PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
+_PLAIN = 1.1  # a model whose residual stays below this many times the noise in every signal lacks nothing that matters [judgement]
+_PARTS = 10  # of the record, each of which must be plain: an effect may begin late [judgement]
+_BLOCK_ROWS = 25  # whose mean tells what lasts from noise [judgement]
+_LASTING = 0.5  # as much may last in a signal, in the noise of one row: noise alone leaves a fifth of it [judgement]
+_OVER_REPEATS = 2.0  # times what healthy repeats show against each other [judgement]
+_TODAY_STEP = 0.25  # of a spread: large against the model's roughness, small against what bends [precision]
+_NOISELESS = 2e-4  # of a record without noise: what integration and rounding leave, relative to the signal [precision]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit of CSJ, BLK, what scatters and, where it has a name, an effect: values and standard errors by name, and the cost that is left."""
+
+    effect: str
+    values: Mapping[str, float]
+    std: Mapping[str, float]
+    cost: float
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where the fit of an effect begins, and the cost that it takes off there."""
+
+    effect: str
+    values: Mapping[str, float]
+    gain: float
+
+
+@dataclass(frozen=True)
+class OpenStd:
+    """A standard error, and what of the machine's present state does most to it, by name."""
+
+    std: float
+    most: str
+
+
+def _marginal(own: Sequence[Reals], today: Sequence[Reals], place: int) -> float:
+    """Standard error of the value at `place` by the slopes [n] of what is free and of what has a spread of 1; infinite where the record says nothing of it."""
+    slopes = np.column_stack([*own, *today])
+    known = np.concatenate([np.zeros(len(own)), np.ones(len(today))])
+    normal = slopes.T @ slopes + np.diag(known)
+    try:
+        return float(np.sqrt(np.linalg.inv(normal)[place, place]))
+    except np.linalg.LinAlgError:
+        return float("inf")
+
+
+class KnownMachine:
+    """A record of a machine that is known but for CSJ and BLK: whitened residuals of the model with any values, what sensors and every machine's slight effects add taken off."""
+
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence = evidence
+        self.actuator = evidence.actuator
+        self.faults = tuple(name for name in FAULTS.values() if self.actuator[name] > 0.0)
+        self.scatter = tuple(name for name in SCATTER if self.actuator[name] > 0.0)
+        self._level = np.sqrt(evidence.noise[:, :1])  # [channels, 1]: white without repeats
+        count = len(evidence.additive)
+        added = (
+            np.array([self._weighted(signal) for signal in evidence.additive]).reshape(count, -1)
+            if count
+            else np.empty((0, self._weighted(evidence.target).size))
+        )
+        self._basis, _ = np.linalg.qr(np.vstack([added.T, -np.eye(count)]))
+        costs = [float(repeat @ repeat) for repeat in evidence.of_repeats]
+        self.floor = float(np.mean(costs)) if costs else evidence.floor
+        self._largest = max(costs, default=0.0)
+
+    def _weighted(self, signals: Reals) -> Reals:
+        return self.evidence.whiten(signals) if self.evidence.relative else (signals / self._level).ravel()
+
+    def signals(self, changes: Mapping[str, float]) -> Reals:
+        """The model, [channels, rows]. Raises InputError when it refuses the values."""
+        evidence = self.evidence
+        return simulate_channels(self.actuator.changed(changes), evidence.record, evidence.channels, evidence.start_mm)
+
+    def residual(self, changes: Mapping[str, float]) -> Reals:
+        """[whitened numbers + additive], the squared length is the cost."""
+        plain = self._weighted(self.evidence.target - self.signals(changes))
+        tall = np.concatenate([plain, np.zeros(self._basis.shape[1])])
+        return np.asarray(tall - self._basis @ (self._basis.T @ tall))
+
+    def fit(
+        self,
+        effect: str,
+        start: Mapping[str, float],
+        free: Sequence[str],
+        steps: int,
+        ends: Mapping[str, tuple[float, float]] | None = None,
+    ) -> Fit | None:
+        """Fits the values `free` of those in `start`, inside `ends` where given; None where the model refuses the start."""
+        first = {**{name: self.actuator[name] for name in (*self.faults, *self.scatter)}, **start}
+        inside = ends or {}
+        unknowns = [self._unknown(name, value, inside.get(name)) for name, value in first.items() if name in free]
+        scatter = [
+            (one.name, self.actuator[one.name], SCATTER[one.name] * self.actuator[one.name]) for one in unknowns if one.name in self.scatter
+        ]
+        try:
+            refused = self.residual(first)
+        except InputError:
+            return None
+
+        def vector(values: Mapping[str, float]) -> Reals:
+            try:
+                plain = self.residual({**first, **values})
+            except InputError:
+                plain = 2.0 * refused
+            return np.concatenate([plain, [(values[name] - healthy) / std for name, healthy, std in scatter]])
+
+        found = bounded.fit(unknowns, vector, OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6))
+        std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
+        return Fit(effect, {**first, **found.values}, std, found.cost)
+
+    def _unknown(self, name: str, first: float, ends: tuple[float, float] | None) -> FreeValue:
+        lower, upper = ends or self._ends(name)
+        return FreeValue(name, first, self._scale(name, first), lower, upper)
+
+    def _ends(self, name: str) -> tuple[float, float]:
+        """Where a value may lie."""
+        row = row_of(name)
+        if name in self.scatter:
+            reach = _CREDIBLE * SCATTER[name]
+            return (1.0 - reach) * self.actuator[name], (1.0 + reach) * self.actuator[name]
+        return row.lower, row.upper
+
+    def _scale(self, name: str, first: float) -> float:
+        if name.endswith("phase_rad"):
+            return _PHASE_SCALE
+        return max(abs(first), 1e-9 if name.startswith("effects.") else 0.3 * abs(self.actuator[name]))
+
+    def base(self, estimates: Mapping[str, float]) -> Fit:
+        """CSJ and BLK alone, from their healthy values and from `estimates`: the better of both."""
+        healthy = {name: self.actuator[name] for name in self.faults}
+        starts = (healthy, {name: max(estimates.get(name, healthy[name]), 0.2 * healthy[name]) for name in healthy})
+        fits = each(lambda start: self.fit("", start, (*self.faults, *self.scatter), LAST_STEPS), starts)
+        return min((one for one in fits if one is not None), key=lambda one: one.cost)
+
+    def plain(self, base: Fit) -> bool:
+        """Whether the residual is as small as those of healthy repeats; without them, in every signal as small as its sensor's noise, over the whole record and in every part of it."""
+        left = self.evidence.target - self.signals(base.values)
+        if self.evidence.relative:
+            return base.cost < _PLAIN * self._largest and self._lasting_below(left, self._lasting_of_repeats())
+        left = left - left.mean(axis=1, keepdims=True)
+        size = np.sqrt(np.mean(self.evidence.target**2, axis=1))
+        rms = np.sqrt(np.mean(left**2, axis=1))
+        even = bool(np.all(rms <= np.maximum(_PLAIN * self._level[:, 0], _NOISELESS * size)))
+        return even and self._lasting_below(left, np.full(len(left), _LASTING))
+
+    def _lasting(self, left: Reals) -> Reals:
+        """What stays in the signals [channels, rows] for longer than noise does, rms over each part of the record, in the noise of one row, [channels, parts]."""
+        channels, rows = left.shape
+        count = max(1, rows // (_PARTS * _BLOCK_ROWS))
+        blocks = left[:, : _PARTS * count * _BLOCK_ROWS] if rows >= _PARTS * _BLOCK_ROWS else left[:, : rows - rows % _PARTS]
+        means = blocks.reshape(channels, _PARTS, -1, min(_BLOCK_ROWS, max(1, blocks.shape[1] // _PARTS))).mean(axis=3)
+        return np.asarray(np.sqrt(np.mean(means**2, axis=2)) / self._spread_of_noise()[:, None])
+
+    def _spread_of_noise(self) -> Reals:
+        return np.asarray(np.sqrt(np.mean(self.evidence.noise, axis=1)))
+
+    def _lasting_of_repeats(self) -> Reals:
+        """The most that any part of any healthy repeat shows against the others, [channels], with room for a record that is no repeat."""
+        here = self.signals({})
+        most = np.max([self._lasting(repeat - here) for repeat in self.evidence.repeats], axis=(0, 2))
+        return np.asarray(np.maximum(_OVER_REPEATS * most, _LASTING))
+
+    def _lasting_below(self, left: Reals, limit: Reals) -> bool:
+        return bool(np.all(self._lasting(left) <= limit[:, None]))
+
+    def open_std(self, base: Fit) -> dict[str, OpenStd]:
+        """Standard errors of CSJ and BLK where the machine may be today as far from what is known of it as machines go, by name."""
+        here = self.residual(base.values)
+        machine = self.actuator.changed(base.values)
+        wanted = [one for one in spreads.of_today(machine) if not set(one.names) & set(self.faults)]
+
+        def slope(changes: Mapping[str, float], step: float) -> Reals:
+            return (self.residual({**base.values, **changes}) - here) / step
+
+        own = each(lambda name: slope({name: (1.0 + _STEP) * base.values[name]}, _STEP * base.values[name]), self.faults)
+        today = each(lambda one: slope(one.changes(machine, _TODAY_STEP), _TODAY_STEP), wanted)
+        found = {}
+        for place, name in enumerate(self.faults):
+            alone = [_marginal(own, [column], place) for column in today]
+            worst = wanted[int(np.argmax(alone))].title if wanted else ""
+            found[name] = OpenStd(_marginal(own, today, place), worst)
+        return found
+
+    def starts(self, base: Fit, only: str | None = None, held: str = "") -> list[Start]:
+        """Where the fit of each effect, or of `only` one, begins, one start for each sign: the shape and size whose signature at the base explains most.
+
+        CSJ and BLK are free there, but for the one `held`.
+        """
+        machine = self.actuator.changed(base.values)
+        free = tuple(Spread((name,), _FREE, True) for name in self.faults if machine[name] > 0.0 and name != held)
+        here = view(
+            replace(
+                self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run({name: SCATTER[name] for name in self.scatter}))
+            ),
+            {},
+        )
+        tasks = [
+            (candidate, first)
+            for candidate in candidates(Screen(here), only=only)
+            if candidate.effect not in FAULTS
+            for first in candidate.first
+        ]
+
+        def scored(task: tuple[Any, float]) -> tuple[float, float]:
+            candidate, first = task
+            try:
+                vector = here.signature(candidate.changes(first))
+            except InputError:
+                return 0.0, 0.0
+            length = float(vector @ vector)
+            share = float(np.clip(float(vector @ here.residual) / length, 0.0, 100.0)) if length > 0.0 else 0.0
+            kept = min(share, 1.0)
+            return 2.0 * kept * float(vector @ here.residual) - kept**2 * length, share
+
+        best: dict[tuple[str, bool], tuple[float, dict[str, float]]] = {}
+        for (candidate, first), (gain, share) in zip(tasks, each(scored, tasks), strict=True):
+            key = (candidate.effect, first > candidate.zero)
+            if key not in best or gain > best[key][0]:
+                wanted = candidate.zero + (first - candidate.zero) * float(np.clip(share, 0.5, 20.0))
+                best[key] = (gain, candidate.changes(float(np.clip(wanted, candidate.lower, candidate.upper))))
+        return [Start(effect, start, gain) for (effect, _), (gain, start) in best.items()]
+
+
+def live(*records: Record) -> tuple[str, ...]:
+    """Signals that all records have and that change: a sensor that is not connected says nothing."""
+    return tuple(name for name in common_channels(records) if all(np.ptp(one.recorded(name)) > 0.0 for one in records))
+
+
+def blocked(actuator: Actuator, record: Record) -> str:
+    """Why no answer from a record means anything, by its validity; empty where it may answer. Sensors that are not connected are left out."""
+    moving = live(record)
+    silent: dict[str, Any] = {name: None for name in common_channels([record]) if name not in moving and name != "position_mm"}
+    gate = judge(actuator, replace(record, **silent))
+    return next((f"{one.text}: {one.next}" for one in gate.remarks if one.severity == "blocks"), "")
+
+
+def known_machine(actuator: Actuator, record: Record) -> Evidence:
+    """Evidence of a record of a machine that is as `actuator` says, of which only grease and winding scatter from run to run; CSJ and BLK are left to be fitted."""
+    return as_known(gather(actuator, record, channels=live(record)))
+
+
+def as_known(unit: Evidence) -> Evidence:
+    """The evidence with the free values of a machine that is known."""
+    return replace(unit, spread=spreads.from_run_to_run({name: std for name, std in SCATTER.items() if unit.actuator[name] > 0.0}))
