@@ -16,7 +16,8 @@ from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, read_record, write_record
 from ema_tools.plant.native import SearchSettings
 from ema_tools.results.codec import to_json
-from ema_tools.tasks.identify import identify, weight_of
+from ema_tools.tasks.identify import identify
+from ema_tools.tasks.onboard_search import weight_of
 from ema_tools.words.answers.identification import identification
 from ema_tools.words.sentences.identification import sentence
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
@@ -95,13 +96,23 @@ def test_healthy_records_take_the_models_own_error_away() -> None:
     assert fault.answer.identified[0].shift_percent == pytest.approx(100.0 * (0.2 - 0.138) / 0.138, abs=5.0)
 
 
-def test_healthy_record_that_the_model_does_not_explain_is_refused(tmp_path: Path) -> None:
-    write_record(tmp_path / "warm.csv", chirp_record(reference_actuator().changed({"motor.resistance_ohm": 1.3})))
-    said = complaint(
-        run_ema(
-            "identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", RECORDINGS / "healthy.csv", "--healthy", tmp_path / "warm.csv"
+def test_healthy_records_of_two_states_are_refused(tmp_path: Path) -> None:
+    """Of two that differ by a winding of +30 %, one is not healthy; which one, nobody knows."""
+    for name, resistance, seed in (("warm.csv", 1.3, 1), ("cold.csv", 1.0, 2)):
+        noise = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
+        write_record(
+            tmp_path / name, chirp_record(reference_actuator().changed({"motor.resistance_ohm": resistance})).with_noise(noise, seed)
         )
+    said = complaint(
+        run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", tmp_path / "cold.csv", "--healthy", tmp_path / "warm.csv")
     )
+    assert said.startswith("warm.csv: not of the same state as cold.csv: ")
+    assert said.endswith(": leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other")
+
+
+def test_one_healthy_record_that_the_model_does_not_explain_is_refused(tmp_path: Path) -> None:
+    write_record(tmp_path / "warm.csv", chirp_record(reference_actuator().changed({"motor.resistance_ohm": 1.3})))
+    said = complaint(run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", tmp_path / "warm.csv"))
     assert said.startswith(
         "warm.csv: cannot serve as a healthy record: the residual is larger than the sensor noise explains: an effect is missing from the model"
     )

@@ -21,7 +21,7 @@ from ema_tools.library.definitions import library_folder
 from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks import signature_table as onboard
 from ema_tools.tasks.export import fingerprint, header_text, signatures_text
-from ema_tools.tasks.identify import run as run_search
+from ema_tools.tasks.onboard_search import run as run_search
 from ema_tools.tasks.signature_table import Signatures, judge, residual_of, signatures
 from support import ROOT, chirp_record, complaint, run_ema
 

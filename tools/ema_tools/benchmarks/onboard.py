@@ -26,7 +26,7 @@ from ema_tools.data.cases import CASES, HEALTHY_BLK_MM, HEALTHY_CSJ_NM
 from ema_tools.data.records import Record
 from ema_tools.plant.native import Identification, SearchSettings
 from ema_tools.tasks.calibrate import calibrate
-from ema_tools.tasks.identify import run
+from ema_tools.tasks.onboard_search import run
 from ema_tools.tasks.signature_table import RATE_HZ, SIGNALS, Judged, Signatures, judge, residual_of, signatures
 from ema_tools.words.terminal.console import Bar, progress, run_command
 

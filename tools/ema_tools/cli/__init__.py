@@ -257,7 +257,7 @@ def identify(
     from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
-    from ema_tools.tasks.identify import weight_of
+    from ema_tools.tasks.onboard_search import weight_of
     from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
 

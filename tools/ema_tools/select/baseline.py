@@ -40,7 +40,8 @@ def same_command(record: Record, other: Record) -> bool:
     return other.rows == record.rows and bool(np.allclose(other.command_mm, record.command_mm, atol=1e-6))
 
 
-_ODD = 8.0  # days differ by a factor of three at most from one another (benchmark's machines); one that is faulty, by dozens [measured]
+# Days differ by a factor of three at most from one another (benchmark's machines), one that is faulty by dozens; of three records, the median may be anything's neighbour [measured]
+_ODD, _ODD_OF_THREE = 8.0, 24.0
 
 
 def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
@@ -53,7 +54,7 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
         )
     apart = _apart(healthy)
     odd = int(np.argmax(apart))
-    if apart[odd] > _ODD:
+    if apart[odd] > (_ODD if len(healthy) > 3 else _ODD_OF_THREE):
         raise InputError(
             f"{healthy[odd].file}: {apart[odd]:.3g} times as far from the healthy records' median as the others are: leave it out, or diagnose it by itself"
         )

@@ -15,9 +15,8 @@ import numpy as np
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
-from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.beside_fault import named, on_unit, rivals
-from ema_tools.select.known_machine import Fit, KnownMachine, OpenStd, as_known, blocked, live
+from ema_tools.select.known_machine import Compared, Fit, KnownMachine, OpenStd, blocked
 
 # What was found: the known machine with another CSJ and BLK explains everything; an effect is missing; something is missing that no effect explains; an effect
 # explains the record as well as a fault does.
@@ -54,36 +53,25 @@ class CrossCheck(_Said):
 
 
 def cross_check(
-    actuator: Actuator,
-    record: Record,
-    healthy: Sequence[Record],
-    estimates: Mapping[str, float],
-    least: Mapping[str, float],
-    doubted: bool,
+    actuator: Actuator, record: Record, beside: Compared, estimates: Mapping[str, float], least: Mapping[str, float], doubted: bool
 ) -> CrossCheck:
-    """Holds `estimates` of CSJ and BLK, by name, against all signals. `least`: the shift of each that is called a fault, relative; `doubted`: the search itself found the model
-    not adequate.
-
-    Two or more `healthy` records of the record's command are what it is compared with. Raises InputError as `gather` does.
-    """
+    """Holds `estimates` of CSJ and BLK, by name, against all signals. `beside`: the record with what is known of its machine; `least`: the shift of each that is called a fault,
+    relative; `doubted`: the search itself found the model not adequate."""
     begun = time.perf_counter()
-    same = [other for other in healthy if same_command(record, other)]
-    repeats = same if len(same) > 1 else []
-    signals = live(record, *repeats)
+    repeats = len(beside.repeats)
 
     def said(kind: Kind, what: _Said | None = None, skipped: str = "") -> CrossCheck:
         told = what or _Said()
         return CrossCheck(
-            **vars(told), kind=kind, against=len(repeats), signals=signals, skipped=skipped, wall_s=time.perf_counter() - begun
+            **vars(told), kind=kind, against=repeats, signals=beside.signals, skipped=skipped, wall_s=time.perf_counter() - begun
         )
 
     why_not = blocked(actuator, record)
     if why_not:
         return said("unknown", skipped=why_not)
-    gathered = gather(actuator, record, repeats, signals)
-    known = KnownMachine(gathered if repeats else as_known(gathered))
+    known = beside.known
     base = known.base(estimates)
-    if (repeats or not doubted) and known.plain(base):
+    if (repeats > 0 or not doubted) and known.plain(base):
         plain = _faults(known, base)
         stands = known.open_std(base)
         for name, shift in plain.shift.items():
@@ -96,8 +84,8 @@ def cross_check(
     if verdict == "unknown" or best is None:
         return said("unknown")
     # what the effect leaves beyond noise says that the machine is not as its file says
-    as_filed = bool(repeats) or best.cost - known.floor < 6.0 * np.sqrt(2.0 * known.evidence.numbers)
-    best = best if as_filed else on_unit(gathered, best)
+    as_filed = repeats > 0 or best.cost - known.floor < 6.0 * np.sqrt(2.0 * known.evidence.numbers)
+    best = best if as_filed else on_unit(beside.unit, best)
     return said("missing", _with_effect(_faults(known, best), best, alike, actuator))
 
 

@@ -6,7 +6,9 @@ What is known is the actuator file, or healthy repeats of the same command. Cost
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,14 +25,14 @@ from ema_tools.fit.bounded import FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import Evidence, simulate_channels, view
 from ema_tools.fit.nuisance import Spread
 from ema_tools.library.faults import FAULTS
-from ema_tools.select.baseline import common_channels, gather
+from ema_tools.select.baseline import common_channels, gather, same_command
 from ema_tools.select.candidates import candidates
 from ema_tools.select.matched_filter import Screen
 
 # Values that have a spread of their own beside CSJ and BLK, relative.
 SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
 _FREE = 0.3  # how far CSJ and BLK may move while the starts are sought, relative [judgement]
-_CREDIBLE = 3.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing [chance]
+_CREDIBLE = 5.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing; days differ by more than three of what few records show [judgement]
 _STEP = 0.02  # of a value's scale: large against reversals that jump a step [precision]
 LAST_STEPS = 20  # of a fit of all values [effort]
 _PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
@@ -88,7 +90,8 @@ class KnownMachine:
         self.evidence = evidence
         self.actuator = evidence.actuator
         self.faults = tuple(name for name in FAULTS.values() if self.actuator[name] > 0.0)
-        self.scatter = tuple(name for name in SCATTER if self.actuator[name] > 0.0)
+        shown = {one.title: one.std for one in evidence.spread} if evidence.relative else {}
+        self.scatter = {name: shown.get(name, std) for name, std in SCATTER.items() if self.actuator[name] > 0.0}
         self._level = np.sqrt(evidence.noise[:, :1])  # [channels, 1]: white without repeats
         count = len(evidence.additive)
         added = (
@@ -100,6 +103,16 @@ class KnownMachine:
         costs = [float(repeat @ repeat) for repeat in evidence.of_repeats]
         self.floor = float(np.mean(costs)) if costs else evidence.floor
         self._largest = max(costs, default=0.0)
+
+    def of_repeat(self, place: int) -> KnownMachine:
+        """The same of a healthy repeat against the others."""
+        other = copy(self)
+        other.evidence = replace(self.evidence, target=self.evidence.repeats[place])
+        return other
+
+    def today(self, base: Fit) -> Actuator:
+        """The machine with grease and winding as they are today."""
+        return self.actuator.changed({name: base.values[name] for name in self.scatter})
 
     def _weighted(self, signals: Reals) -> Reals:
         return self.evidence.whiten(signals) if self.evidence.relative else (signals / self._level).ravel()
@@ -128,7 +141,9 @@ class KnownMachine:
         inside = ends or {}
         unknowns = [self._unknown(name, value, inside.get(name)) for name, value in first.items() if name in free]
         scatter = [
-            (one.name, self.actuator[one.name], SCATTER[one.name] * self.actuator[one.name]) for one in unknowns if one.name in self.scatter
+            (one.name, self.actuator[one.name], self.scatter[one.name] * self.actuator[one.name])
+            for one in unknowns
+            if one.name in self.scatter
         ]
         try:
             refused = self.residual(first)
@@ -154,7 +169,7 @@ class KnownMachine:
         """Where a value may lie."""
         row = row_of(name)
         if name in self.scatter:
-            reach = _CREDIBLE * SCATTER[name]
+            reach = _CREDIBLE * self.scatter[name]
             return (1.0 - reach) * self.actuator[name], (1.0 + reach) * self.actuator[name]
         return row.lower, row.upper
 
@@ -227,9 +242,7 @@ class KnownMachine:
         machine = self.actuator.changed(base.values)
         free = tuple(Spread((name,), _FREE, True) for name in self.faults if machine[name] > 0.0 and name != held)
         here = view(
-            replace(
-                self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run({name: SCATTER[name] for name in self.scatter}))
-            ),
+            replace(self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run(self.scatter))),
             {},
         )
         tasks = [
@@ -270,6 +283,50 @@ def blocked(actuator: Actuator, record: Record) -> str:
     silent: dict[str, Any] = {name: None for name in common_channels([record]) if name not in moving and name != "position_mm"}
     gate = judge(actuator, replace(record, **silent))
     return next((f"{one.text}: {one.next}" for one in gate.remarks if one.severity == "blocks"), "")
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A record beside what is known of its machine. `unit`: the evidence as it was gathered; `repeats`: healthy records of its command behind it, two or more, or none;
+    `signals`: that are compared."""
+
+    unit: Evidence
+    repeats: tuple[Record, ...]
+    signals: tuple[str, ...]
+
+    @cached_property
+    def known(self) -> KnownMachine:
+        """The record of a machine of which CSJ and BLK are sought."""
+        return KnownMachine(self.unit if self.repeats else as_known(self.unit))
+
+    @property
+    def actuator(self) -> Actuator:
+        """The machine that is known: as the file says, or as the healthy repeats show it."""
+        return self.unit.actuator
+
+    def corrected(self, record: Record) -> Record:
+        """The record without what stays between the healthy machine and its model; itself without repeats."""
+        return self._with(record, self.unit.target) if self.repeats else record
+
+    def corrected_repeats(self) -> list[Record]:
+        """Each healthy repeat against the others, in the same way."""
+        return [self._with(one, target) for one, target in zip(self.repeats, self.unit.repeats, strict=True)]
+
+    def _with(self, record: Record, signals: Reals) -> Record:
+        return replace(record, **dict(zip(self.signals, signals, strict=True)))
+
+
+def repeats_of(record: Record, healthy: Sequence[Record]) -> tuple[Record, ...]:
+    """Of the healthy records those of the record's command, where they are enough to tell repeatability and the rod moves; else none."""
+    same = tuple(other for other in healthy if same_command(record, other))
+    return same if len(same) > 1 and "position_mm" in live(record, *same) else ()
+
+
+def compared(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> Compared:
+    """The record beside its actuator's file, or beside two or more `healthy` records of its command. Raises InputError as `gather` does."""
+    repeats = repeats_of(record, healthy)
+    signals = live(record, *repeats)
+    return Compared(gather(actuator, record, repeats, signals), repeats, signals)
 
 
 def known_machine(actuator: Actuator, record: Record) -> Evidence:

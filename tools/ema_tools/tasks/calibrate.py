@@ -30,7 +30,7 @@ from ema_tools.data.records import Record, simulated
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import Found, FreeValue, Stop, TwoSided
 from ema_tools.plant.native import CHANNELS, Simulation
-from ema_tools.tasks.identify import BOUNDS
+from ema_tools.tasks.onboard_search import BOUNDS
 
 PLAY = "screw.blk_mm"
 FRICTION = "screw.csj_Nm"

@@ -13,7 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, Row, shown
 from ema_tools.library.definitions import EffectParameter, Parameter, load_definitions
 from ema_tools.plant.native import CHANNELS, library
-from ema_tools.tasks.identify import check_bounds
+from ema_tools.tasks.onboard_search import check_bounds
 from ema_tools.tasks.signature_table import Signatures
 
 _GUARD = "EMA_EXPORTED_ACTUATOR_H"

@@ -10,34 +10,20 @@ from typing import Literal
 
 import numpy as np
 
-from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
-from ema_tools.data.actuator import Actuator, nearest, row_of, shown
+from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.interval import scatter_of
-from ema_tools.plant.native import (
-    CHANNELS,
-    NOT_DETERMINED,
-    REASONS,
-    Identification,
-    IdentifiedValue,
-    Progress,
-    SearchSettings,
-    Table,
-    library,
-)
+from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.cross_check import CrossCheck, cross_check
+from ema_tools.select.known_machine import compared, repeats_of
 from ema_tools.tasks.diagnose import check_apart
+from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
+from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
 
-# Keys of the result for the values that are identified by default.
-KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
-BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
-MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
-# Reasons that make the values read on a healthy record worthless.
-_NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
+_NOISE = "verdict.position_noise_mm"
 NOT_ADEQUATE = REASONS[2]
-_POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
 
 
 # Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today.
@@ -45,20 +31,11 @@ Objection = Literal["missing", "unknown", "rival", "signals", "open"]
 
 
 @dataclass(frozen=True)
-class Baseline:
-    """Healthy values found on healthy records by the same search, and their standard errors, by name."""
-
-    values: dict[str, float]
-    std: dict[str, float]
-    records: int
-
-
-@dataclass(frozen=True)
 class Identified:
     """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
 
     `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
-    `checked`: what all signals say of the estimates; None where it was not wanted.
+    `least_percent`: the shifts that are called a fault, by name; `checked`: what all signals say of the estimates; None where it was not wanted.
     """
 
     actuator: Actuator
@@ -71,15 +48,20 @@ class Identified:
     precision: int
     wall_s: float
     weighted: bool
+    least_percent: Mapping[str, float] = field(default_factory=dict)
     checked: CrossCheck | None = None
     scatter: Mapping[str, float] = field(default_factory=dict)
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, and what moves from run to run, as healthy records show it where there are two or more."""
-        seen = 0.0
-        if self.baseline is not None and self.baseline.records > 1:
-            seen = self.baseline.std[one.name] * math.sqrt(self.baseline.records)
-        return interval95(one.estimate, one.std, one.bias if math.isfinite(one.bias) else 0.0, max(seen, self.scatter.get(one.name, 0.0)))
+        bias = one.bias if math.isfinite(one.bias) else 0.0
+        return interval95(one.estimate, one.std, bias, self.day_std(one.name))
+
+    def day_std(self, name: str) -> float:
+        """By how much a healthy machine's value is read apart from run to run: as its healthy records show it where there are two or more, against the mean of those; else the usual."""
+        if self.baseline is None or not self.baseline.scatter:
+            return self.scatter.get(name, 0.0)
+        return self.baseline.scatter[name] * math.sqrt(1.0 + 1.0 / self.baseline.records)
 
     @property
     def objection(self) -> Objection | None:
@@ -106,7 +88,7 @@ class Identified:
         return abs(shift - 0.01 * estimate.shift_percent) > max(self._least(estimate.name), 3.0 * (std if np.isfinite(std) else 0.0))
 
     def _least(self, name: str) -> float:
-        return 0.01 * self.healthy[MIN_SHIFTS[name]]
+        return 0.01 * self.least_percent[name]
 
     def _stands(self, checked: CrossCheck) -> bool:
         """Whether the verdict is the same for all that the machine may be today."""
@@ -137,105 +119,6 @@ class Identified:
         return self.answer.adequate and self.objection not in ("unknown", "missing")
 
 
-def weight_of(text: str | None) -> tuple[float, float, float, float] | None:
-    """Weights in the order of CHANNELS from `column=weight,...`; None for the usual ones. Raises InputError that names the column."""
-    if not text:
-        return None
-    weight = dict.fromkeys(CHANNELS, 0.0)
-    for part in filter(None, text.split(",")):
-        name, _, value = part.partition("=")
-        if name.strip() not in weight:
-            raise InputError(f"--weight {part}: unknown column{nearest(name.strip(), CHANNELS)}: columns are {', '.join(CHANNELS)}")
-        try:
-            weight[name.strip()] = float(value)
-        except ValueError:
-            raise InputError(f"--weight {part}: not a number: write for example --weight position_mm=1,current_A=0.01") from None
-    numbers = list(weight.values())
-    if not all(0.0 <= number < float("inf") for number in numbers) or not any(numbers):
-        raise InputError(f"--weight {text}: not weights: give numbers of zero or more, one of them above zero")
-    return numbers[0], numbers[1], numbers[2], numbers[3]
-
-
-def identified_of(actuator: Actuator) -> tuple[str, ...]:
-    """The values that are searched: those whose healthy value is not zero, since a shift is counted in % of it."""
-    return tuple(name for name in KEYS if actuator[name] > 0.0)
-
-
-def check_bounds(actuator: Actuator) -> None:
-    """Raises InputError where a healthy value lies outside the bounds of its search."""
-    for name in identified_of(actuator):
-        lower, upper = BOUNDS[name]
-        if not actuator[lower] < actuator[upper]:
-            raise InputError(f"{actuator.file}: {lower} = {actuator[lower]:g}: not below {upper} = {actuator[upper]:g}: correct the bounds")
-        if not actuator[lower] <= actuator[name] <= actuator[upper]:
-            raise InputError(
-                f"{actuator.file}: {name} = {actuator[name]:g}: outside the search's bounds {actuator[lower]:g} .. {actuator[upper]:g} {row_of(name).unit}: widen them"
-            )
-
-
-def check_record(actuator: Actuator, record: Record, search: SearchSettings) -> None:
-    """Raises InputError when the search cannot begin: a healthy value or a bound that does not fit, or a weight on a signal that is not recorded."""
-    for name, weight in zip(CHANNELS, search.weight or (), strict=False):
-        if weight > 0.0 and record.channel(name) is None:
-            raise InputError(f"{record.file}: {name}: weighted but not recorded: recorded are {', '.join(record.present)}")
-    if not identified_of(actuator):
-        raise InputError(
-            f"{actuator.file}: screw.csj_Nm = 0: the healthy value is zero, and a shift is counted in % of it: give one, or calibrate"
-        )
-    check_bounds(actuator)
-
-
-def check_table(table: Table, record: Record) -> None:
-    """Raises InputError when the record lacks a signal that the table of signatures compares."""
-    for place in table.channels:
-        if record.channel(CHANNELS[place]) is None:
-            raise InputError(
-                f"{record.file}: {CHANNELS[place]}: the table compares it, but it is not recorded: record it, or leave --table out"
-            )
-
-
-def run(
-    actuator: Actuator, record: Record, search: SearchSettings, bits: int, progress: Progress | None = None, table: Table | None = None
-) -> Identification:
-    """One search on one record, behind a `table` of signatures where one is given. Raises InputError."""
-    names = identified_of(actuator)
-    if search.identified is None and len(names) < len(KEYS):
-        lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
-        search = replace(
-            search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names)
-        )
-    values, options = actuator.arrays()
-    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress, table)
-
-
-def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSettings, bits: int) -> Baseline:
-    """Healthy values as the same search reads them on healthy records, so that what it reads wrongly, it reads wrongly on both.
-
-    Raises InputError when a healthy record does not determine them, or the model does not explain it.
-    """
-    answers = each(lambda record: run(actuator, record, search, bits), records)
-    for record, answer in zip(records, answers, strict=True):
-        unfit = [reason for reason in answer.reasons if reason in _NO_BASELINE]
-        if unfit:
-            raise InputError(
-                f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy"
-            )
-        for estimate in answer.identified:
-            if estimate.at_bound:
-                raise InputError(
-                    f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first"
-                )
-    values, std = {}, {}
-    count = len(answers)
-    for place, estimate in enumerate(answers[0].identified):
-        found = np.array([answer.identified[place].estimate for answer in answers])
-        own = np.array([answer.identified[place].std for answer in answers])
-        scatter = float(np.std(found, ddof=1)) if count > 1 else 0.0
-        values[estimate.name] = float(np.mean(found))
-        std[estimate.name] = max(scatter, float(np.sqrt(np.mean(own**2)))) / float(np.sqrt(count))
-    return Baseline(values, std, count)
-
-
 def identify(
     actuator: Actuator,
     record: Record,
@@ -260,8 +143,21 @@ def identify(
         check_table(table, record)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
     settings = replace(settings, seed=seed)
-    baseline = baseline_of(actuator, healthy, settings, bits) if healthy else None
-    known = actuator.changed(baseline.values) if baseline else actuator
+    same = repeats_of(record, healthy) if table is None else ()
+    repeats = compared(actuator, record, same) if same else None
+    baseline: Baseline | None = None
+    if repeats is not None:
+        runs = healthy_runs(repeats, settings, bits)
+        baseline, settings = runs.baseline, runs.search
+        # grease and winding as all signals say that they are today: the search itself sees two values
+        known = repeats.known.today(repeats.known.base({})).changed({_NOISE: runs.known[_NOISE]})
+    elif healthy:
+        baseline = baseline_of(actuator, healthy, settings, bits)
+        known = actuator.changed(baseline.values)
+    else:
+        known = actuator
+    beside = repeats or (compared(known, record, ()) if guarding and table is None else None)
+    seen_record = repeats.corrected(record) if repeats is not None else record
     check_record(known, record, settings)
     costs: list[float] = []
 
@@ -271,10 +167,10 @@ def identify(
             progress(evaluation, cost, best)
 
     begun = time.perf_counter()
-    answer = run(known, record, settings, bits, seen, table)
+    answer = run(known, seen_record, settings, bits, seen, table)
     wall_s = time.perf_counter() - begun
     others = each(
-        lambda other: run(known, record, replace(settings, seed=other), bits, None, table), [seed + place for place in range(1, seeds)]
+        lambda other: run(known, seen_record, replace(settings, seed=other), bits, None, table), [seed + place for place in range(1, seeds)]
     )
     found = known.changed(
         {
@@ -283,9 +179,17 @@ def identify(
         }
     )
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
-    wanted = guarding and table is None and bool(estimates)
-    least = {name: 0.01 * known[MIN_SHIFTS[name]] for name in KEYS}
-    checked = cross_check(known, record, healthy, estimates, least, not answer.adequate) if wanted else None
-    weighted = settings.weight is not None
-    scatter = scatter_of(found, record, identified_of(known), dict(zip(CHANNELS, settings.weight or _POSITION_ALONE, strict=True)))
-    return Identified(found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, checked, scatter)
+    searched = identified_of(known)
+    stated = {name: known[MIN_SHIFTS[name]] for name in KEYS}
+    least_percent = stated | dict(zip(searched, settings.min_shift_percent, strict=True)) if settings.min_shift_percent else stated
+    wanted = beside if guarding and estimates else None
+    checked = (
+        cross_check(known, record, wanted, estimates, {k: 0.01 * v for k, v in least_percent.items()}, not answer.adequate)
+        if wanted is not None
+        else None
+    )
+    weighted = search is not None and search.weight is not None
+    scatter = scatter_of(found, record, identified_of(known), dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
+    return Identified(
+        found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, least_percent, checked, scatter
+    )

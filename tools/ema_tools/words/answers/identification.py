@@ -9,7 +9,8 @@ from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
 from ema_tools.results.parts import CurvesEntry, Provenance
 from ema_tools.select.cross_check import CrossCheck
-from ema_tools.tasks.identify import KEYS, Identified, identified_of
+from ema_tools.tasks.identify import Identified
+from ema_tools.tasks.onboard_search import KEYS, identified_of
 from ema_tools.words.answers.steps import field_of
 from ema_tools.words.sentences.identification import reasons, sentence
 

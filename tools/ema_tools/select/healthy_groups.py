@@ -1,0 +1,76 @@
+"""Whether healthy records are of one machine in one state: one that is not healthy must not be taken for scatter.
+
+Each record is read against the others, with CSJ, BLK, grease and winding free as from day to day. Days scatter evenly; where the widest gap between records is far wider than the next,
+they fall into two groups, one of which is not what the other is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.csgraph import minimum_spanning_tree
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.noise import white_noise
+from ema_tools.base.parallel import each
+from ema_tools.fit.whitening import least_noise
+from ema_tools.select.known_machine import Compared, Fit, KnownMachine
+
+# How far values of one machine may lie apart on two days, relative: beyond, one record is of another state. Grease may do anything [judgement]
+_OF_DAYS = {"screw.csj_Nm": 0.12, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
+_NOISE = 2.0  # times the sensors' noise may be left between two records [judgement]
+_NOT_SENSED = ("voltage_V",)  # the controller's answer to noise, not a sensor of its own [physics]
+_GAP = 2.0  # the widest gap over the next, from which on records are two groups [judgement]
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Two groups of healthy records, the places of the smaller one, and what tells them apart: the name of a value, or of a signal; `by`: how far, relative or in the noise of the signal."""
+
+    places: tuple[int, ...]
+    what: str
+    by: float
+
+
+def two_states(beside: Compared, bases: Sequence[Fit]) -> Apart | None:
+    """Two groups of the healthy repeats, whose fits are `bases`; None where they are one."""
+    machines = [beside.known.of_repeat(place) for place in range(len(beside.repeats))]
+    for name, usual in _OF_DAYS.items():
+        if all(name in base.values for base in bases) and beside.actuator[name] > 0.0:
+            values = np.array([base.values[name] for base in bases]) / beside.actuator[name]
+            found = _two_groups(np.abs(values[:, None] - values[None, :]), usual)
+            if found is not None:
+                return Apart(found[0], name, found[1])
+    left = np.array(each(lambda one: _left(*one), list(zip(machines, bases, strict=True))))
+    for place, signal in enumerate(beside.signals):
+        if signal in _NOT_SENSED:
+            continue
+        between = np.sqrt(np.mean((left[:, None, place] - left[None, :, place]) ** 2, axis=2) / 2.0)
+        found = _two_groups(between, _NOISE)
+        if found is not None:
+            return Apart(found[0], signal, found[1])
+    return None
+
+
+def _left(machine: KnownMachine, base: Fit) -> Reals:
+    """What the known machine leaves of a repeat, in the noise of each signal, [signals, rows]."""
+    target = machine.evidence.target
+    noise = np.maximum([white_noise(signal) for signal in target], least_noise(target))
+    return np.asarray((target - machine.signals(base.values)) / noise[:, None])
+
+
+def _two_groups(between: Reals, usual: float) -> tuple[tuple[int, ...], float] | None:
+    """The smaller of two groups, and the gap, where the distances [records, records] have one that is wider than `usual` and far wider than the next."""
+    tree = minimum_spanning_tree(between).toarray()
+    edges = np.sort(tree[tree > 0.0])
+    if not edges.size or edges[-1] <= max(usual, _GAP * (edges[-2] if edges.size > 1 else 0.0)):
+        return None
+    joined = (tree > 0.0) & (tree < edges[-1])
+    group = {0}
+    while more := {k for at in group for k in np.flatnonzero(joined[at] | joined[:, at]).tolist()} - group:
+        group |= more
+    other = set(range(len(between))) - group
+    smaller = min((group, other), key=lambda one: (len(one), 0 in one))
+    return tuple(sorted(smaller)), float(edges[-1])

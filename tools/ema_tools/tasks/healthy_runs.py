@@ -1,0 +1,125 @@
+"""What healthy records of a unit say before today's is looked at: its healthy CSJ and BLK, how far they move from run to run, and which signals tell them best."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.data.actuator import Actuator, row_of, shown
+from ema_tools.data.records import Record
+from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
+from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
+from ema_tools.select.healthy_groups import Apart, two_states
+from ema_tools.select.known_machine import Compared
+from ema_tools.tasks.onboard_search import MIN_SHIFTS, identified_of, run
+
+# Reasons that make the values read on a healthy record worthless.
+_NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
+_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many healthy records that had shown it [judgement]
+_SURE = 3.0  # a healthy machine exceeds this many standard deviations of its own scatter once in 370 runs [chance]
+# Signals that tell play and friction and hardly anything else: current and voltage follow grease and winding, which differ from day to day [physics]
+_WEIGHED = ("position_mm", "motor_position_mm")
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Healthy values found on healthy records by the same search, their standard errors, and by how much the search reads one run apart from another, standard deviations, by name."""
+
+    values: dict[str, float]
+    std: dict[str, float]
+    records: int
+    scatter: Mapping[str, float] = field(default_factory=dict)
+
+
+def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSettings, bits: int) -> Baseline:
+    """Healthy values as the same search reads them on healthy records, so that what it reads wrongly, it reads wrongly on both.
+
+    Raises InputError when a healthy record does not determine them, or the model does not explain it.
+    """
+    answers = each(lambda record: run(actuator, record, search, bits), records)
+    for record, answer in zip(records, answers, strict=True):
+        unfit = [reason for reason in answer.reasons if reason in _NO_BASELINE]
+        if unfit:
+            raise InputError(
+                f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy"
+            )
+        for estimate in answer.identified:
+            if estimate.at_bound:
+                raise InputError(
+                    f"{record.file}: {shown(row_of(estimate.name))}: the healthy value lies on a bound of its search: calibrate the actuator first"
+                )
+    values, std = {}, {}
+    count = len(answers)
+    for place, estimate in enumerate(answers[0].identified):
+        found = np.array([answer.identified[place].estimate for answer in answers])
+        own = np.array([answer.identified[place].std for answer in answers])
+        scatter = float(np.std(found, ddof=1)) if count > 1 else 0.0
+        values[estimate.name] = float(np.mean(found))
+        std[estimate.name] = max(scatter, float(np.sqrt(np.mean(own**2)))) / float(np.sqrt(count))
+    return Baseline(values, std, count, {name: one * math.sqrt(count) for name, one in std.items()} if count > 1 else {})
+
+
+@dataclass(frozen=True)
+class HealthyRuns:
+    """What two or more healthy records of today's command say. `known`: the machine as they show it, with the sensor noise that they show; `search`: the settings by which it is
+    searched: weights of the signals and the least shifts that are called a fault."""
+
+    known: Actuator
+    baseline: Baseline
+    search: SearchSettings
+
+
+def weights_of(beside: Compared) -> tuple[float, float, float, float]:
+    """Weights of both positions by the noise that the repeats show, the rod's being 1."""
+    noise = dict(zip(beside.signals, np.mean(beside.unit.noise, axis=1).tolist(), strict=True))
+    found = [noise["position_mm"] / noise[name] if name in _WEIGHED and name in noise else 0.0 for name in CHANNELS]
+    return found[0], found[1], found[2], found[3]
+
+
+def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> HealthyRuns:
+    """The machine as its healthy repeats show it, and how far the same search reads each of them from the others.
+
+    What is called a fault is no less than what the unit does from run to run. Raises InputError where the records are not of one machine in one state.
+    """
+    unit = beside.unit
+    here = unit.simulate({}, np.zeros(len(unit.spread)))[0]
+    noise_mm = max(float(np.sqrt(np.mean((one[0] - here) ** 2))) for one in unit.repeats)
+    known = unit.actuator.changed({"verdict.position_noise_mm": max(unit.actuator["verdict.position_noise_mm"], noise_mm)})
+    names = identified_of(known)
+    weighed = replace(search, weight=search.weight or weights_of(beside))
+    machines = [beside.known.of_repeat(place) for place in range(len(beside.repeats))]
+    bases = [machine.base({}) for machine in machines]
+    groups = two_states(beside, bases)
+    if groups is not None:
+        raise InputError(_two_groups(beside, groups))
+    days = [known.changed({name: base.values[name] for name in machine.scatter}) for machine, base in zip(machines, bases, strict=True)]
+    answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
+    count = len(answers)
+    std: dict[str, float] = {}
+    for place, estimate in enumerate(answers[0].identified):
+        name = estimate.name
+        apart = np.array([answer.identified[place].estimate for answer in answers]) - known[name]
+        usual = math.hypot(FROM_RUN_TO_RUN.get(name, 0.0) * known[name], bases[0].std.get(name, 0.0))
+        std[name] = math.sqrt((_USUAL_WEIGHT * usual**2 + float(np.sum(apart**2))) / (_USUAL_WEIGHT + count - 1.0))
+    least = tuple(max(known[MIN_SHIFTS[name]], _SURE * 100.0 * std[name] / known[name]) for name in names)
+    if search.identified is None:
+        weighed = replace(weighed, min_shift_percent=least)
+    values = {name: known[name] for name in std}
+    return HealthyRuns(known, Baseline(values, {name: one / math.sqrt(count) for name, one in std.items()}, count, std), weighed)
+
+
+def _two_groups(beside: Compared, groups: Apart) -> str:
+    few = ", ".join(beside.repeats[place].file for place in groups.places)
+    rest = ", ".join(one.file for place, one in enumerate(beside.repeats) if place not in groups.places)
+    if groups.what in beside.signals:
+        what = (
+            f"{groups.what} differs from theirs by {groups.by:.1f} times its noise, which friction, play, grease and winding do not explain"
+        )
+    else:
+        what = f"{row_of(groups.what).field} differs from theirs by {100.0 * groups.by:.0f} %, which is no scatter of one machine"
+    return f"{few}: not of the same state as {rest}: {what}: leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other"
