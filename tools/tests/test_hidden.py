@@ -170,7 +170,7 @@ def test_the_plan_holds_every_effect_severity_and_kind() -> None:
     assert len({trial.command for trial in planned}) >= 4
     assert sum(trial.kind == "healthy" for trial in planned) == 200
     assert all(len(set(trial.effects)) == 2 for trial in planned if trial.kind == "pair")
-    grouped = trials.groups(planned)
+    grouped = running.groups(planned)
     assert sorted(trial.key for group in grouped for trial in group) == sorted(trial.key for trial in planned)
     assert all(len({(trial.machine, trial.command, trial.kind == "same", trial.setting) for trial in group}) == 1 for group in grouped)
 

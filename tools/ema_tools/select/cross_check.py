@@ -22,6 +22,8 @@ from ema_tools.select.known_machine import Compared, Fit, KnownMachine, OpenStd,
 # explains the record as well as a fault does.
 Kind = Literal["adequate", "missing", "unknown", "rival"]
 
+_HARDLY = 0.01  # of what a fault explains: a remainder that could not be its cause if it lay along it, a tenth of its size [judgement]
+
 
 @dataclass(frozen=True)
 class _Said:
@@ -71,14 +73,18 @@ def cross_check(
         return said("unknown", skipped=why_not)
     known = beside.known
     base = known.base(estimates)
-    if (repeats > 0 or not doubted) and known.plain(base):
+    plainly = (repeats > 0 or not doubted) and known.plain(base)
+    # what a unit always has grows with its friction: beside a large fault a little of it hides nothing
+    hardly = not plainly and repeats > 0 and known.left_of(base) < _HARDLY
+    if plainly or hardly:
         plain = _faults(known, base)
-        stands = known.open_std(base)
+        stands = known.open_std(base, base.cost - known.floor if hardly else 0.0)
         for name, shift in plain.shift.items():
-            found = rivals(known, base, name, least[name]) if abs(shift) > least[name] else []
+            found = rivals(known, base, name, least[name]) if shift > least[name] else []
             if found:
                 return said("rival", _with_effect(replace(plain, open=stands), found[0], [one.effect for one in found[1:]], actuator))
         why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
+        why = "what is left is too little beside the fault to be its cause" if hardly else why
         return said("adequate", replace(plain, open=stands), why)
     verdict, best, alike = named(known, base)
     if verdict == "unknown" or best is None:

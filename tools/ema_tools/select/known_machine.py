@@ -32,7 +32,8 @@ from ema_tools.select.matched_filter import Screen
 # Values that have a spread of their own beside CSJ and BLK, relative.
 SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
 _FREE = 0.3  # how far CSJ and BLK may move while the starts are sought, relative [judgement]
-_CREDIBLE = 5.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing; days differ by more than three of what few records show [judgement]
+_CREDIBLE = 3.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing [chance]
+_FAR = 3.0  # and beside healthy records no farther than so many of the spreads of any day [chance]
 _STEP = 0.02  # of a value's scale: large against reversals that jump a step [precision]
 LAST_STEPS = 20  # of a fit of all values [effort]
 _PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
@@ -169,7 +170,8 @@ class KnownMachine:
         """Where a value may lie."""
         row = row_of(name)
         if name in self.scatter:
-            reach = _CREDIBLE * self.scatter[name]
+            # few records show little of how far a day may go
+            reach = max(_CREDIBLE * self.scatter[name], _FAR * spreads.OF_TODAY[(name,)] if self.evidence.relative else 0.0)
             return (1.0 - reach) * self.actuator[name], (1.0 + reach) * self.actuator[name]
         return row.lower, row.upper
 
@@ -216,8 +218,14 @@ class KnownMachine:
     def _lasting_below(self, left: Reals, limit: Reals) -> bool:
         return bool(np.all(self._lasting(left) <= limit[:, None]))
 
-    def open_std(self, base: Fit) -> dict[str, OpenStd]:
-        """Standard errors of CSJ and BLK where the machine may be today as far from what is known of it as machines go, by name."""
+    def left_of(self, base: Fit) -> float:
+        """What a fit leaves beyond noise, over what CSJ and BLK explain in it."""
+        healthy = self.residual({**base.values, **{name: self.actuator[name] for name in self.faults}})
+        explained = float(healthy @ healthy) - base.cost
+        return max(base.cost - self.floor, 0.0) / explained if explained > 0.0 else float("inf")
+
+    def open_std(self, base: Fit, left: float = 0.0) -> dict[str, OpenStd]:
+        """Standard errors of CSJ and BLK where the machine may be today as far from what is known of it as machines go, by name; with a cost `left` that may lie along either of them."""
         here = self.residual(base.values)
         machine = self.actuator.changed(base.values)
         wanted = [one for one in spreads.of_today(machine) if not set(one.names) & set(self.faults)]
@@ -231,7 +239,8 @@ class KnownMachine:
         for place, name in enumerate(self.faults):
             alone = [_marginal(own, [column], place) for column in today]
             worst = wanted[int(np.argmax(alone))].title if wanted else ""
-            found[name] = OpenStd(_marginal(own, today, place), worst)
+            along = float(np.sqrt(left / float(own[place] @ own[place]))) if left > 0.0 else 0.0
+            found[name] = OpenStd(float(np.hypot(_marginal(own, today, place), along)), worst)
         return found
 
     def starts(self, base: Fit, only: str | None = None, held: str = "") -> list[Start]:

@@ -20,8 +20,11 @@ from ema_tools.tasks.onboard_search import MIN_SHIFTS, identified_of, run
 
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
-_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many healthy records that had shown it [judgement]
-_SURE = 3.0  # a healthy machine exceeds this many standard deviations of its own scatter once in 370 runs [chance]
+_USUAL_WEIGHT = 2.0  # the usual scatter counts as much as this many healthy records that had shown it [judgement]
+_HEALTHY = 4.0  # standard deviations of its own scatter that a healthy machine may lie off: three, and a third more for what few records show of it ... [judgement]
+_AT_MOST = 2.0  # ... though no farther than so many of the stated thresholds: beyond, a machine that scatters is undecided [judgement]
+# Friction differs from day to day by the temperature as the winding does: where that scatters more than usual, so will friction, though few records may not show it [physics]
+_ALSO_SHOWN = {"screw.csj_Nm": "motor.resistance_ohm"}
 # Signals that tell play and friction and hardly anything else: current and voltage follow grease and winding, which differ from day to day [physics]
 _WEIGHED = ("position_mm", "motor_position_mm")
 
@@ -103,10 +106,17 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     std: dict[str, float] = {}
     for place, estimate in enumerate(answers[0].identified):
         name = estimate.name
-        apart = np.array([answer.identified[place].estimate for answer in answers]) - known[name]
-        usual = math.hypot(FROM_RUN_TO_RUN.get(name, 0.0) * known[name], bases[0].std.get(name, 0.0))
-        std[name] = math.sqrt((_USUAL_WEIGHT * usual**2 + float(np.sum(apart**2))) / (_USUAL_WEIGHT + count - 1.0))
-    least = tuple(max(known[MIN_SHIFTS[name]], _SURE * 100.0 * std[name] / known[name]) for name in names)
+        read = [answer.identified[place] for answer in answers]
+        noise = float(np.mean([one.std for one in read]))
+        usual = math.hypot(FROM_RUN_TO_RUN.get(name, 0.0) * known[name], noise if math.isfinite(noise) else 0.0)
+        shown = [(one.estimate - known[name]) / usual for one in read]
+        other = _ALSO_SHOWN.get(name)
+        if other is not None and other in beside.known.scatter:
+            shown += [(base.values[other] / known[other] - 1.0) / FROM_RUN_TO_RUN[other] for base in bases]
+        free = len(shown) - len(shown) // count
+        std[name] = usual * math.sqrt((_USUAL_WEIGHT + float(np.sum(np.square(shown)))) / (_USUAL_WEIGHT + free))
+    stated = {name: known[MIN_SHIFTS[name]] for name in names}
+    least = tuple(float(np.clip(_HEALTHY * 100.0 * std[name] / known[name], stated[name], _AT_MOST * stated[name])) for name in names)
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
     values = {name: known[name] for name in std}

@@ -15,6 +15,7 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.interval import scatter_of
+from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.known_machine import compared, repeats_of
@@ -22,6 +23,7 @@ from ema_tools.tasks.diagnose import check_apart
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
 
+_BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 _NOISE = "verdict.position_noise_mm"
 NOT_ADEQUATE = REASONS[2]
 
@@ -55,13 +57,27 @@ class Identified:
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, and what moves from run to run, as healthy records show it where there are two or more."""
         bias = one.bias if math.isfinite(one.bias) else 0.0
+        if self._shown and math.isfinite(one.std):
+            # how the same search reads healthy records apart has their noise in it
+            return interval95(one.estimate, bias, max(one.std, self.day_std(one.name)))
         return interval95(one.estimate, one.std, bias, self.day_std(one.name))
 
     def day_std(self, name: str) -> float:
-        """By how much a healthy machine's value is read apart from run to run: as its healthy records show it where there are two or more, against the mean of those; else the usual."""
-        if self.baseline is None or not self.baseline.scatter:
+        """By how much a machine's value is read apart from run to run: as its healthy records show it where there are two or more, against the mean of those; else the usual."""
+        # what scatters does so by a share of itself
+        grown = max(1.0, self.actuator[name] / self.healthy[name]) if name in FROM_RUN_TO_RUN and self._shown else 1.0
+        return grown * self.healthy_std(name)
+
+    def healthy_std(self, name: str) -> float:
+        """The same of a healthy machine."""
+        if self.baseline is None or not self._shown:
             return self.scatter.get(name, 0.0)
         return self.baseline.scatter[name] * math.sqrt(1.0 + 1.0 / self.baseline.records)
+
+    @property
+    def _shown(self) -> bool:
+        """Whether healthy records show the scatter."""
+        return self.baseline is not None and bool(self.baseline.scatter)
 
     @property
     def objection(self) -> Objection | None:
@@ -95,8 +111,19 @@ class Identified:
         sure = self.healthy["verdict.confidence_std"]
         doubt = {name: sure * one.std / abs(self.healthy[name]) for name, one in checked.open.items()}
         if self.answer.verdict == "fault":
-            return any(shift - doubt[name] > self._least(name) for name, shift in checked.shift.items())
+            return any(shift - doubt[name] > max(self._least(name), self._scatter(name)) for name, shift in checked.shift.items())
         return all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
+
+    def _scatter(self, name: str) -> float:
+        """The shift that a healthy machine does not show by its scatter, relative."""
+        return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
+
+    def within_scatter(self) -> bool:
+        """Whether a fault is no more than what healthy records of the machine differ by."""
+        shifts = self.checked.shift if self.checked is not None else {}
+        return self.answer.verdict == "fault" and all(
+            shift <= max(self._least(name), self._scatter(name)) for name, shift in shifts.items()
+        )
 
     @property
     def objects(self) -> bool:

@@ -13,7 +13,7 @@ from ema_tools.base.files import write_json
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import documents, running, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES
-from ema_tools.benchmarks.hidden.trials import FULL, KINDS, TIMED, Plan
+from ema_tools.benchmarks.hidden.trials import FULL, KINDS, TIMED, Plan, perform
 from ema_tools.words.terminal.console import output, run_command
 
 _SMALL = Plan(
@@ -108,8 +108,8 @@ def main(
         there = {row["key"] for row in running.read_rows(folder)}
         trials = [trial for trial in trials if trial.key in there]
     timed = [trial for trial in trials if trial.kind in TIMED]
-    rows = running.run([trial for trial in trials if trial.kind not in TIMED], folder, cores() if workers is None else workers)
-    rows += running.run(timed, folder, 0, remember=False)
+    rows = running.run([trial for trial in trials if trial.kind not in TIMED], folder, cores() if workers is None else workers, perform)
+    rows += running.run(timed, folder, 0, perform, remember=False)
     write_json(folder / "trials.json", {"trials": rows}, force=True)
     console = output()
     scoring.show(console, rows)

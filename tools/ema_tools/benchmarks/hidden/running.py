@@ -10,13 +10,29 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from ema_tools.benchmarks.hidden.sealed import remembering
-from ema_tools.benchmarks.hidden.trials import Trial, groups, perform
 from ema_tools.words.terminal.console import progress
 
 Row = dict[str, Any]
+
+
+class Job(Protocol):
+    """One trial: its name, and that of the file of its group, whose trials share what is known of a machine."""
+
+    @property
+    def key(self) -> str:
+        """By which an interrupted run is taken up again."""
+        ...
+
+    @property
+    def group(self) -> str:
+        """File of its rows, without the ending."""
+        ...
+
+
+AJob = TypeVar("AJob", bound=Job)
 _LOOK_S = 2.0
 _PARTS = "parts"
 
@@ -41,7 +57,7 @@ def _one_core(cores: Sequence[int]) -> None:
         os.sched_setaffinity(0, {cores[place % len(cores)]})
 
 
-def _work(trials: Sequence[Trial], part: Path, work: Callable[[Trial], Row], remember: bool = True) -> int:
+def _work(trials: Sequence[AJob], part: Path, work: Callable[[AJob], Row], remember: bool = True) -> int:
     cut_short = part.exists() and not part.read_bytes().endswith(b"\n")
     with part.open("a", encoding="utf-8") as file, remembering() if remember else nullcontext():
         if cut_short:
@@ -52,20 +68,21 @@ def _work(trials: Sequence[Trial], part: Path, work: Callable[[Trial], Row], rem
     return len(trials)
 
 
-def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Trial], Row] = perform, remember: bool = True) -> list[Row]:
+def groups(trials: Sequence[AJob]) -> list[list[AJob]]:
+    """Trials of one group together, so that what is known of the machine is computed once; longest first."""
+    found: dict[str, list[AJob]] = {}
+    for trial in trials:
+        found.setdefault(trial.group, []).append(trial)
+    return sorted(found.values(), key=len, reverse=True)
+
+
+def run(trials: Sequence[AJob], folder: Path, workers: int, work: Callable[[AJob], Row], remember: bool = True) -> list[Row]:
     """Rows of all trials, those of an earlier run in the same folder among them. `workers` 0 works in this process; `remember`: see `sealed.remembering`."""
     parts = folder / _PARTS
     parts.mkdir(parents=True, exist_ok=True)
     done = {row["key"] for row in read_rows(folder)}
     wanted = [trial for trial in trials if trial.key not in done]
-    tasks = [
-        (
-            group,
-            parts
-            / f"machine_{group[0].machine}_{group[0].command.replace(' ', '_')}_{group[0].kind == 'same':d}{group[0].setting and '_' + group[0].setting}.jsonl",
-        )
-        for group in groups(wanted)
-    ]
+    tasks = [(group, parts / f"{group[0].group}.jsonl") for group in groups(wanted)]
     with progress("trials", len(wanted)) as bar:
         if workers == 0:
             finished = 0
@@ -80,7 +97,7 @@ def run(trials: Sequence[Trial], folder: Path, workers: int, work: Callable[[Tri
     return [row for row in read_rows(folder) if row["key"] in keys]
 
 
-def _in_processes(tasks: Sequence[tuple[list[Trial], Path]], workers: int, work: Callable[[Trial], Row], look: Callable[[], None]) -> None:
+def _in_processes(tasks: Sequence[tuple[list[AJob], Path]], workers: int, work: Callable[[AJob], Row], look: Callable[[], None]) -> None:
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else list(range(workers))
     # numerical libraries read these when a worker loads them
     os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}

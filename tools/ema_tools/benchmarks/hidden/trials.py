@@ -63,6 +63,12 @@ class Trial:
         )
 
     @property
+    def group(self) -> str:
+        """Trials of one machine and command."""
+        own = self.kind == "same"
+        return f"machine_{self.machine}_{self.command.replace(' ', '_')}_{own:d}{self.setting and '_' + self.setting}"
+
+    @property
     def setting(self) -> str:
         """How its machine is set, of SETTINGS."""
         return self.kind if self.kind in SET else ""
@@ -177,14 +183,6 @@ class Plan:
 
 # What the document is meant to show.
 FULL = Plan(3)
-
-
-def groups(trials: Sequence[Trial]) -> list[list[Trial]]:
-    """Trials of one machine and command together, so that what is known of the machine is computed once; longest first."""
-    found: dict[tuple[int, str, bool, str], list[Trial]] = {}
-    for trial in trials:
-        found.setdefault((trial.machine, trial.command, trial.kind == "same", trial.setting), []).append(trial)
-    return sorted(found.values(), key=len, reverse=True)
 
 
 def hidden_changes(unit: Machine, trial: Trial, command: str) -> list[Change]:

@@ -20,7 +20,8 @@ def missing_words(checked: CrossCheck) -> str:
     if checked.unusable:
         return f"nothing can be told from this record: {checked.skipped}"
     if checked.kind == "unknown":
-        return "something is missing from the model that no effect of the library explains: ema diagnose draws it"
+        what = "something is missing from the model that no effect of the library explains: ema diagnose draws it"
+        return what if checked.against else f"{what}; healthy records of this unit and command, with --healthy, take off what it always has"
     size = next(iter(checked.values))
     missing = "is not in the model at this size" if checked.there else "is missing from the model"
     alike = f", which looks like {', '.join(checked.effects[1:])} on this record" if checked.effects[1:] else ""
@@ -48,6 +49,13 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         )
     if found.objection == "signals":
         return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
+    if found.objection == "open" and found.within_scatter():
+        scatter = ", ".join(
+            f"{TITLES[name]} by {100.0 * found.healthy_std(name) / abs(found.healthy[name]):.2g} %" for name in checked.shift
+        )
+        return (
+            f"healthy records of this unit differ from each other too much to tell ({scatter}): more of them, at today's temperature, would"
+        )
     if found.objection == "open":
         name = found.least_sure()
         stands = checked.open[name]
