@@ -180,15 +180,31 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     default=None,
     help="Keep the fit of the simulated loop, or that of the balances; without either, the loop's where it is clearly better.",
 )
+@click.option(
+    "--base-only",
+    is_flag=True,
+    help="Fit base values alone, though two or more records run the same command: no effects that the unit always has, the thresholds as they are.",
+)
 @json_option
 def calibrate(
-    actuator: str, records: tuple[str, ...], out: str, names: str | None, loop: bool | None, json_path: str | None, force: bool
+    actuator: str,
+    records: tuple[str, ...],
+    out: str,
+    names: str | None,
+    loop: bool | None,
+    base_only: bool,
+    json_path: str | None,
+    force: bool,
 ) -> None:
-    """Fit the base parameters of ACTUATOR on healthy records and write NEW.toml, comments kept."""
+    """Fit ACTUATOR to healthy records and write NEW.toml, comments kept.
+
+    Two or more records of the same command show the unit itself: effects that it always has are put in, and the shifts that are called a fault follow the scatter of its runs.
+    """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
     from ema_tools.results.provenance import provenance
     from ema_tools.tasks.calibrate import calibrate as work
+    from ema_tools.tasks.own_machine import of_own_machine, own_machine
     from ema_tools.words.answers.calibration import calibration
     from ema_tools.words.terminal import show
 
@@ -198,10 +214,13 @@ def calibrate(
     chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
     with progress("calibrating", 3) as bar:
         found = work(model, measured, chosen, loop, bar.update)
+        own = None if base_only or chosen else own_machine(found.actuator, measured, lambda _, text: bar.update(3, text))
+    if own is not None:
+        found = of_own_machine(found, own, measured)
     said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
     origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
-    result = calibration(found, out, origin)
+    result = calibration(found, out, origin, own)
     save(json_path, result, force)
     show.calibration(output(), result)
     output().print(f"{out} written", highlight=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.parts import Provenance
@@ -41,6 +41,16 @@ class ChannelErrors:
 
 
 @dataclass(frozen=True)
+class OwnMachineEntry:
+    """What two or more runs of one command show beside base values; the verdict counts against it, at the desk and onboard."""
+
+    records: int  # of that command
+    standing: dict[str, float]  # effects that the unit always has: how many times as long a model step takes with each
+    scatter_percent: dict[str, float]  # by which the onboard search reads one run apart from another, standard deviations, by full name
+    least_percent: dict[str, float]  # shifts that are called a fault, by full name
+
+
+@dataclass(frozen=True)
 class CalibrationResult:
     """Base parameters fitted to healthy records."""
 
@@ -50,4 +60,5 @@ class CalibrationResult:
     at_rod: dict[str, RodModel]  # before, after, std; empty where the mechanics were not calibrated
     error: ChannelErrors
     left_out: dict[str, str]  # names to why they were not calibrated by their balance
-    provenance: Provenance
+    own_machine: OwnMachineEntry | None = None  # None where no two records run the same command, or it was not wanted
+    provenance: Provenance = field(default_factory=dict)

@@ -77,6 +77,16 @@ class HealthyRuns:
     search: SearchSettings
 
 
+def scatter_shown(apart: Sequence[float], usual: float, means: int = 1) -> float:
+    """Standard deviation from run to run, by how far runs lie from their mean and by what is `usual`; `means`: that were taken of these runs."""
+    return math.sqrt((_USUAL_WEIGHT * usual**2 + float(np.sum(np.square(apart)))) / (_USUAL_WEIGHT + len(apart) - means))
+
+
+def least_shift(stated_percent: float, scatter_percent: float) -> float:
+    """The shift that is called a fault, in %: no less than what is stated, and than a healthy machine shows by its scatter."""
+    return float(np.clip(_HEALTHY * scatter_percent, stated_percent, _AT_MOST * stated_percent))
+
+
 def weights_of(beside: Compared) -> tuple[float, float, float, float]:
     """Weights of both positions by the noise that the repeats show, the rod's being 1."""
     noise = dict(zip(beside.signals, np.mean(beside.unit.noise, axis=1).tolist(), strict=True))
@@ -109,14 +119,12 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
         usual = math.hypot(FROM_RUN_TO_RUN.get(name, 0.0) * known[name], noise if math.isfinite(noise) else 0.0)
-        shown = [(one.estimate - known[name]) / usual for one in read]
+        shown = [one.estimate - known[name] for one in read]
         other = _ALSO_SHOWN.get(name)
         if other is not None and other in beside.known.scatter:
-            shown += [(base.values[other] / known[other] - 1.0) / FROM_RUN_TO_RUN[other] for base in bases]
-        free = len(shown) - len(shown) // count
-        std[name] = usual * math.sqrt((_USUAL_WEIGHT + float(np.sum(np.square(shown)))) / (_USUAL_WEIGHT + free))
-    stated = {name: known[MIN_SHIFTS[name]] for name in names}
-    least = tuple(float(np.clip(_HEALTHY * 100.0 * std[name] / known[name], stated[name], _AT_MOST * stated[name])) for name in names)
+            shown += [(base.values[other] / known[other] - 1.0) / FROM_RUN_TO_RUN[other] * usual for base in bases]
+        std[name] = scatter_shown(shown, usual, len(shown) // count)
+    least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name]) for name in names)
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
     values = {name: known[name] for name in std}

@@ -8,10 +8,11 @@ from ema_tools.data.actuator import row_of
 from ema_tools.results import calibration as result
 from ema_tools.results.parts import Provenance
 from ema_tools.tasks.calibrate import Calibration, FittedParameter
+from ema_tools.tasks.own_machine import OwnMachine
 
 
-def calibration(found: Calibration, actuator: str, provenance: Provenance) -> result.CalibrationResult:
-    """What was found; `actuator` is the file that was written."""
+def calibration(found: Calibration, actuator: str, provenance: Provenance, own: OwnMachine | None = None) -> result.CalibrationResult:
+    """What was found; `actuator` is the file that was written, `own` what the unit's runs show beside base values."""
     return result.CalibrationResult(
         command="calibrate",
         actuator=actuator,
@@ -19,6 +20,9 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance) -> re
         at_rod={title: result.RodModel(**asdict(model)) for title, model in found.at_rod().items()},
         error=result.ChannelErrors(found.errors_before, found.errors_after, found.noise),
         left_out=found.left_out,
+        own_machine=None
+        if own is None
+        else result.OwnMachineEntry(own.records, dict(own.standing), dict(own.scatter_percent), dict(own.least_percent)),
         provenance=provenance,
     )
 

@@ -12,7 +12,7 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
-from ema_tools.results.calibration import CalibrationResult, RodModel
+from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult
@@ -102,6 +102,19 @@ def calibration(console: Console, found: CalibrationResult) -> None:
             f"What is left is many times the sensors' noise ({times} times): the values also make up for what the model lacks, or for a fault. "
             "Calibrate on healthy records; ema diagnose says what is missing.",
         )
+    if found.own_machine is not None:
+        _own_machine(console, found.own_machine)
+
+
+def _own_machine(console: Console, own: OwnMachineEntry) -> None:
+    if own.standing:
+        effects = ", ".join(f"{name} (a model step takes {number(cost, 2)} times as long)" for name, cost in own.standing.items())
+        say(console, f"What this unit always has, by its {own.records} runs of one command: {effects}.")
+    scatter = ", ".join(
+        f"{FAULTS[name.partition('.')[2]]} by {number(value, 2)} %, so that a fault is {number(own.least_percent[name], 2)} % and more"
+        for name, value in own.scatter_percent.items()
+    )
+    say(console, f"Its runs differ: {scatter}.")
 
 
 def identification(console: Console, found: IdentificationResult) -> None:

@@ -1,0 +1,113 @@
+"""A unit's own model from its healthy runs: what is more than base values in it.
+
+Two or more runs of one command show what a machine always has: effects that its data sheet does not know, and how far its readings differ from run to run. The effects are put into the model
+where they are worth their cost; the thresholds of the verdict follow the scatter of what the onboard search reads of these very runs. With both, the flight code counts against the unit
+and not against its data sheet.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
+from ema_tools.base.progress import Report
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record, simulated
+from ema_tools.fit.interval import scatter_of
+from ema_tools.library.definitions import load_definitions
+from ema_tools.plant.native import SearchSettings, library
+from ema_tools.select.baseline import gather, same_command
+from ema_tools.select.known_machine import live
+from ema_tools.tasks.calibrate import Calibration, channel_errors
+from ema_tools.tasks.healthy_runs import least_shift, scatter_shown
+from ema_tools.tasks.onboard_search import MIN_SHIFTS, check_bounds, identified_of, run
+
+_TIMED_RUNS = 5  # of which the shortest counts [effort]
+_NOISE = "verdict.position_noise_mm"
+
+
+@dataclass(frozen=True)
+class OwnMachine:
+    """The unit's model. `standing`: effects that it always has, with how many times a model step costs with each what it costs without any; `scatter_percent`: of the readings from run to run,
+    standard deviations by name; `least_percent`: the shifts that are called a fault."""
+
+    actuator: Actuator
+    standing: Mapping[str, float]
+    scatter_percent: Mapping[str, float]
+    least_percent: Mapping[str, float]
+    records: int
+
+
+def repeated(records: Sequence[Record]) -> tuple[Record, ...]:
+    """The records of that command which most of them run; none where no two run the same."""
+    groups = [tuple(other for other in records if same_command(one, other)) for one in records]
+    most = max(groups, key=len, default=())
+    return most if len(most) > 1 and "position_mm" in live(*most) else ()
+
+
+def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | None = None) -> OwnMachine | None:
+    """The unit's model from healthy runs of one command, beginning at a calibrated `actuator`; None where no two of the records run the same command.
+
+    Raises InputError as `gather` does, and where the search cannot begin at what was found.
+    """
+    repeats = repeated(records)
+    if not repeats or not identified_of(actuator):
+        return None
+    evidence = gather(actuator, repeats[0], repeats, live(*repeats), report)
+    found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
+    found = found.changed({}, actuator.about)
+    left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
+    noise_mm = max(found[_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))
+    found = found.changed({_NOISE: noise_mm})
+    check_bounds(found)
+    names = identified_of(found)
+    answers = each(lambda one: run(found, one, SearchSettings(), 32), repeats)
+    usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
+    scatter: dict[str, float] = {}
+    for place, name in enumerate(names):
+        read = [answer.identified[place] for answer in answers]
+        noise = float(np.mean([one.std for one in read]))
+        if not math.isfinite(noise):
+            raise InputError(
+                f"{repeats[0].file}: {name}: the onboard search does not determine it on these runs: record a longer or faster command"
+            )
+        expected = math.hypot(usual.get(name, 0.0), noise)
+        scatter[name] = scatter_shown([one.estimate - found[name] for one in read], expected) / found[name]
+    least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name]) for name in names}
+    new = sorted(set(found.active_effects) - set(actuator.active_effects))
+    return OwnMachine(
+        found.changed({MIN_SHIFTS[name]: value for name, value in least.items()}),
+        {name: _cost(found, name, repeats[0]) for name in new},
+        {name: 100.0 * value for name, value in scatter.items()},
+        least,
+        len(repeats),
+    )
+
+
+def _cost(actuator: Actuator, effect: str, record: Record) -> float:
+    """How many times as long the model's runs take on this machine with the effect alone as with none."""
+    bare = actuator.changed({f"effects.{size}": zero for _, size, zero in load_definitions().sizes})
+    own = {f"effects.{value.name}": actuator[value.name] for value in load_definitions().effect(effect).parameters}
+
+    def took(machine: Actuator) -> float:
+        values, options = machine.arrays()
+        begun = []
+        for _ in range(_TIMED_RUNS):
+            start = time.perf_counter()
+            library(32).simulate(values, options, record.command_mm, float(record.command_mm[0]))
+            begun.append(time.perf_counter() - start)
+        return min(begun)
+
+    return took(bare.changed(own)) / took(bare)
+
+
+def of_own_machine(found: Calibration, own: OwnMachine, records: Sequence[Record]) -> Calibration:
+    """The calibration with the unit's model in the place of the base values alone."""
+    parameters = tuple(replace(one, after=own.actuator[one.name]) for one in found.parameters)
+    return replace(found, actuator=own.actuator, parameters=parameters, errors_after=channel_errors(own.actuator, records))
