@@ -131,6 +131,14 @@ typedef struct {
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator,
                                         const ema_record_config_t* record);
 
+/* Where the actuator's [search] day_values says so, adds what differs from day to day to what `config` identifies: the
+ * screw's viscous friction and the winding's resistance, those that the actuator has. They are searched within what
+ * temperatures make of them and are never a fault; without them CSJ and BLK take up what grease and winding do. Costs
+ * about half as many model runs again, and up to two more beside the others at the end. To be called after
+ * ema_session_config_default, not for a session behind a table of signatures. Errors, nothing changed: EMA_ERR_NULL;
+ * EMA_ERR_RANGE when there is no room for them. */
+ema_status_t ema_session_config_day(ema_session_config_t* config);
+
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init;
  * EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of parameters, an id (a value of a learned table, or of an effect that the
  * build leaves out, is none), bounds wider than the parameter's own range, or a healthy value outside its bounds. */

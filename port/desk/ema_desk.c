@@ -296,7 +296,10 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
     ema_session_config_t config;
     const ema_desk_search_t fresh = {0};
     ema_actuator_from(values, options, &actuator);
-    const ema_status_t status = ema_session_config_default(&config, &actuator, &record);
+    ema_status_t status = ema_session_config_default(&config, &actuator, &record);
+    if (status == EMA_OK) {
+        status = ema_session_config_day(&config);
+    }
     *search = fresh;
     search->identified_count = (int32_t)config.identified_count;
     for (uint32_t i = 0; i < config.identified_count; ++i) {

@@ -84,6 +84,7 @@ static bool ema_prepare(ema_program_t* program)
     record.buffer_bytes = options->int16 ? EMA_RECORD_INT16_BYTES(EMA_IDENTIFY_ROWS, VALUES_PER_ROW)
                                          : EMA_RECORD_REAL_BYTES(EMA_IDENTIFY_ROWS, VALUES_PER_ROW);
     (void)ema_session_config_default(&program->config, &program->actuator, &record);
+    (void)ema_session_config_day(&program->config);
     if (options->seed_given) {
         program->config.annealer.seed = options->seed;
     }

@@ -68,6 +68,7 @@ static const ema_actuator_t EMA_ACTUATOR = {
         .reanneal_interval = 60,
         .evaluation_budget = 400,
         .seed = 1,
+        .day_values = 0, /* no */
     },
     .effects = {
         .stribeck_friction = {

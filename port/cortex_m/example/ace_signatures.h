@@ -2050,7 +2050,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 4216665692U,
+    .fingerprint = 52728532U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,

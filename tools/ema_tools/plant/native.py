@@ -247,7 +247,7 @@ class IdentifiedValue:
 
 @dataclass(frozen=True)
 class Identification:
-    """What the onboard session answers; objectives in mm^2 s when only the rod position is weighted."""
+    """What the onboard session answers; objectives in mm^2 s when only the rod position is weighted. `day`: of what was searched beside for it differs from day to day."""
 
     identified: tuple[IdentifiedValue, ...]
     objective_before: float
@@ -264,6 +264,7 @@ class Identification:
     reasons: tuple[str, ...]
     random_state: int
     finding: Finding | None = None  # with a table of signatures alone
+    day: tuple[IdentifiedValue, ...] = ()
 
 
 def _doubles(array: Reals) -> Any:

@@ -21,7 +21,7 @@ from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.known_machine import compared, repeats_of
 from ema_tools.tasks.diagnose import check_apart
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
-from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
 
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 _NOISE = "verdict.position_noise_mm"
@@ -177,7 +177,7 @@ def identify(
         runs = healthy_runs(repeats, settings, bits)
         baseline, settings = runs.baseline, runs.search
         # grease and winding as all signals say that they are today: the search itself sees two values
-        known = repeats.known.today(repeats.known.base({})).changed({_NOISE: runs.known[_NOISE]})
+        known = repeats.known.today(repeats.known.base({})).changed({name: runs.known[name] for name in (_NOISE, DAY_VALUES)})
     elif healthy:
         baseline = baseline_of(actuator, healthy, settings, bits)
         known = actuator.changed(baseline.values)

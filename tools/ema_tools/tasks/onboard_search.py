@@ -13,6 +13,7 @@ from ema_tools.plant.native import CHANNELS, Identification, Progress, SearchSet
 KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
 BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
+DAY_VALUES = "search.day_values"
 POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
 
 
@@ -78,10 +79,19 @@ def run(
 ) -> Identification:
     """One search on one record, behind a `table` of signatures where one is given. Raises InputError."""
     names = identified_of(actuator)
-    if search.identified is None and len(names) < len(KEYS):
+    day = actuator[DAY_VALUES] != 0.0 and table is None and len(names) == len(KEYS) and search.identified is None
+    if search.identified is None and not day:
         lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
         search = replace(
-            search, identified=names, lower=lower, upper=upper, min_shift_percent=tuple(actuator[MIN_SHIFTS[name]] for name in names)
+            search,
+            identified=names,
+            lower=lower,
+            upper=upper,
+            min_shift_percent=search.min_shift_percent or tuple(actuator[MIN_SHIFTS[name]] for name in names),
         )
     values, options = actuator.arrays()
-    return library(bits).identify(values, options, record.command_mm, record.table(), search, progress, table)
+    answer = library(bits).identify(values, options, record.command_mm, record.table(), search, progress, table)
+    if not day:
+        return answer
+    parts = [tuple(one for one in answer.identified if (one.name in KEYS) is fault) for fault in (True, False)]
+    return replace(answer, identified=parts[0], day=parts[1])

@@ -11,6 +11,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -20,15 +21,19 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit.interval import scatter_of
+from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.library.definitions import load_definitions
-from ema_tools.plant.native import SearchSettings, library
+from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.known_machine import live
 from ema_tools.tasks.calibrate import Calibration, channel_errors
 from ema_tools.tasks.healthy_runs import least_shift, scatter_shown
-from ema_tools.tasks.onboard_search import MIN_SHIFTS, check_bounds, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, check_bounds, identified_of, run
 
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
+_DAY_BUDGET = 800.0  # model runs of a search for four values, which takes about 300 [effort]
+_DETERMINED = 0.1  # of a value: a larger standard error, and it is better left where it is [judgement]
+_BUDGET = "search.evaluation_budget"
 _NOISE = "verdict.position_noise_mm"
 
 
@@ -67,8 +72,9 @@ def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | 
     found = found.changed({_NOISE: noise_mm})
     check_bounds(found)
     names = identified_of(found)
-    answers = each(lambda one: run(found, one, SearchSettings(), 32), repeats)
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
+    found, answers = _searched(found, repeats)
+    own_scatter = {name: FROM_RUN_TO_RUN.get(name, 0.0) * found[name] for name in names} if answers[0].day else usual
     scatter: dict[str, float] = {}
     for place, name in enumerate(names):
         read = [answer.identified[place] for answer in answers]
@@ -77,8 +83,9 @@ def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | 
             raise InputError(
                 f"{repeats[0].file}: {name}: the onboard search does not determine it on these runs: record a longer or faster command"
             )
-        expected = math.hypot(usual.get(name, 0.0), noise)
-        scatter[name] = scatter_shown([one.estimate - found[name] for one in read], expected) / found[name]
+        scatter[name] = (
+            scatter_shown([one.estimate - found[name] for one in read], math.hypot(own_scatter.get(name, 0.0), noise)) / found[name]
+        )
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name]) for name in names}
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(
@@ -88,6 +95,22 @@ def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | 
         least,
         len(repeats),
     )
+
+
+def _searched(found: Actuator, repeats: Sequence[Record]) -> tuple[Actuator, list[Identification]]:
+    """What the onboard search reads of each run; with grease and winding beside CSJ and BLK where all the runs determine them."""
+    day = found.changed({DAY_VALUES: 1.0, _BUDGET: max(found[_BUDGET], _DAY_BUDGET)})
+    machine, answers = found, []
+    for machine in (day, found.changed({DAY_VALUES: 0.0})):
+        answers = each(partial(_read, machine), repeats)
+        stds = [one.std / machine[one.name] for answer in answers for one in (*answer.identified, *answer.day)]
+        if all(math.isfinite(std) and std < _DETERMINED for std in stds):
+            break
+    return machine, answers
+
+
+def _read(machine: Actuator, record: Record) -> Identification:
+    return run(machine, record, SearchSettings(), 32)
 
 
 def _cost(actuator: Actuator, effect: str, record: Record) -> float:

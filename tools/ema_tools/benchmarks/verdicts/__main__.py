@@ -34,7 +34,7 @@ from ema_tools.words.terminal.console import output, run_command
 def main(count: int, days: int, draws: int, first: int, workers: int | None, folder: Path, document: Path | None) -> None:
     """Asks for verdicts on units and records that the code under test has never seen, and reports how often they are right."""
     begun = time.monotonic()
-    trials = [*units(count, days), *drawn(draws, first)]
+    trials = [*units("unit", count, days), *units("flight", count, days), *drawn(draws, first)]
     rows = running.run(trials, folder, cores() if workers is None else workers, perform)
     text = written(
         rows, f"python -m ema_tools.benchmarks.verdicts --units {count} --days {days} --drawn {draws} -o DIR --document docs/VERDICTS.md"

@@ -13,18 +13,24 @@ from typing import Any
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.interval import interval95
 from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden.machines import CHANNELS, COMMANDS, Machine, machine, measured, seed_of
 from ema_tools.benchmarks.hidden.sealed import record_of
-from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.plant.native import SearchSettings
 from ema_tools.results.codec import to_json
+from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.identify import identify
+from ema_tools.tasks.onboard_search import run
+from ema_tools.tasks.own_machine import own_machine
 from ema_tools.words.answers.identification import identification
 
 # Wear of a worn day, relative: the least that must be found, and more.
 WORN: Sequence[Mapping[str, float]] = ({"csj": 0.2}, {"blk": 0.5}, {"csj": 0.4, "blk": 1.0})
 _VALUE = {"csj": "screw.csj_Nm", "blk": "screw.blk_mm"}
 _KEY = {"csj": "csj_Nm", "blk": "blk_mm"}
+_KEY_OF = {_VALUE[name]: key for name, key in _KEY.items()}
 # What every second unit has besides the usual standing errors, healthy or not: effects in a form that the library does not have, slight as on machines that work.
 STANDING_FORMS: Sequence[Mapping[str, float]] = (
     {},
@@ -53,7 +59,8 @@ _LATE: Mapping[str, float] = {"stribeck_friction.rise": 0.2, "stribeck_friction.
 
 @dataclass(frozen=True)
 class VerdictTrial:
-    """One answer of `ema identify`. `kind`: "unit" or "drawn"; `setting`: of the machines; `healthy`: records given; `wear`: by fault, relative; `disturbance`: what else differs today."""
+    """One verdict. `kind`: "unit" of `ema identify` beside healthy records, "drawn" the same of anything, "flight" of the flight code with the model that `ema calibrate` makes of
+    the healthy records; `setting`: of the machines; `healthy`: records given; `wear`: by fault, relative; `disturbance`: what else differs today."""
 
     kind: str
     number: int
@@ -80,7 +87,7 @@ class VerdictTrial:
     def unit(self) -> Machine:
         """The machine, with what every second one has of an effect in another form."""
         own = machine(self.number, setting=self.setting)
-        form = STANDING_FORMS[self.number % len(STANDING_FORMS)] if self.kind == "unit" else {}
+        form = STANDING_FORMS[self.number % len(STANDING_FORMS)] if self.kind != "drawn" else {}
         return replace(own, values={**own.values, **form})
 
     @property
@@ -94,14 +101,16 @@ class VerdictTrial:
         return all(share <= _IS_SOUND[name] for name, share in self.wear)
 
 
-def units(count: int, days: int, healthy: Sequence[int] = (3, 5), settings: Sequence[str] = ("", "scatter")) -> list[VerdictTrial]:
-    """Of each unit `days` sound and as many worn days, by turns with each number of healthy records, in each setting."""
+def units(
+    kind: str, count: int, days: int, healthy: Sequence[int] = (3, 5), settings: Sequence[str] = ("", "scatter")
+) -> list[VerdictTrial]:
+    """Of each unit `days` sound and as many worn days, by turns with each number of healthy records, in each setting. `kind`: unit or flight."""
     found = []
     for place in range(count):
         given = healthy[place // 2 % len(healthy)]
         for setting in settings:
             for day in range(days):
-                common = VerdictTrial("unit", _FIRST_UNIT + place, setting, "chirp", given, day)
+                common = VerdictTrial(kind, _FIRST_UNIT + place, setting, "chirp", given, day)
                 found += [common, replace(common, wear=tuple(WORN[(place + day) % len(WORN)].items()))]
     return found
 
@@ -148,13 +157,15 @@ def _changes(trial: VerdictTrial) -> dict[str, float]:
 
 
 @lru_cache(maxsize=4)
-def _healthy(kind: str, number: int, setting: str, command: str, count: int) -> tuple[Recording, ...]:
+def _healthy(drawn_one: bool, number: int, setting: str, command: str, count: int) -> tuple[Recording, ...]:
+    kind = "drawn" if drawn_one else "unit"
     unit = VerdictTrial(kind, number, setting, command, count, 0).unit
     return tuple(measured(unit, {}, command, seed_of("verdicts", kind, number, command, k)) for k in range(count))
 
 
 def _record(trial: VerdictTrial) -> Recording:
-    seed = seed_of("verdicts", trial.key)
+    # the flight code gets the records that the desk gets
+    seed = seed_of("verdicts", replace(trial, kind="unit").key if trial.kind == "flight" else trial.key)
     changes = _changes(trial)
     run = measured(trial.unit, changes, trial.command, seed)
     if trial.disturbance != "late":
@@ -164,12 +175,35 @@ def _record(trial: VerdictTrial) -> Recording:
     return replace(run, **{name: np.concatenate([getattr(run, name)[:half], getattr(after, name)[half:]]) for name in CHANNELS})
 
 
+@lru_cache(maxsize=4)
+def _calibrated(number: int, setting: str, command: str, count: int) -> Actuator:
+    """What `ema calibrate` makes of a unit's healthy records."""
+    healthy = [record_of(one, place) for place, one in enumerate(_healthy(False, number, setting, command, count))]
+    base = calibrate(reference_actuator(), healthy).actuator
+    own = own_machine(base, healthy)
+    return own.actuator if own is not None else base
+
+
+def _flown(trial: VerdictTrial) -> dict[str, Any]:
+    """The flight code's own verdict, by the rod position alone."""
+    actuator = _calibrated(trial.number, trial.setting, trial.command, trial.healthy)
+    answer = run(actuator, record_of(_record(trial), 99, ("position_mm",)), SearchSettings(), 32)
+    found: dict[str, Any] = {"verdict": answer.verdict, "reasons": list(answer.reasons), "guard": None}
+    for one in answer.identified:
+        ends = interval95(one.estimate, one.std, one.bias)
+        found[_KEY_OF[one.name]] = {"interval95": ends, "shift_percent": one.shift_percent, "healthy": actuator[one.name]}
+    return found
+
+
+def _identified(trial: VerdictTrial) -> dict[str, Any]:
+    """What `ema identify ACTUATOR RECORD --healthy ... --json` writes."""
+    runs = _healthy(trial.kind == "drawn", trial.number, trial.setting, trial.command, trial.healthy)
+    healthy = [record_of(one, place, trial.signals) for place, one in enumerate(runs)]
+    return to_json(identification(identify(reference_actuator(), record_of(_record(trial), 99, trial.signals), healthy), "record", {}))
+
+
 def perform(trial: VerdictTrial) -> dict[str, Any]:
     """One trial as a row of plain values. The code under test gets the data sheet's actuator and records, as a user gives them, and the result that the user gets is read."""
-    healthy = [
-        record_of(one, place, trial.signals)
-        for place, one in enumerate(_healthy(trial.kind, trial.number, trial.setting, trial.command, trial.healthy))
-    ]
     row: dict[str, Any] = {
         "key": trial.key,
         "kind": trial.kind,
@@ -184,9 +218,7 @@ def perform(trial: VerdictTrial) -> dict[str, Any]:
         "sound": trial.is_sound,
     }
     try:
-        result = to_json(
-            identification(identify(reference_actuator(), record_of(_record(trial), 99, trial.signals), healthy), "record", {})
-        )
+        result = _flown(trial) if trial.kind == "flight" else _identified(trial)
     except InputError as error:
         return {**row, "verdict": "refused", "reasons": [str(error)], "sizes": {}, "wrong": ""}
     sizes = {name: _size(result[key], dict(trial.wear).get(name, 0.0)) for name, key in _KEY.items()}

@@ -12,7 +12,7 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
-from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry
+from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult
