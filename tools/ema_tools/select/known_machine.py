@@ -67,10 +67,11 @@ class Start:
 
 @dataclass(frozen=True)
 class OpenStd:
-    """A standard error, and what of the machine's present state does most to it, by name."""
+    """A standard error, what of the machine's present state does most to it, by name, and its part that is not noise."""
 
     std: float
     most: str
+    beyond: float = 0.0
 
 
 def _marginal(own: Sequence[Reals], today: Sequence[Reals], place: int) -> float:
@@ -240,7 +241,9 @@ class KnownMachine:
             alone = [_marginal(own, [column], place) for column in today]
             worst = wanted[int(np.argmax(alone))].title if wanted else ""
             along = float(np.sqrt(left / float(own[place] @ own[place]))) if left > 0.0 else 0.0
-            found[name] = OpenStd(float(np.hypot(_marginal(own, today, place), along)), worst)
+            std = float(np.hypot(_marginal(own, today, place), along))
+            noise = _marginal(own, [], place)
+            found[name] = OpenStd(std, worst, float(np.sqrt(max(std**2 - noise**2, 0.0))))
         return found
 
     def starts(self, base: Fit, only: str | None = None, held: str = "") -> list[Start]:

@@ -55,8 +55,12 @@ class Identified:
     scatter: Mapping[str, float] = field(default_factory=dict)
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
-        """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, and what moves from run to run, as healthy records show it where there are two or more."""
+        """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
+        where there are two or more."""
         bias = one.bias if math.isfinite(one.bias) else 0.0
+        stands = self.checked.open.get(one.name) if self.checked is not None else None
+        if stands is not None and math.isfinite(stands.beyond):
+            bias = math.hypot(bias, stands.beyond)
         if self._shown and math.isfinite(one.std):
             # how the same search reads healthy records apart has their noise in it
             return interval95(one.estimate, bias, max(one.std, self.day_std(one.name)))
@@ -72,7 +76,9 @@ class Identified:
         """The same of a healthy machine."""
         if self.baseline is None or not self._shown:
             return self.scatter.get(name, 0.0)
-        return self.baseline.scatter[name] * math.sqrt(1.0 + 1.0 / self.baseline.records)
+        # their mean is not known better, nor is what so few show of the scatter
+        doubt = 1.0 + 1.0 / self.baseline.records
+        return self.baseline.scatter[name] * (doubt if name in FROM_RUN_TO_RUN else math.sqrt(doubt))
 
     @property
     def _shown(self) -> bool:

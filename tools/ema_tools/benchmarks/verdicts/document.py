@@ -144,9 +144,9 @@ def _drawn(rows: Sequence[Row]) -> str:
     ):
         found = []
         for value in sorted({row[name] for row in drawn}):
-            text = {True: "rod position alone", False: "four signals", "": "nothing" if name == "disturbance" else "white"}.get(
-                value, str(value)
-            )
+            words: dict[object, str] = {"": "nothing" if name == "disturbance" else "white"}
+            words |= {True: "rod position alone", False: "four signals"} if name == "alone" else {}
+            text = words.get(value, str(value))
             found.append(_verdicts((text,), [row for row in drawn if row[name] == value]))
         parts.append(_table((title, "answers", *(f"{one}, %" for one in _VERDICTS), "wrong"), found, 6))
     return "\n".join(parts)
