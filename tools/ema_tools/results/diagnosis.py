@@ -41,6 +41,8 @@ class DiagnosisResult:
     effects: tuple[EffectEntry, ...] = ()  # best first
     faults: dict[str, EffectEntry] = field(default_factory=dict)  # changes of csj and blk, by name
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
+    # without healthy records: CSJ and BLK where they lie farther from the data sheet than units do
+    unit_shift_percent: dict[str, float] = field(default_factory=dict)
     error: WeightedErrors
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1

@@ -13,7 +13,7 @@ KEYS = ("csj_Nm", "blk_mm")
 
 Verdict = Literal["healthy", "fault", "undecided"]
 GuardVerdict = Literal["adequate", "missing", "unknown", "rival"]
-Objection = Literal["missing", "unknown", "rival", "signals", "open"]
+Objection = Literal["missing", "unknown", "rival", "signals", "open", "healthy"]
 
 
 @dataclass(frozen=True)

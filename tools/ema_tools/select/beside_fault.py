@@ -57,9 +57,12 @@ def _best_of_each(fits: Sequence[Fit | None]) -> list[Fit]:
 
 
 def rivals(known: KnownMachine, base: Fit, fault: str, least: float) -> list[Fit]:
-    """Effects that explain the record as well as the shift of `fault` does in `base`, which then is no larger than `least`, relative; best first."""
-    healthy = known.actuator[fault]
-    ends = {fault: ((1.0 - least) * healthy, (1.0 + least) * healthy)}
+    """Effects that explain the record as well as the shift of `fault` does in `base`, which then is no larger than half of `least`, relative; best first.
+
+    Half: what leaves a shift just below what is called a fault explains nothing.
+    """
+    healthy, most = known.actuator[fault], 0.5 * least
+    ends = {fault: ((1.0 - most) * healthy, (1.0 + most) * healthy)}
     held = {**base.values, fault: float(np.clip(base.values[fault], *ends[fault]))}
     beside_it = (*known.faults, *known.scatter)
     without = known.fit("", held, beside_it, _FIRST_STEPS, ends)

@@ -14,8 +14,10 @@ import numpy as np
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.noise import white_noise
 from ema_tools.base.parallel import each
+from ema_tools.data.actuator import row_of
 from ema_tools.fit.whitening import least_noise
 from ema_tools.select.known_machine import Compared, Fit, KnownMachine
 
@@ -53,6 +55,29 @@ def two_states(beside: Compared, bases: Sequence[Fit]) -> Apart | None:
         if found is not None:
             return Apart(found[0], signal, found[1])
     return None
+
+
+def checked_states(beside: Compared, bases: Sequence[Fit]) -> str:
+    """Raises InputError where the healthy repeats are of two states. Two alone that differ in a signal may be of a machine that repeats no better: that is said, in words, and left to the verdict."""
+    groups = two_states(beside, bases)
+    if groups is None:
+        return ""
+    text = _said(beside, groups)
+    if len(beside.repeats) > 2 or groups.what not in beside.signals:
+        raise InputError(text)
+    return f"{text}; a third healthy record would tell"
+
+
+def _said(beside: Compared, groups: Apart) -> str:
+    few = ", ".join(beside.repeats[place].file for place in groups.places)
+    rest = ", ".join(one.file for place, one in enumerate(beside.repeats) if place not in groups.places)
+    if groups.what in beside.signals:
+        what = (
+            f"{groups.what} differs from theirs by {groups.by:.1f} times its noise, which friction, play, grease and winding do not explain"
+        )
+    else:
+        what = f"{row_of(groups.what).field} differs from theirs by {100.0 * groups.by:.0f} %, which is no scatter of one machine"
+    return f"{few}: not of the same state as {rest}: {what}: leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other"
 
 
 def _left(machine: KnownMachine, base: Fit) -> Reals:

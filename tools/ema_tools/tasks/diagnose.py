@@ -15,6 +15,7 @@ from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
+from ema_tools.fit.nuisance import FROM_DATA_SHEET
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
@@ -24,6 +25,7 @@ from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
+_FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 _SIZES = 10.0  # signals of two runs of one command that differ more than this in size are of different units [physics]
 
 
@@ -63,6 +65,15 @@ class Answer:
     def faults(self) -> tuple[Named, ...]:
         """Accepted changes of CSJ and BLK."""
         return tuple(one for one in self.diagnosis.named if one.accepted and one.name in FAULTS)
+
+    @property
+    def unit_shift(self) -> dict[str, float]:
+        """Without repeats, how far CSJ and BLK lie from the data sheet, relative, by name: those that lie farther than units do. Wear, or a unit that was always so."""
+        if self.evidence.relative:
+            return {}
+        sheet = self.evidence.actuator
+        shifts = {name: self.known[name] / sheet[name] - 1.0 for name in FAULTS.values() if sheet[name] > 0.0}
+        return {name: shift for name, shift in shifts.items() if abs(shift) > _FAR_FROM_SHEET * FROM_DATA_SHEET[(name,)]}
 
     @property
     def recommended(self) -> bool:

@@ -14,7 +14,7 @@ from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.data.records import Record
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
-from ema_tools.select.healthy_groups import Apart, two_states
+from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared
 from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, identified_of, run
 
@@ -70,11 +70,12 @@ def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSet
 @dataclass(frozen=True)
 class HealthyRuns:
     """What two or more healthy records of today's command say. `known`: the machine as they show it, with the sensor noise that they show; `search`: the settings by which it is
-    searched: weights of the signals and the least shifts that are called a fault."""
+    searched: weights of the signals and the least shifts that are called a fault; `doubt`: why two records may not both be healthy, in words."""
 
     known: Actuator
     baseline: Baseline
     search: SearchSettings
+    doubt: str = ""
 
 
 def scatter_shown(apart: Sequence[float], usual: float, means: int = 1) -> float:
@@ -108,9 +109,7 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     weighed = replace(search, weight=search.weight or weights_of(beside))
     machines = [beside.known.of_repeat(place) for place in range(len(beside.repeats))]
     bases = [machine.base({}) for machine in machines]
-    groups = two_states(beside, bases)
-    if groups is not None:
-        raise InputError(_two_groups(beside, groups))
+    doubt = checked_states(beside, bases)
     days = [known.changed({name: base.values[name] for name in machine.scatter}) for machine, base in zip(machines, bases, strict=True)]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)
@@ -129,16 +128,4 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
     values = {name: known[name] for name in std}
-    return HealthyRuns(known, Baseline(values, {name: one / math.sqrt(count) for name, one in std.items()}, count, std), weighed)
-
-
-def _two_groups(beside: Compared, groups: Apart) -> str:
-    few = ", ".join(beside.repeats[place].file for place in groups.places)
-    rest = ", ".join(one.file for place, one in enumerate(beside.repeats) if place not in groups.places)
-    if groups.what in beside.signals:
-        what = (
-            f"{groups.what} differs from theirs by {groups.by:.1f} times its noise, which friction, play, grease and winding do not explain"
-        )
-    else:
-        what = f"{row_of(groups.what).field} differs from theirs by {100.0 * groups.by:.0f} %, which is no scatter of one machine"
-    return f"{few}: not of the same state as {rest}: {what}: leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other"
+    return HealthyRuns(known, Baseline(values, {name: one / math.sqrt(count) for name, one in std.items()}, count, std), weighed, doubt)

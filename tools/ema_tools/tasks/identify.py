@@ -28,8 +28,9 @@ _NOISE = "verdict.position_noise_mm"
 NOT_ADEQUATE = REASONS[2]
 
 
-# Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today.
-Objection = Literal["missing", "unknown", "rival", "signals", "open"]
+# Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today;
+# one of two healthy records may not be healthy.
+Objection = Literal["missing", "unknown", "rival", "signals", "open", "healthy"]
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,8 @@ class Identified:
     """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
 
     `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
-    `least_percent`: the shifts that are called a fault, by name; `checked`: what all signals say of the estimates; None where it was not wanted.
+    `least_percent`: the shifts that are called a fault, by name; `doubt`: why two healthy records may not both be, in words; `checked`: what all signals say of the
+    estimates; None where it was not wanted.
     """
 
     actuator: Actuator
@@ -52,6 +54,7 @@ class Identified:
     weighted: bool
     least_percent: Mapping[str, float] = field(default_factory=dict)
     checked: CrossCheck | None = None
+    doubt: str = ""
     scatter: Mapping[str, float] = field(default_factory=dict)
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
@@ -97,6 +100,8 @@ class Identified:
             return "missing" if not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
         if self.answer.verdict == "undecided":
             return None
+        if self.doubt:
+            return "healthy"
         if any(map(self._moved, self.answer.identified)):
             return "signals"
         return None if self._stands(checked) else "open"
@@ -179,9 +184,10 @@ def identify(
     same = repeats_of(record, healthy) if table is None else ()
     repeats = compared(actuator, record, same) if same else None
     baseline: Baseline | None = None
+    doubt = ""
     if repeats is not None:
         runs = healthy_runs(repeats, settings, bits)
-        baseline, settings = runs.baseline, runs.search
+        baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
         known = repeats.known.today(repeats.known.base({})).changed({name: runs.known[name] for name in (_NOISE, DAY_VALUES)})
     elif healthy:
@@ -224,5 +230,5 @@ def identify(
     weighted = search is not None and search.weight is not None
     scatter = scatter_of(found, record, identified_of(known), dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
     return Identified(
-        found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, least_percent, checked, scatter
+        found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, least_percent, checked, doubt, scatter
     )

@@ -36,6 +36,7 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         effects=tuple(_effect(one, found.diagnosis) for one in named[:_LISTED]),
         faults={one.name: _effect(one, found.diagnosis) for one in found.faults},
         standing=_standing(found) if relative else {},
+        unit_shift_percent={field_of(name): 100.0 * shift for name, shift in found.unit_shift.items()},
         error=errors(found.errors),
         next_experiment=next_step(found),
         unexplained=found.diagnosis.unexplained,

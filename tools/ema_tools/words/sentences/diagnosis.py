@@ -12,6 +12,8 @@ from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
 from ema_tools.words.sentences.sizes import size_text
 
+NAMES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
+
 
 def sentence(found: Answer) -> str:
     """The answer in a sentence or two."""
@@ -23,7 +25,8 @@ def sentence(found: Answer) -> str:
     if found.verdict == "adequate":
         versus = "this machine's repeatability" if found.evidence.relative else "what sensors and a data sheet leave open"
         text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
-        return f"{first}{text} ({fall})."
+        apart = _unit_words(found)
+        return f"{first}{f'no effect is missing, but {apart}' if apart else text} ({fall})."
     if found.verdict == "unknown":
         if found.sensor is not None:
             return f"{first}{sensor_sentence(found.sensor)} (weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g})."
@@ -38,6 +41,8 @@ def sentence(found: Answer) -> str:
     others = [other for one in found.effects for other in one.alike[1:]]
     alike = f", which looks like {', '.join(others)}" if others else ""
     faults = f"; beside it {faults}" if faults else ""
+    apart = _unit_words(found)
+    faults += f"; {apart}" if apart else ""
     are = "is" if len(found.refuted) == 1 else "are"
     refuted = (
         f"; {' and '.join(found.refuted)} would lower the error further but raise that of the record held out, and {are} not recommended"
@@ -45,6 +50,14 @@ def sentence(found: Answer) -> str:
         else ""
     )
     return f"{first}missing is {named}{alike}{faults}{refuted} ({fall})."
+
+
+def _unit_words(found: Answer) -> str:
+    """CSJ and BLK where they lie farther from the data sheet than units do."""
+    shifts = [f"{NAMES[name]} by {100.0 * shift:+.0f} %" for name, shift in found.unit_shift.items()]
+    if not shifts:
+        return ""
+    return f"the record shows {' and '.join(shifts)} off the data sheet, more than units are: wear, unless it was always so, which healthy records would tell"
 
 
 def next_step(found: Answer) -> str:

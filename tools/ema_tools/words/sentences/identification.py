@@ -47,6 +47,8 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
             f"{_effect(checked, next(iter(checked.values)))} explains the record as well as a fault{others}: {_MORE}, "
             f"or ema next ACTUATOR --between csj {checked.effects[0]} finds a command that tells them apart"
         )
+    if found.objection == "healthy":
+        return found.doubt
     if found.objection == "signals":
         return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
     if found.objection == "open" and found.within_scatter():
