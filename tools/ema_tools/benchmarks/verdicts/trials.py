@@ -246,7 +246,8 @@ def _wrong(trial: VerdictTrial, verdict: str, sizes: Mapping[str, Mapping[str, A
         return "healthy on a worn unit"
     if verdict == "fault" and trial.is_sound:
         return "fault on a sound unit"
-    if verdict == "fault":
+    # the flight code states standard errors of the search, not intervals
+    if verdict == "fault" and trial.kind != "flight":
         for name, one in sizes.items():
             if one["held"] is False and abs(one["shift"] - one["true"]) > 100.0 * _SIZE_OFF[name]:
                 return f"size of {name}"
