@@ -75,7 +75,7 @@ def cross_check(
     base = known.base(estimates)
     plainly = (repeats > 0 or not doubted) and known.plain(base)
     # what a unit always has grows with its friction: beside a large fault a little of it hides nothing
-    hardly = not plainly and (repeats > 0 or not doubted) and known.left_of(base) < _HARDLY
+    hardly = not plainly and (repeats > 0 or not doubted) and not known.at_reach(base) and known.left_of(base) < _HARDLY
     if plainly or hardly:
         plain = _faults(known, base)
         stands = known.open_std(base, base.cost - known.floor if hardly else 0.0)

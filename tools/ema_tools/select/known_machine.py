@@ -33,6 +33,7 @@ from ema_tools.select.matched_filter import Screen
 SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
 _FREE = 0.3  # how far CSJ and BLK may move while the starts are sought, relative [judgement]
 _CREDIBLE = 3.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing [chance]
+_NEAR = 0.01  # of the way between the ends of what a day does: nearer to one, and it lies on it [precision]
 _FAR = 3.0  # and beside healthy records no farther than so many of the spreads of any day [chance]
 _STEP = 0.02  # of a value's scale: large against reversals that jump a step [precision]
 LAST_STEPS = 20  # of a fit of all values [effort]
@@ -218,6 +219,14 @@ class KnownMachine:
 
     def _lasting_below(self, left: Reals, limit: Reals) -> bool:
         return bool(np.all(self._lasting(left) <= limit[:, None]))
+
+    def at_reach(self, base: Fit) -> bool:
+        """Whether grease or winding would have to go farther than a day takes them."""
+        ends = {name: self._ends(name) for name in self.scatter}
+        return any(
+            not lower + _NEAR * (upper - lower) < base.values[name] < upper - _NEAR * (upper - lower)
+            for name, (lower, upper) in ends.items()
+        )
 
     def left_of(self, base: Fit) -> float:
         """What a fit leaves beyond noise, over what CSJ and BLK explain in it."""
