@@ -35,17 +35,30 @@ _RIVAL_SHARE = 0.1  # of what a fault explains: an effect that leaves more after
 
 def beside(known: KnownMachine, base: Fit, only: str | None = None) -> list[Fit]:
     """Every effect, or `only` one, fitted beside CSJ and BLK, best first; the few best with all their values."""
-    sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
+    sizes = _sizes()
     healthy = {name: known.actuator[name] for name in known.faults}
-    beside_it = (*known.faults, *known.scatter)
     tasks: list[tuple[str, Mapping[str, float]]] = [
         (one.effect, {**one.values, **{name: base.values[name] for name in known.faults}}) for one in known.starts(base, only)
     ]
     first = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _FIRST_STEPS), tasks))[:_SECOND]
     tasks = [(one.effect, values) for one in first for values in (one.values, {**one.values, **healthy})]
     second = _best_of_each(each(lambda task: known.fit(task[0], task[1], (sizes[task[0]], *known.faults), _SECOND_STEPS), tasks))[:_LAST]
+    return _with_all_values(known, second)
 
-    return _best_of_each(each(lambda one: known.fit(one.effect, one.values, [*beside_it, *_shape(one)], LAST_STEPS), second))
+
+def _sizes() -> dict[str, str]:
+    """Name of the size of each effect."""
+    return {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
+
+
+def _with_all_values(known: KnownMachine, fits: Sequence[Fit], ends: Mapping[str, tuple[float, float]] | None = None) -> list[Fit]:
+    """The fits gone on with, all values free but whole numbers, inside `ends` where given; best first."""
+
+    def last(one: Fit) -> Fit | None:
+        shape = (name for name in one.values if name.startswith("effects.") and not name.endswith(".periods"))
+        return known.fit(one.effect, one.values, (*known.free, *shape), LAST_STEPS, ends)
+
+    return _best_of_each(each(last, fits))
 
 
 def _best_of_each(fits: Sequence[Fit | None]) -> list[Fit]:
@@ -64,29 +77,19 @@ def rivals(known: KnownMachine, base: Fit, fault: str, least: float) -> list[Fit
     healthy, most = known.actuator[fault], 0.5 * least
     ends = {fault: ((1.0 - most) * healthy, (1.0 + most) * healthy)}
     held = {**base.values, fault: float(np.clip(base.values[fault], *ends[fault]))}
-    beside_it = (*known.faults, *known.scatter)
-    without = known.fit("", held, beside_it, _FIRST_STEPS, ends)
+    without = known.fit("", held, known.free, _FIRST_STEPS, ends)
     if without is None:
         return []
     shown = without.cost - base.cost
     unit = max(1.0, base.cost / known.evidence.numbers)
-    sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
+    sizes = _sizes()
     starts = sorted(known.starts(without, held=fault), key=lambda one: -one.gain)[:_RIVALS]
 
     def first(one: Start) -> Fit | None:
-        return known.fit(one.effect, {**without.values, **one.values}, (sizes[one.effect], *beside_it), _FIRST_STEPS, ends)
+        return known.fit(one.effect, {**without.values, **one.values}, (sizes[one.effect], *known.free), _FIRST_STEPS, ends)
 
     near = [one for one in _best_of_each(each(first, starts)) if one.cost - base.cost < _RIVAL_SHARE * shown][:_SECOND]
-
-    def last(one: Fit) -> Fit | None:
-        return known.fit(one.effect, one.values, [*beside_it, *_shape(one)], LAST_STEPS, ends)
-
-    return [one for one in _best_of_each(each(last, near)) if one.cost + penalty([one.effect]) < base.cost + _ALIKE * unit]
-
-
-def _shape(one: Fit) -> list[str]:
-    """The values of the effect that can be fitted: all but its whole numbers."""
-    return [name for name in one.values if name.startswith("effects.") and not name.endswith(".periods")]
+    return [one for one in _with_all_values(known, near, ends) if one.cost + penalty([one.effect]) < base.cost + _ALIKE * unit]
 
 
 def named(known: KnownMachine, base: Fit) -> tuple[str, Fit | None, tuple[str, ...]]:

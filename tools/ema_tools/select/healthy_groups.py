@@ -39,14 +39,13 @@ class Apart:
 
 def two_states(beside: Compared, bases: Sequence[Fit]) -> Apart | None:
     """Two groups of the healthy repeats, whose fits are `bases`; None where they are one."""
-    machines = [beside.known.of_repeat(place) for place in range(len(beside.repeats))]
     for name, usual in _OF_DAYS.items():
         if all(name in base.values for base in bases) and beside.actuator[name] > 0.0:
             values = np.array([base.values[name] for base in bases]) / beside.actuator[name]
             found = _two_groups(np.abs(values[:, None] - values[None, :]), usual)
             if found is not None:
                 return Apart(found[0], name, found[1])
-    left = np.array(each(lambda one: _left(*one), list(zip(machines, bases, strict=True))))
+    left = np.array(each(lambda one: _left(*one), list(zip(beside.known_repeats, bases, strict=True))))
     for place, signal in enumerate(beside.signals):
         if signal in _NOT_SENSED:
             continue

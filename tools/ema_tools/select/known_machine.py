@@ -113,9 +113,14 @@ class KnownMachine:
         other.evidence = replace(self.evidence, target=self.evidence.repeats[place])
         return other
 
-    def today(self, base: Fit) -> Actuator:
-        """The machine with grease and winding as they are today."""
-        return self.actuator.changed({name: base.values[name] for name in self.scatter})
+    def today(self, base: Fit) -> dict[str, float]:
+        """Grease and winding as they are today, by name."""
+        return {name: base.values[name] for name in self.scatter}
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """What is free beside any effect: CSJ, BLK and what scatters."""
+        return (*self.faults, *self.scatter)
 
     def _weighted(self, signals: Reals) -> Reals:
         return self.evidence.whiten(signals) if self.evidence.relative else (signals / self._level).ravel()
@@ -140,7 +145,7 @@ class KnownMachine:
         ends: Mapping[str, tuple[float, float]] | None = None,
     ) -> Fit | None:
         """Fits the values `free` of those in `start`, inside `ends` where given; None where the model refuses the start."""
-        first = {**{name: self.actuator[name] for name in (*self.faults, *self.scatter)}, **start}
+        first = {**{name: self.actuator[name] for name in self.free}, **start}
         inside = ends or {}
         unknowns = [self._unknown(name, value, inside.get(name)) for name, value in first.items() if name in free]
         scatter = [
@@ -185,8 +190,8 @@ class KnownMachine:
     def base(self, estimates: Mapping[str, float]) -> Fit:
         """CSJ and BLK alone, from their healthy values and from `estimates`: the better of both."""
         healthy = {name: self.actuator[name] for name in self.faults}
-        starts = (healthy, {name: max(estimates.get(name, healthy[name]), 0.2 * healthy[name]) for name in healthy})
-        fits = each(lambda start: self.fit("", start, (*self.faults, *self.scatter), LAST_STEPS), starts)
+        found = {name: max(estimates.get(name, healthy[name]), 0.2 * healthy[name]) for name in healthy}
+        fits = each(lambda start: self.fit("", start, self.free, LAST_STEPS), (healthy,) if found == healthy else (healthy, found))
         return min((one for one in fits if one is not None), key=lambda one: one.cost)
 
     def plain(self, base: Fit) -> bool:
@@ -203,13 +208,11 @@ class KnownMachine:
     def _lasting(self, left: Reals) -> Reals:
         """What stays in the signals [channels, rows] for longer than noise does, rms over each part of the record, in the noise of one row, [channels, parts]."""
         channels, rows = left.shape
-        count = max(1, rows // (_PARTS * _BLOCK_ROWS))
-        blocks = left[:, : _PARTS * count * _BLOCK_ROWS] if rows >= _PARTS * _BLOCK_ROWS else left[:, : rows - rows % _PARTS]
-        means = blocks.reshape(channels, _PARTS, -1, min(_BLOCK_ROWS, max(1, blocks.shape[1] // _PARTS))).mean(axis=3)
-        return np.asarray(np.sqrt(np.mean(means**2, axis=2)) / self._spread_of_noise()[:, None])
-
-    def _spread_of_noise(self) -> Reals:
-        return np.asarray(np.sqrt(np.mean(self.evidence.noise, axis=1)))
+        block = min(_BLOCK_ROWS, rows // _PARTS)
+        count = rows // (_PARTS * block)
+        means = left[:, : _PARTS * count * block].reshape(channels, _PARTS, count, block).mean(axis=3)
+        noise = np.sqrt(np.mean(self.evidence.noise, axis=1, keepdims=True))
+        return np.asarray(np.sqrt(np.mean(means**2, axis=2)) / noise)
 
     def _lasting_of_repeats(self) -> Reals:
         """The most that any part of any healthy repeat shows against the others, [channels], with room for a record that is no repeat."""
@@ -319,6 +322,11 @@ class Compared:
     def known(self) -> KnownMachine:
         """The record of a machine of which CSJ and BLK are sought."""
         return KnownMachine(self.unit if self.repeats else as_known(self.unit))
+
+    @cached_property
+    def known_repeats(self) -> list[KnownMachine]:
+        """The same of each healthy repeat against the others."""
+        return [self.known.of_repeat(place) for place in range(len(self.repeats))]
 
     @property
     def actuator(self) -> Actuator:

@@ -16,7 +16,7 @@ from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, identified_of, run
 
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
@@ -104,13 +104,12 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     here = unit.simulate({}, np.zeros(len(unit.spread)))[0]
     noise_mm = max(float(np.sqrt(np.mean((one[0] - here) ** 2))) for one in unit.repeats)
     # what differs from day to day is taken from all signals here
-    known = unit.actuator.changed({"verdict.position_noise_mm": max(unit.actuator["verdict.position_noise_mm"], noise_mm), DAY_VALUES: 0.0})
+    known = unit.actuator.changed({POSITION_NOISE: max(unit.actuator[POSITION_NOISE], noise_mm), DAY_VALUES: 0.0})
     names = identified_of(known)
     weighed = replace(search, weight=search.weight or weights_of(beside))
-    machines = [beside.known.of_repeat(place) for place in range(len(beside.repeats))]
-    bases = [machine.base({}) for machine in machines]
+    bases = [machine.base({}) for machine in beside.known_repeats]
     doubt = checked_states(beside, bases)
-    days = [known.changed({name: base.values[name] for name in machine.scatter}) for machine, base in zip(machines, bases, strict=True)]
+    days = [known.changed(beside.known.today(base)) for base in bases]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)
     std: dict[str, float] = {}

@@ -21,10 +21,9 @@ from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.known_machine import compared, repeats_of
 from ema_tools.tasks.diagnose import check_apart
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
-from ema_tools.tasks.onboard_search import DAY_VALUES, KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
+from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
 
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
-_NOISE = "verdict.position_noise_mm"
 NOT_ADEQUATE = REASONS[2]
 
 
@@ -122,19 +121,17 @@ class Identified:
         sure = self.healthy["verdict.confidence_std"]
         doubt = {name: sure * one.std / abs(self.healthy[name]) for name, one in checked.open.items()}
         if self.answer.verdict == "fault":
-            return any(shift - doubt[name] > max(self._least(name), self._scatter(name)) for name, shift in checked.shift.items())
+            return any(shift - doubt[name] > self._threshold(name) for name, shift in checked.shift.items())
         return all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
 
-    def _scatter(self, name: str) -> float:
-        """The shift that a healthy machine does not show by its scatter, relative."""
-        return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
+    def _threshold(self, name: str) -> float:
+        """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter, relative."""
+        return max(self._least(name), _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name]))
 
     def within_scatter(self) -> bool:
         """Whether a fault is no more than what healthy records of the machine differ by."""
         shifts = self.checked.shift if self.checked is not None else {}
-        return self.answer.verdict == "fault" and all(
-            shift <= max(self._least(name), self._scatter(name)) for name, shift in shifts.items()
-        )
+        return self.answer.verdict == "fault" and all(shift <= self._threshold(name) for name, shift in shifts.items())
 
     @property
     def objects(self) -> bool:
@@ -189,7 +186,7 @@ def identify(
         runs = healthy_runs(repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
-        known = repeats.known.today(repeats.known.base({})).changed({name: runs.known[name] for name in (_NOISE, DAY_VALUES)})
+        known = runs.known.changed(repeats.known.today(repeats.known.base({})))
     elif healthy:
         baseline = baseline_of(actuator, healthy, settings, bits)
         known = actuator.changed(baseline.values)
@@ -219,16 +216,14 @@ def identify(
     )
     estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
     searched = identified_of(known)
-    stated = {name: known[MIN_SHIFTS[name]] for name in KEYS}
-    least_percent = stated | dict(zip(searched, settings.min_shift_percent, strict=True)) if settings.min_shift_percent else stated
-    wanted = beside if guarding and estimates else None
-    checked = (
-        cross_check(known, record, wanted, estimates, {k: 0.01 * v for k, v in least_percent.items()}, not answer.adequate)
-        if wanted is not None
-        else None
-    )
+    given = dict(zip(searched, settings.min_shift_percent, strict=True)) if settings.min_shift_percent else {}
+    least_percent = {name: known[MIN_SHIFTS[name]] for name in KEYS} | given
+    checked = None
+    if guarding and beside is not None and estimates:
+        least = {name: 0.01 * percent for name, percent in least_percent.items()}
+        checked = cross_check(known, record, beside, estimates, least, not answer.adequate)
     weighted = search is not None and search.weight is not None
-    scatter = scatter_of(found, record, identified_of(known), dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
+    scatter = scatter_of(found, record, searched, dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
     return Identified(
         found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, least_percent, checked, doubt, scatter
     )

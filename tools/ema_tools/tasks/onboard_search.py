@@ -14,6 +14,7 @@ KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
 BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
 DAY_VALUES = "search.day_values"
+POSITION_NOISE = "verdict.position_noise_mm"
 POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
 
 

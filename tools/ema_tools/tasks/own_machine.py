@@ -24,17 +24,16 @@ from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import Identification, SearchSettings, library
-from ema_tools.select.baseline import gather, same_command
-from ema_tools.select.known_machine import live
+from ema_tools.select.baseline import gather
+from ema_tools.select.known_machine import live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, channel_errors
 from ema_tools.tasks.healthy_runs import least_shift, scatter_shown
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, check_bounds, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, check_bounds, identified_of, run
 
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
 _DAY_BUDGET = 800.0  # model runs of a search for four values, which takes about 300 [effort]
 _DETERMINED = 0.1  # of a value: a larger standard error, and it is better left where it is [judgement]
 _BUDGET = "search.evaluation_budget"
-_NOISE = "verdict.position_noise_mm"
 
 
 @dataclass(frozen=True)
@@ -51,9 +50,7 @@ class OwnMachine:
 
 def repeated(records: Sequence[Record]) -> tuple[Record, ...]:
     """The records of that command which most of them run; none where no two run the same."""
-    groups = [tuple(other for other in records if same_command(one, other)) for one in records]
-    most = max(groups, key=len, default=())
-    return most if len(most) > 1 and "position_mm" in live(*most) else ()
+    return max((repeats_of(one, records) for one in records), key=len, default=())
 
 
 def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | None = None) -> OwnMachine | None:
@@ -68,8 +65,8 @@ def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | 
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
     found = found.changed({}, actuator.about)
     left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
-    noise_mm = max(found[_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))
-    found = found.changed({_NOISE: noise_mm})
+    noise_mm = max(found[POSITION_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))
+    found = found.changed({POSITION_NOISE: noise_mm})
     check_bounds(found)
     names = identified_of(found)
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})

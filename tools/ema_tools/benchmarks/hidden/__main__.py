@@ -14,6 +14,7 @@ from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import documents, running, scoring
 from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES
 from ema_tools.benchmarks.hidden.trials import FULL, KINDS, TIMED, Plan, perform
+from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.words.terminal.console import output, run_command
 
 _SMALL = Plan(
@@ -49,16 +50,8 @@ def _names(text: str | None, known: tuple[str, ...], what: str) -> tuple[str, ..
 @click.option("--pairs", type=click.IntRange(0), help="Pairs of effects.")
 @click.option("--set-healthy", type=click.IntRange(0), help="Healthy records of each machine that is set otherwise.")
 @click.option("--kept", is_flag=True, help="Run nothing: take the trials that the folder holds already.")
-@click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("hidden"),
-    show_default=True,
-    help="Folder of the rows; a run that was interrupted goes on.",
-)
+@workers_option
+@folder_option("hidden")
 @click.option(
     "--document",
     type=click.Path(path_type=Path, dir_okay=False),

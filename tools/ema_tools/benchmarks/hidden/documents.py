@@ -55,7 +55,7 @@ def write(rows: Sequence[Row], path: Path, before: Mapping[str, str]) -> list[Pa
     return [path, curve, matrix]
 
 
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: int) -> str:
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: int) -> str:
     """The last `numbers` columns hold numbers."""
     rule = ["---"] * (len(headings) - numbers) + ["---:"] * numbers
     return (
@@ -98,7 +98,7 @@ def _goals(rows: Sequence[Row], before: Mapping[str, str]) -> str:
         headings.insert(4, "earlier")
         for line in cells:
             line.insert(4, before.get(line[0], "-"))
-    return "## Goals\n\n" + _table(headings, cells, len(headings) - 3)
+    return "## Goals\n\n" + table(headings, cells, len(headings) - 3)
 
 
 def _curve(rows: Sequence[Row]) -> str:
@@ -144,11 +144,11 @@ def _rates(rows: Sequence[Row], picture: str) -> str:
             by_command.append([command, str(share_of(some, scoring.first_right)), str(scoring.observed(some))])
     return (
         f"## How often the right name comes first\n\n![Detection against severity]({picture})\n\n"
-        + _table(
+        + table(
             ("set-up", "severity", "right name or class first", "put forward, alone", "a wrong one put forward", "ideal observer"), cells, 4
         )
         + "\nFour signals, all severities, by command:\n\n"
-        + _table(("command", "right name or class first", "ideal observer"), by_command, 2)
+        + table(("command", "right name or class first", "ideal observer"), by_command, 2)
     )
 
 
@@ -166,7 +166,7 @@ def _by_effect(rows: Sequence[Row]) -> str:
         cells.append(line)
     return (
         "## By effect\n\nRight name or class first, of so many; in brackets how many standard deviations lie between the effect and none (median).\n\n"
-        + _table(("hidden", *SEVERITIES), cells, len(SEVERITIES))
+        + table(("hidden", *SEVERITIES), cells, len(SEVERITIES))
     )
 
 
@@ -188,7 +188,7 @@ def _confusions(rows: Sequence[Row], picture: str) -> str:
         cells.append([hidden, others or "-", *(str(said.get(name, 0)) for name in (hidden, "unknown", "nothing"))])
     return (
         f"## Confusion matrix\n\n![Confusion matrix]({picture})\n\nFour signals and repeats, all severities: the first name that was put forward for adding; `unknown` and `nothing` are the other verdicts.\n\n"
-        + _table(("hidden", "another name", "its own name", "unknown", "nothing"), cells, 3)
+        + table(("hidden", "another name", "its own name", "unknown", "nothing"), cells, 3)
     )
 
 
@@ -211,7 +211,7 @@ def _unasked(rows: Sequence[Row]) -> str:
             cells.append([name, nearest, wrong, beyond, str(share_of(some, lambda row: row["verdict"] == "unknown"))])
     if cells:
         text += "Outside effects, medium and large; `left` is the share of what they do to the signals, beyond the noise, that the nearest effect of the library leaves at its best size.\n\n"
-        text += _table(("hidden", "nearest in the library", "put forward", "left", "unknown"), cells, 2)
+        text += table(("hidden", "nearest in the library", "put forward", "left", "unknown"), cells, 2)
     return text if healthy or strangers or cells else ""
 
 
@@ -227,7 +227,7 @@ def _forms(rows: Sequence[Row]) -> str:
     return (
         "## Other forms than the library's\n\nThe same physics by another author's equation; `left` as above, by the nearest effect in the shape that it has on that machine elsewhere. "
         "The library has Gauss's form, with the exponent 2; LuGre's own rise towards rest may be named as stribeck_friction beside it.\n\n"
-        + _table(("hidden", "counts as", "severity", *_COUNTED, "left"), cells, len(_COUNTED) + 1)
+        + table(("hidden", "counts as", "severity", *_COUNTED, "left"), cells, len(_COUNTED) + 1)
     )
 
 
@@ -262,9 +262,9 @@ def _settings(rows: Sequence[Row]) -> str:
         return ""
     return (
         "## Other machines and other records\n\nThe effects of the library on machines that differ from those above in one thing.\n\n"
-        + _table(("in what", "severity", *_COUNTED), cells, len(_COUNTED))
+        + table(("in what", "severity", *_COUNTED), cells, len(_COUNTED))
         + "\nNothing hidden:\n\n"
-        + _table(("in what", "accused", "unknown", "refused"), healthy, 3)
+        + table(("in what", "accused", "unknown", "refused"), healthy, 3)
     )
 
 
@@ -281,7 +281,7 @@ def _pairs(rows: Sequence[Row]) -> str:
                     str(share_of(some, scoring.wrongly_accused)),
                 ]
             )
-    return "## Two effects at once\n\n" + _table(("severity", "both named", "the exact set", "a wrong one too"), cells, 3) if cells else ""
+    return "## Two effects at once\n\n" + table(("severity", "both named", "the exact set", "a wrong one too"), cells, 3) if cells else ""
 
 
 def _sizes(rows: Sequence[Row]) -> str:
@@ -294,7 +294,7 @@ def _sizes(rows: Sequence[Row]) -> str:
             cells.append([severity, f"{np.median(errors):.2g}", f"{np.percentile(errors, 95.0):.2g}", str(held)])
     return (
         "## Sizes\n\nOf effects that were put forward under their own name.\n\n"
-        + _table(("severity", "median error, % of the size", "95th percentile", "95 % interval holds the truth"), cells, 3)
+        + table(("severity", "median error, % of the size", "95th percentile", "95 % interval holds the truth"), cells, 3)
         if cells
         else ""
     )
@@ -318,7 +318,7 @@ def _left(rows: Sequence[Row]) -> str:
             cells.append(line)
     text = "## Error left after adding\n\nWeighted rms over that of the healthy repeats, of what was put forward rightly; held out: the same machine under another command, nothing fitted to it.\n\n"
     return (
-        text + _table(("severity", "before", "after", "worst after", "held out before", "after", "worst after"), cells, 6) if cells else ""
+        text + table(("severity", "before", "after", "worst after", "held out before", "after", "worst after"), cells, 6) if cells else ""
     )
 
 

@@ -10,6 +10,7 @@ import click
 from ema_tools.base.files import write_text
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import running
+from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.benchmarks.verdicts.document import written
 from ema_tools.benchmarks.verdicts.trials import drawn, perform, units
 from ema_tools.words.terminal.console import output, run_command
@@ -20,16 +21,8 @@ from ema_tools.words.terminal.console import output, run_command
 @click.option("--days", type=click.IntRange(1), default=1, show_default=True, help="Sound and worn days of each.")
 @click.option("--drawn", "draws", type=click.IntRange(0), default=20, show_default=True, help="Records drawn at random.")
 @click.option("--first", type=click.IntRange(0), default=0, show_default=True, help="Number of the first drawn record.")
-@click.option("--workers", type=click.IntRange(0), help="Processes; all cores unless told, 0 for this one.")
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("verdicts"),
-    show_default=True,
-    help="Folder of the rows.",
-)
+@workers_option
+@folder_option("verdicts")
 @click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there as Markdown, overwritten.")
 def main(count: int, days: int, draws: int, first: int, workers: int | None, folder: Path, document: Path | None) -> None:
     """Asks for verdicts on units and records that the code under test has never seen, and reports how often they are right."""

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ema_tools.benchmarks.hidden.documents import table
+
 Row = Mapping[str, Any]
 _VERDICTS = ("healthy", "fault", "undecided", "refused")
 _TITLES = {"csj": "CSJ", "blk": "BLK"}
@@ -52,11 +54,6 @@ def _of(rows: Sequence[Row], verdict: str) -> float:
     return _share(rows, lambda row: row["verdict"] == verdict)
 
 
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: int) -> str:
-    rule = ["---"] * (len(headings) - numbers) + ["---:"] * numbers
-    return "\n".join("| " + " | ".join(one) + " |" for one in (headings, rule, *rows)) + "\n"
-
-
 def _sizes(rows: Sequence[Row], name: str) -> list[Mapping[str, Any]]:
     return [row["sizes"][name] for row in rows if row["sizes"] and row["verdict"] != "undecided" and row["sizes"][name]["half"] is not None]
 
@@ -96,7 +93,7 @@ def _goals(rows: Sequence[Row]) -> str:
                 goal(f"{title}: intervals of {_TITLES[name]} that hold the truth", "92 .. 98 %", held, 92.0 <= held <= 98.0)
     count = sum(bool(row["wrong"]) for row in rows)
     goal(f"surely wrong, of {len(rows)} answers", "0", float(count), count == 0, "")
-    return "## Goals\n\n" + _table(("", "goal", "met", "reached"), found, 2)
+    return "## Goals\n\n" + table(("", "goal", "met", "reached"), found, 2)
 
 
 def _verdicts(title: Sequence[str], rows: Sequence[Row]) -> tuple[str, ...]:
@@ -121,7 +118,7 @@ def _units(rows: Sequence[Row], kind: str, title: str) -> str:
                     found.append((*_verdicts((setting or "usual", str(given), text), some), *errors, *widths))
     headings = ("scatter", "healthy records", "wear", "answers", *(f"{one}, %" for one in _VERDICTS), "wrong")
     more = ("rms error CSJ, %", "BLK, %", "half interval CSJ, %", "BLK, %")
-    return f"## {title}\n\n" + _table((*headings, *more), found, 10)
+    return f"## {title}\n\n" + table((*headings, *more), found, 10)
 
 
 def _drawn(rows: Sequence[Row]) -> str:
@@ -148,7 +145,7 @@ def _drawn(rows: Sequence[Row]) -> str:
             words |= {True: "rod position alone", False: "four signals"} if name == "alone" else {}
             text = words.get(value, str(value))
             found.append(_verdicts((text,), [row for row in drawn if row[name] == value]))
-        parts.append(_table((title, "answers", *(f"{one}, %" for one in _VERDICTS), "wrong"), found, 6))
+        parts.append(table((title, "answers", *(f"{one}, %" for one in _VERDICTS), "wrong"), found, 6))
     return "\n".join(parts)
 
 
@@ -161,4 +158,4 @@ def _wrong(rows: Sequence[Row]) -> str:
         said = ", ".join(f"{_TITLES[name]} {one['shift']:+.1f} ({one['true']:+.0f})" for name, one in row["sizes"].items())
         given = f"{row['healthy']} healthy, {'position alone' if row['alone'] else 'four signals'}, {row['setting'] or 'white'}"
         found.append((row["wrong"], row["command"], given, f"{row['disturbance'] or 'nothing'} {row['off']:+.2f}", row["verdict"], said))
-    return "## Surely wrong\n\n" + _table(("in what", "command", "given", "differs", "verdict", "said (true), %"), found, 1)
+    return "## Surely wrong\n\n" + table(("in what", "command", "given", "differs", "verdict", "said (true), %"), found, 1)

@@ -10,9 +10,8 @@ from ema_tools.select.outcome import Named
 from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
+from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
 from ema_tools.words.sentences.sizes import size_text
-
-NAMES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
 def sentence(found: Answer) -> str:
@@ -54,7 +53,7 @@ def sentence(found: Answer) -> str:
 
 def _unit_words(found: Answer) -> str:
     """CSJ and BLK where they lie farther from the data sheet than units do."""
-    shifts = [f"{NAMES[name]} by {100.0 * shift:+.0f} %" for name, shift in found.unit_shift.items()]
+    shifts = [f"{FAULT_TITLES[name]} by {100.0 * shift:+.0f} %" for name, shift in found.unit_shift.items()]
     if not shifts:
         return ""
     return f"the record shows {' and '.join(shifts)} off the data sheet, more than units are: wear, unless it was always so, which healthy records would tell"
