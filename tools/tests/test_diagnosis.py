@@ -143,6 +143,20 @@ def test_a_fault_is_named_as_the_fault_and_not_as_an_effect(healthy: list[Record
 
 
 @pytest.mark.slow
+def test_a_fault_beside_one_effect_is_taken_before_three_effects_that_explain_no_more() -> None:
+    """A colder winding and more friction on a slow triangle: the strongest single effect is a third that is not there, and two more mend it."""
+    model = reference_actuator()
+    command = make_command("triangle:amplitude_mm=2,start_hz=0.2", model)
+    noise = {"position_mm": 0.005, "motor_position_mm": 0.002, "current_A": 0.03}
+    worn = model.changed({"motor.resistance_ohm": 0.8 * model["motor.resistance_ohm"], "screw.csj_Nm": 1.25 * model["screw.csj_Nm"]})
+    runs = [simulate_record(machine, command, 64, noise, seed) for seed, machine in enumerate((worn, model, model, model), start=1)]
+    found = answer(model, runs[0], runs[1:])
+    assert [one.name for one in found.effects] == ["winding_heating"]
+    assert [one.name for one in found.faults] == ["csj"]
+    assert found.faults[0].values["screw.csj_Nm"] == pytest.approx(worn["screw.csj_Nm"], rel=0.01)
+
+
+@pytest.mark.slow
 @needs_numba
 def test_without_repeats_a_hot_winding_has_the_doubt_of_the_resistance_it_hides_behind() -> None:
     """Resistance is known to 4 % from the data sheet, which is as much as 10 degC: no record alone can do better."""

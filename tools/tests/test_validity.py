@@ -67,6 +67,16 @@ def test_good_record_passes_without_reservation() -> None:
             "stuck",
             "from row 5001, where the motor turns on",
         ),
+        (
+            lambda r: replace(r, motor_position_mm=held(r.motor_position_mm, 5000, 700)),
+            "stuck",
+            "motor_position_mm repeats one value for 700 rows from row 5001, where the rod moves on",
+        ),
+        (lambda r: replace(r, current_A=held(r.current_A, 5000, 700)), "stuck", "from row 5001, where the motor turns on"),
+        (lambda r: replace(r, voltage_V=held(r.voltage_V, 5000, 700)), "stuck", "from row 5001, where the motor turns on"),
+        (lambda r: replace(r, current_A=r.voltage_V, voltage_V=r.current_A), "columns", "which no winding does"),
+        (lambda r: replace(r, position_mm=r.motor_position_mm, motor_position_mm=r.position_mm), "columns", "which no play does"),
+        (lambda r: replace(r, position_mm=r.command_mm + 1e-4), "columns", "position_mm is the command"),
     ],
 )
 def test_wrong_sign_or_unit_blocks(change: Callable[[Record], Record], topic: str, said: str) -> None:
@@ -146,6 +156,31 @@ def test_repeats_that_are_none() -> None:
     poor = replace(good(1), current_A=None, file="poor.csv")
     assert remark(judge(model, record, [poor, *repeats()]), "repeats").text.startswith("poor.csv lacks current_A")
     assert remark(judge(model, record, repeats()[:2]), "repeats").severity == "weakens"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda r: replace(r, current_A=r.voltage_V, voltage_V=r.current_A),
+        lambda r: replace(r, position_mm=r.motor_position_mm, motor_position_mm=r.position_mm),
+        lambda r: replace(r, current_A=held(r.current_A, 5000, 2000)),
+    ],
+)
+def test_repeat_with_exchanged_columns_or_a_held_sensor_is_named(change: Callable[[Record], Record]) -> None:
+    wrong = replace(change(good(9)), file="third.csv")
+    blocking = [one for one in judge(reference_actuator(), good(), [*repeats(), wrong]).remarks if one.severity == "blocks"]
+    assert [one.text.startswith("third.csv is no repeat: ") for one in blocking] == [True]
+
+
+@pytest.mark.parametrize("command", ["chirp:amplitude_mm=4,end_hz=0.5", "multisine", "triangle:amplitude_mm=2,start_hz=0.2", "chirp"])
+@pytest.mark.parametrize(
+    "changes", [{}, {"screw.blk_mm": 0.0}, {"screw.blk_mm": 0.2}, {"encoder.rod_gain_error": -0.01}, {"screw.csj_Nm": 0.28}]
+)
+def test_columns_that_are_right_are_not_called_exchanged(command: str, changes: dict[str, float]) -> None:
+    """Neither wear nor a sensor whose gain is off turns play or back-EMF round."""
+    machine = reference_actuator().changed(changes)
+    gate = judge(reference_actuator(), chirp_record(machine, command).with_noise(NOISE, 3))
+    assert not [one.text for one in gate.remarks if one.topic == "columns"]
 
 
 def test_record_of_a_few_rows_blocks() -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,7 @@ _SATURATED_BLOCKS = 0.8  # ... and none: the loop is then hardly closed [judgeme
 _CLIPPED_ROWS = 4  # rows at one extreme value: noise repeats a value twice, seldom thrice [chance]
 _STUCK_S = 0.02  # a value held this long, while the model moves by ... [judgement]
 _STUCK_MOVES = 0.1  # ... this share of its range, is of a sensor that is held [judgement]
-_STUCK_BLOCKS = 0.1  # a sensor that is held for this share of the record leaves too little of it [judgement]
+_STUCK_BLOCKS = 0.05  # a sensor that is held for this share of the record leaves too little of it [judgement]
 _PLAYS = 5.0  # a rod may rest while the motor crosses the play, which wear may have made so many times its healthy size [judgement]
 _SPIKE_NOISE = 30.0  # a jump of one or two rows and back: so far beyond the noise ... [chance]
 _SPIKE_SHARE = 0.2  # ... and beyond this share of the signal no machine makes it [physics]
@@ -60,6 +60,13 @@ _SLOW_SHARE = 0.05  # of the largest speed: slower is near standstill [judgement
 _BINS = 10  # parts of the ranges of speed and position, of which those that were visited are counted [judgement]
 _MOVING_MIN = 20.0  # a stroke below so many times the noise is no motion [judgement]
 _IDENTICAL = 1e-9  # mm: two records that differ by less are copies; noise differs by more [precision]
+_IS_COMMAND = 0.05  # a rod that errs from the command by less than this share of the motor's error is the command itself [judgement]
+# A rod ahead of its motor by so many standard errors, and by this share of its sensor's noise: two sensors differ in their gain and age, which are fitted
+# beside it [chance]
+_EXCHANGED_STD, _EXCHANGED_NOISE = 8.0, 0.5
+# The law of the winding says nothing of exchanged columns where the speed makes less of the voltage than this share .. [judgement]
+_BACK_EMF_SHARE = 0.2
+_WINDING_LEFT = 0.5  # .. or where it leaves more than this share: another drive, other signals [judgement]
 _ROWS_PER_PERIOD = 20.0  # of the fastest part of the command: fewer show the motion as corners [judgement]
 
 
@@ -104,9 +111,10 @@ def judge(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()) ->
     motion = machine_state_of(actuator, record, smoother)
     run = simulated(actuator, record)
     coverage = _coverage(actuator, record, motion, smoother)
-    remarks = [*_signals(actuator, record), *_repeats(record, healthy), *_coverage_remarks(actuator, coverage)]
+    remarks = [*_signals(actuator, record), *_repeats(actuator, record, healthy, smoother, run), *_coverage_remarks(actuator, coverage)]
     if coverage["stroke_mm"] > 0.0 and not any(remark.severity == "blocks" for remark in remarks):
         remarks += [*_units(actuator, record, run), *_clock(actuator, record, run, smoother), *_sampling(actuator, record, coverage)]
+        remarks += _exchanged(record, smoother)
         remarks += [
             *_saturation(actuator, record),
             *_clipping(record),
@@ -144,7 +152,7 @@ def _instead(actuator: Actuator, record: Record, name: str) -> str:
     return ""
 
 
-def _repeats(record: Record, healthy: Sequence[Record]) -> list[RecordRemark]:
+def _repeats(actuator: Actuator, record: Record, healthy: Sequence[Record], smoother: Smoother, run: Simulation) -> list[RecordRemark]:
     if not healthy:
         text = "there are no healthy repeats, so what is smaller than the model's own standing error cannot be seen"
         return [
@@ -171,6 +179,9 @@ def _repeats(record: Record, healthy: Sequence[Record]) -> list[RecordRemark]:
             found.append(
                 RecordRemark("repeats", "blocks", f"{other.file} is the record itself", "leave the record out of its healthy repeats")
             )
+        else:
+            wrong = (*_exchanged(other, smoother), *_stuck(actuator, other, run))
+            found += [replace(one, text=f"{other.file} is no repeat: {one.text}") for one in wrong if one.severity == "blocks"]
         lost = [name for name in record.present if name not in other.present]
         if lost:
             found.append(
@@ -395,6 +406,76 @@ def _clock(actuator: Actuator, record: Record, run: Simulation, smoother: Smooth
     ]
 
 
+def _exchanged(record: Record, smoother: Smoother) -> list[RecordRemark]:
+    """Columns that hold each other's signal: a rod that runs ahead of its motor, a winding whose back-EMF drives it, a rod that is the command itself."""
+    found = []
+    rod, motor, command = record.position_mm, record.motor_position_mm, record.command_mm
+    if motor is not None and float(np.std(rod - command)) < _IS_COMMAND * float(np.std(motor - command)):
+        found.append(
+            RecordRemark(
+                "columns",
+                "blocks",
+                "position_mm is the command, while the motor is not where the command is",
+                "give the rod sensor's reading as position_mm",
+            )
+        )
+    elif motor is not None:
+        speed = np.gradient(smoother.smooth(0.5 * (rod + motor)), record.period_s)
+        moving = np.abs(speed) > _SLOW_SHARE * float(np.max(np.abs(speed)))
+        columns = np.column_stack([np.sign(speed), speed, np.ones(speed.size), rod])[moving]
+        behind, std = _first_of(columns, (motor - rod)[moving])
+        if (
+            behind < -_EXCHANGED_STD * std
+            and -behind > _EXCHANGED_NOISE * white_noise(rod)
+            and _first_of(columns[:, :1], (motor - rod)[moving])[0] < 0.0
+        ):
+            found.append(
+                RecordRemark(
+                    "columns",
+                    "blocks",
+                    f"the rod runs {-1e3 * behind:.2g} um ahead of the motor in both directions, which no play does",
+                    "check that position_mm and motor_position_mm are not exchanged",
+                )
+            )
+    current, voltage = record.current_A, record.voltage_V
+    if current is not None and voltage is not None and np.ptp(current) > 0.0 and np.ptp(voltage) > 0.0:
+        speed = np.gradient(smoother.smooth(rod if motor is None else motor), record.period_s)
+        inner = [smoother.inner(smoother.smooth(one)) for one in (current, voltage)]
+        moved = smoother.inner(speed)
+        share = _back_emf_share(inner[1], inner[0], moved)
+        # exchanged, the law of the winding reads with the opposite sign of the speed
+        if share < -_BACK_EMF_SHARE and _back_emf_share(inner[0], inner[1], moved) > _BACK_EMF_SHARE:
+            found.append(
+                RecordRemark(
+                    "columns",
+                    "blocks",
+                    "the voltage falls where the motor runs faster at one current, which no winding does",
+                    "check that current_A and voltage_V are not exchanged",
+                )
+            )
+    return found
+
+
+def _first_of(columns: Reals, values: Reals) -> tuple[float, float]:
+    """The first unknown of a linear fit and its standard error; zeros where the fit has no rows to spare."""
+    if values.size <= columns.shape[1]:
+        return 0.0, 0.0
+    fitted = np.linalg.lstsq(columns, values, rcond=None)[0]
+    left = values - columns @ fitted
+    inverse = np.linalg.pinv(columns.T @ columns)
+    return float(fitted[0]), float(np.sqrt(inverse[0, 0] * (left @ left) / (values.size - columns.shape[1])))
+
+
+def _back_emf_share(voltage: Reals, current: Reals, speed: Reals) -> float:
+    """What the speed makes of a voltage beside the current, as a share of its size; zero where both together do not explain it."""
+    columns = np.column_stack([speed, current, np.ones(current.size)])
+    fitted = np.linalg.lstsq(columns, voltage, rcond=None)[0]
+    size = float(np.std(voltage))
+    if not size > 0.0 or float(np.std(voltage - columns @ fitted)) > _WINDING_LEFT * size:
+        return 0.0
+    return float(fitted[0]) * float(np.std(speed)) / size
+
+
 def _sampling(actuator: Actuator, record: Record, coverage: dict[str, float]) -> list[RecordRemark]:
     found = []
     if 1.0 / record.period_s < _ROWS_PER_PERIOD * coverage["top_hz"]:
@@ -503,26 +584,40 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[RecordRe
                 longest, start = last - first, first
         if longest:
             text = f"{name} repeats one value for {longest + 1} rows from row {start + 1}, where the "
-            motor = record.motor_position_mm
-            lost = name == "position_mm" and longest > _STUCK_BLOCKS * record.rows
-            if (
-                lost
-                and motor is not None
-                and np.ptp(motor[start : start + longest + 1]) > _PLAYS * actuator["screw.blk_mm"] + _STUCK_MOVES * np.ptp(motor)
-            ):
-                found.append(
-                    RecordRemark("stuck", "blocks", f"{text}motor turns on", "check the rod's sensor, and what joins it to the motor")
-                )
+            held = slice(start, start + longest + 1)
+            mover = _moves_on(actuator, record, name, held)
+            if mover and longest > _STUCK_BLOCKS * record.rows:
+                found.append(RecordRemark("stuck", "blocks", f"{text}{mover} on", _HELD[name]))
             else:
                 found.append(
                     RecordRemark(
                         "stuck",
                         "weakens",
-                        f"{text}model moves on",
+                        f"{text}{f'{mover} on' if mover else 'model moves on'}",
                         "check the recording for lost samples, and the machine for a seized rod",
                     )
                 )
     return found
+
+
+_HELD = {
+    "position_mm": "check the rod's sensor, and what joins it to the motor",
+    "motor_position_mm": "check the motor's sensor, and record again",
+    "current_A": "check the current's sensor, and record again",
+    "voltage_V": "check where the voltage is recorded, and record again",
+}
+
+
+def _moves_on(actuator: Actuator, record: Record, name: str, held: slice) -> str:
+    """What else in the record moves while a signal is held, with its verb: then it is the sensor, not the machine. Empty where nothing does."""
+    rod, motor = record.position_mm, record.motor_position_mm
+    # a rod may rest while the motor crosses the play
+    play = _PLAYS * actuator["screw.blk_mm"] if name == "position_mm" else 0.0
+    turns = name != "motor_position_mm" and motor is not None and bool(np.ptp(motor[held]) > play + _STUCK_MOVES * np.ptp(motor))
+    if turns:
+        return "motor turns"
+    moves = name != "position_mm" and bool(np.ptp(rod[held]) > _STUCK_MOVES * np.ptp(rod))
+    return "rod moves" if moves else ""
 
 
 def _start(actuator: Actuator, record: Record, motion: MachineState) -> list[RecordRemark]:

@@ -14,8 +14,10 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Row, row_of
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import FreeValue, OneSided, Stop
-from ema_tools.fit.evidence import ROUGHNESS, View, settled
+from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
+from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import effect_of
+from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
 
 _RUNS = 8  # points of one fit at most, each of which costs a simulation for every value [effort]
@@ -70,7 +72,8 @@ class Fit:
         found = {}
         for k, name in enumerate(self.fitted):
             trusted = 0.0 if name.endswith("phase_rad") else _TRUSTED * abs(self.values[name] - known[row_of(name).name])
-            found[name] = float(np.hypot(np.sqrt(max(self.covariance[k, k], 0.0) * (1.0 + _BENT * misfit)), trusted))
+            std = np.hypot(np.sqrt(max(self.covariance[k, k], 0.0) * (1.0 + _BENT * misfit)), trusted)
+            found[name] = float(max(std, _least_std(evidence, name)))
         return found
 
     def shown(self, effect: str) -> float:
@@ -92,6 +95,14 @@ class Fit:
     def of_effect(self, effect: str) -> dict[str, float]:
         """Values of one effect."""
         return {name: value for name, value in self.values.items() if effect_of(name) == effect}
+
+
+def _least_std(evidence: Evidence, name: str) -> float:
+    """What a parameter that scatters from run to run makes of the size of an effect that does the same: the two can differ in the model's own roughness alone, which is no knowledge."""
+    confounded = record_of(effect_of(name)).confounded if is_size(name) else None
+    if confounded is None or not evidence.relative:
+        return 0.0
+    return max((abs(confounded.size_per_change) * one.std for one in evidence.spread if one.title == confounded.parameter), default=0.0)
 
 
 def _scale_of(name: str, first: float) -> float:

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
@@ -18,7 +19,7 @@ from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.cross_check import CrossCheck, cross_check
-from ema_tools.select.known_machine import compared, repeats_of
+from ema_tools.select.known_machine import blocked, compared, repeats_of
 from ema_tools.tasks.diagnose import check_apart
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
@@ -154,6 +155,13 @@ class Identified:
         return self.answer.adequate and self.objection not in ("unknown", "missing")
 
 
+def _check_healthy(actuator: Actuator, healthy: Sequence[Record]) -> None:
+    """Raises InputError, naming the file, for a healthy record of which nothing can be concluded."""
+    for other, why in zip(healthy, each(lambda one: blocked(actuator, one), healthy), strict=True):
+        if why:
+            raise InputError(f"{other.file}: {why}")
+
+
 def identify(
     actuator: Actuator,
     record: Record,
@@ -174,6 +182,7 @@ def identify(
     settings = search or SearchSettings()
     check_record(actuator, record, settings)
     check_apart(record, healthy)
+    _check_healthy(actuator, healthy)
     if table is not None:
         check_table(table, record)
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])

@@ -34,8 +34,9 @@ Written by a command; do not edit. To write it again, after `cmake --workflow --
 
     {command}
 
-Every record is of the truth plant, which shares no code with the module. At the desk `ema identify` gets what a user has: the data sheet's actuator file, today's record and the unit's healthy
-records. The flight code gets the rod position and the model that `ema calibrate` made of the healthy records, thresholds included; nothing else looks at its verdict.
+Units are of the truth plant, which shares no code with the module; what is drawn at random is by turns of it and of machines of another build: motor and rod as two masses, the play a gap in
+the spring between them, friction a state of its own with a Stribeck bump, a winding that warms, a supply that gives way. At the desk `ema identify` gets what a user has: the data sheet's
+actuator file, today's record and the unit's healthy records. The flight code gets the rod position and the model that `ema calibrate` made of the healthy records, thresholds included; nothing else looks at its verdict.
 
 Units differ from the data sheet as units do, each has standing errors and sensors of its own, odd ones have contacts that yield (LuGre), and every second one has an effect in a form
 that the library does not have (Stribeck after Gauss, a smooth dead time, a winding that warms during the record). Days scatter: friction by 0.4 %, grease by 1 %, winding by 0.3 %; in the
@@ -133,6 +134,7 @@ def _drawn(rows: Sequence[Row]) -> str:
         " today: winding +-20 %, grease +-60 %, supply +-10 %, gain +-5 %, inverter drop to 0.6 V, or Stribeck friction of 0.2 that begins after 5 s.\n"
     )
     for title, name in (
+        ("by machine", "build"),
         ("by what differs", "disturbance"),
         ("by command", "command"),
         ("by noise", "setting"),
@@ -156,6 +158,8 @@ def _wrong(rows: Sequence[Row]) -> str:
     found = []
     for row in wrong[:60]:
         said = ", ".join(f"{_TITLES[name]} {one['shift']:+.1f} ({one['true']:+.0f})" for name, one in row["sizes"].items())
-        given = f"{row['healthy']} healthy, {'position alone' if row['alone'] else 'four signals'}, {row['setting'] or 'white'}"
+        given = (
+            f"{row['build']}, {row['healthy']} healthy, {'position alone' if row['alone'] else 'four signals'}, {row['setting'] or 'white'}"
+        )
         found.append((row["wrong"], row["command"], given, f"{row['disturbance'] or 'nothing'} {row['off']:+.2f}", row["verdict"], said))
     return "## Surely wrong\n\n" + table(("in what", "command", "given", "differs", "verdict", "said (true), %"), found, 1)

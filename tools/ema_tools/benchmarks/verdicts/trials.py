@@ -1,6 +1,6 @@
 """The trials: units with standing errors on many days, judged against their own healthy runs; and records drawn at random over commands, signals, noise, temperature, drives and wear.
 
-Both are of the truth plant, which shares no code with the module. What is drawn hangs on the trial's number alone.
+Units are of the truth plant, which shares no code with the module; what is drawn is of it and of machines of another build by turns. What is drawn hangs on the trial's number alone.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import numpy as np
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval95
 from ema_tools.base.recording import Recording
-from ema_tools.benchmarks.hidden.machines import CHANNELS, COMMANDS, Machine, machine, measured, seed_of
+from ema_tools.benchmarks.hidden.machines import CHANNELS, COMMANDS, Machine, command_mm, machine, measured, seed_of
 from ema_tools.benchmarks.hidden.sealed import record_of
+from ema_tools.benchmarks.verdicts import two_mass
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.plant.native import SearchSettings
 from ema_tools.results.codec import to_json
@@ -30,6 +31,8 @@ from ema_tools.words.answers.identification import identification
 WORN: Sequence[Mapping[str, float]] = ({"csj": 0.2}, {"blk": 0.5}, {"csj": 0.4, "blk": 1.0})
 _VALUE = {"csj": "screw.csj_Nm", "blk": "screw.blk_mm"}
 _KEY = {"csj": "csj_Nm", "blk": "blk_mm"}
+# Names of changes that the machine of two masses calls otherwise.
+_OF_TWO_MASSES: Mapping[str, str] = {"inverter_dead_time.drop_V": "dead_V"}
 _KEY_OF = {_VALUE[name]: key for name, key in _KEY.items()}
 # What every second unit has besides the usual standing errors, healthy or not: effects in a form that the library does not have, slight as on machines that work.
 STANDING_FORMS: Sequence[Mapping[str, float]] = (
@@ -54,12 +57,16 @@ DISTURBANCES: Mapping[str, tuple[str, float]] = {
     "gain": ("control.kp_per_m", 0.05),
     "inverter": ("inverter_dead_time.drop_V", 0.6),
 }
+TRUTH_PLANT, TWO_MASSES = "truth plant", "two masses"
+BUILDS = (TRUTH_PLANT, TWO_MASSES)
 _LATE: Mapping[str, float] = {"stribeck_friction.rise": 0.2, "stribeck_friction.speed_rad_s": 10.0}
 
 
 @dataclass(frozen=True)
 class VerdictTrial:
-    """One verdict. `kind`: "unit" of `ema identify` beside healthy records, "drawn" the same of anything, "flight" of the flight code with the model that `ema calibrate` makes of
+    """One verdict on a machine of a `build`.
+
+    `kind`: "unit" of `ema identify` beside healthy records, "drawn" the same of anything, "flight" of the flight code with the model that `ema calibrate` makes of
     the healthy records; `setting`: of the machines; `healthy`: records given; `wear`: by fault, relative; `disturbance`: what else differs today."""
 
     kind: str
@@ -72,11 +79,14 @@ class VerdictTrial:
     disturbance: str = ""
     off: float = 0.0
     signals: tuple[str, ...] = CHANNELS
+    build: str = TRUTH_PLANT
 
     @property
     def key(self) -> str:
         """A name by which an interrupted run is taken up again."""
-        return "|".join(map(str, (self.kind, self.number, self.setting, self.command, self.healthy, self.day, self.wear, self.disturbance)))
+        return "|".join(
+            map(str, (self.kind, self.number, self.setting, self.command, self.healthy, self.day, self.wear, self.disturbance, self.build))
+        )
 
     @property
     def group(self) -> str:
@@ -138,47 +148,69 @@ def drawn(count: int, first: int = 0) -> list[VerdictTrial]:
                 disturbance,
                 sign * float(random.uniform(0.2, 1.0)),
                 ("position_mm",) if alone else CHANNELS,
+                BUILDS[number % len(BUILDS)],
             )
         )
     return found
 
 
-def _changes(trial: VerdictTrial) -> dict[str, float]:
-    unit, sheet = trial.unit, reference_actuator()
+def _changes(trial: VerdictTrial, values: Mapping[str, float]) -> dict[str, float]:
+    """What differs today on a machine of these values."""
     found = {}
     for name, share in trial.wear:
-        value = _VALUE[name]
-        found[value] = (1.0 + share) * unit.values.get(value, sheet[value])
+        found[_VALUE[name]] = (1.0 + share) * values[_VALUE[name]]
     if trial.disturbance in DISTURBANCES:
         name, most = DISTURBANCES[trial.disturbance]
         size = trial.off * most
-        found[name] = size if "." in name and name.startswith("inverter") else (1.0 + size) * unit.values.get(name, sheet[name])
+        found[name] = size if trial.disturbance == "inverter" else (1.0 + size) * values[name]
     return found
 
 
+def _run_of(trial: VerdictTrial, changes: Mapping[str, float], seed: int) -> Recording:
+    """One run on a day that hangs on the seed."""
+    if trial.build == TRUTH_PLANT:
+        return measured(trial.unit, changes, trial.command, seed)
+    named = {_OF_TWO_MASSES.get(name, name): value for name, value in changes.items() if name not in _LATE}
+    if _LATE.keys() & changes.keys():
+        named |= {"late_rise": _LATE["stribeck_friction.rise"], "late_row": command_mm(trial.command).size // 2}
+    return two_mass.measured(two_mass.unit(trial.number, trial.setting), named, command_mm(trial.command), seed)
+
+
 @lru_cache(maxsize=4)
-def _healthy(drawn_one: bool, number: int, setting: str, command: str, count: int) -> tuple[Recording, ...]:
-    kind = "drawn" if drawn_one else "unit"
-    unit = VerdictTrial(kind, number, setting, command, count, 0).unit
-    return tuple(measured(unit, {}, command, seed_of("verdicts", kind, number, command, k)) for k in range(count))
+def _healthy(known: VerdictTrial) -> tuple[Recording, ...]:
+    """The healthy runs of a machine: of a trial with nothing of today in it."""
+    kind = "drawn" if known.kind == "drawn" else "unit"
+    return tuple(_run_of(known, {}, seed_of("verdicts", kind, known.number, known.command, k)) for k in range(known.healthy))
+
+
+def _known(trial: VerdictTrial) -> VerdictTrial:
+    kind = "drawn" if trial.kind == "drawn" else "unit"
+    return VerdictTrial(kind, trial.number, trial.setting, trial.command, trial.healthy, 0, build=trial.build)
 
 
 def _record(trial: VerdictTrial) -> Recording:
     # the flight code gets the records that the desk gets
     seed = seed_of("verdicts", replace(trial, kind="unit").key if trial.kind == "flight" else trial.key)
-    changes = _changes(trial)
-    run = measured(trial.unit, changes, trial.command, seed)
+    if trial.build == TRUTH_PLANT:
+        sheet = reference_actuator()
+        differs = [*_VALUE.values(), *(name for name, _ in DISTURBANCES.values())]
+        values = {name: sheet[name] for name in differs if name in sheet.values} | dict(trial.unit.values)
+    else:
+        values = dict(two_mass.unit(trial.number, trial.setting).sheet)
+    changes = _changes(trial, values)
     if trial.disturbance != "late":
-        return run
-    after = measured(trial.unit, {**changes, **_LATE}, trial.command, seed)
+        return _run_of(trial, changes, seed)
+    if trial.build == TWO_MASSES:
+        return _run_of(trial, {**changes, **_LATE}, seed)
+    run, after = _run_of(trial, changes, seed), _run_of(trial, {**changes, **_LATE}, seed)
     half = run.command_mm.size // 2
     return replace(run, **{name: np.concatenate([getattr(run, name)[:half], getattr(after, name)[half:]]) for name in CHANNELS})
 
 
 @lru_cache(maxsize=4)
-def _calibrated(number: int, setting: str, command: str, count: int) -> Actuator:
+def _calibrated(known: VerdictTrial) -> Actuator:
     """What `ema calibrate` makes of a unit's healthy records."""
-    healthy = [record_of(one, place) for place, one in enumerate(_healthy(False, number, setting, command, count))]
+    healthy = [record_of(one, place) for place, one in enumerate(_healthy(known))]
     base = calibrate(reference_actuator(), healthy).actuator
     own = own_machine(base, healthy)
     return own.actuator if own is not None else base
@@ -186,7 +218,7 @@ def _calibrated(number: int, setting: str, command: str, count: int) -> Actuator
 
 def _flown(trial: VerdictTrial) -> dict[str, Any]:
     """The flight code's own verdict, by the rod position alone."""
-    actuator = _calibrated(trial.number, trial.setting, trial.command, trial.healthy)
+    actuator = _calibrated(_known(trial))
     answer = run(actuator, record_of(_record(trial), 99, ("position_mm",)), SearchSettings(), 32)
     found: dict[str, Any] = {"verdict": answer.verdict, "reasons": list(answer.reasons), "guard": None}
     for one in answer.identified:
@@ -197,8 +229,7 @@ def _flown(trial: VerdictTrial) -> dict[str, Any]:
 
 def _identified(trial: VerdictTrial) -> dict[str, Any]:
     """What `ema identify ACTUATOR RECORD --healthy ... --json` writes."""
-    runs = _healthy(trial.kind == "drawn", trial.number, trial.setting, trial.command, trial.healthy)
-    healthy = [record_of(one, place, trial.signals) for place, one in enumerate(runs)]
+    healthy = [record_of(one, place, trial.signals) for place, one in enumerate(_healthy(_known(trial)))]
     return to_json(identification(identify(reference_actuator(), record_of(_record(trial), 99, trial.signals), healthy), "record", {}))
 
 
@@ -207,6 +238,7 @@ def perform(trial: VerdictTrial) -> dict[str, Any]:
     row: dict[str, Any] = {
         "key": trial.key,
         "kind": trial.kind,
+        "build": trial.build,
         "setting": trial.setting,
         "command": trial.command,
         "healthy": trial.healthy,

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, raw_cost
-from ema_tools.fit.refit import Fit, polished, refit, seen_from
+from ema_tools.fit.refit import Fit, best_of_each, polished, refit, seen_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
@@ -20,6 +21,9 @@ _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
 _WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
 _BESIDE_WEAR_MAX = 2  # ... and how many effects may follow [effort]
+_LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
+# Where a fault begins beside an effect, in healthy values: friction that grows moves the places of rest, and one beginning does not find them all [measured]
+_BESIDE_STARTS = (1.1, 1.3)
 
 
 class WithRepeats(Strategy):
@@ -66,18 +70,47 @@ class WithRepeats(Strategy):
         return cost > _FLOORS**2 * self.floor
 
     def ended(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
-        """Where the way of the strongest effect ends far from the floor, the way that begins with both faults is tried too, and the better of the two is taken.
+        """The path, or a better one that begins with wear.
 
-        Wear moves CSJ and BLK together, and beside an effect of their size the first of the three to be fitted alone takes a share of the other two, which no later one gives back.
+        Where the way of the strongest effect ends far from the floor, the way that begins with both faults is tried too, and the better of the two is taken. Wear moves CSJ and BLK together,
+        and beside an effect of their size the first of the three to be fitted alone takes a share of the other two, which no later one gives back.
+        And several effects without a fault are held against a fault beside one or two of them: what explains the record as well with less is the likelier.
         """
-        actuator = self.evidence.actuator
-        values = {name: _WORN_START * actuator[name] for name in FAULTS.values() if actuator[name] > 0.0}
-        if not path.steps or not self.is_no_answer(path.steps[-1].cost) or not values:
+        if not path.steps:
             return path
-        worn = polished(refit(self.start, values), _POLISH_ROUNDS)
-        first = replace(path.rounds[0], fits=(worn, *path.rounds[0].fits))
-        other = grow(Path((first,), (worn,), seen_from(worn)), len(worn.effects) + _BESIDE_WEAR_MAX)
-        return other if other.steps[-1].judged < path.steps[-1].judged else path
+        if self.is_no_answer(path.steps[-1].cost):
+            actuator = self.evidence.actuator
+            values = {name: _WORN_START * actuator[name] for name in FAULTS.values() if actuator[name] > 0.0}
+            if not values:
+                return path
+            worn = polished(refit(self.start, values), _POLISH_ROUNDS)
+            first = replace(path.rounds[0], fits=(worn, *path.rounds[0].fits))
+            other = grow(Path((first,), (worn,), seen_from(worn)), len(worn.effects) + _BESIDE_WEAR_MAX)
+            return other if other.steps[-1].judged < path.steps[-1].judged else path
+        return self._simpler(path)
+
+    def _simpler(self, path: Path) -> Path:
+        """The path to a fault beside fewer effects of the last fit, where that leaves hardly more than the whole set; the given one where none does."""
+        best = path.steps[-1]
+        if len(best.effects) < 2 or set(best.effects) & set(FAULTS):
+            return path
+        actuator = self.evidence.actuator
+        starts = [
+            {**best.of_effect(effect), name: share * actuator[name]}
+            for name in FAULTS.values()
+            if actuator[name] > 0.0
+            for share in _BESIDE_STARTS
+            for effect in best.effects
+        ]
+        fits = best_of_each(each(lambda start: polished(refit(self.start, start), _POLISH_ROUNDS), starts))
+        # an effect that the larger set has more must have taken off what every effect must
+        allowed = best.cost + self.limits.least * (len(best.effects) - 2)
+        shown = [fit for fit in fits if fit.cost < max(allowed, best.cost + 1.0) and all(map(fit.determined, fit.effects))]
+        if not shown:
+            return path
+        found = min(shown[0], polished(shown[0], _LAST_ROUNDS), key=lambda fit: fit.cost)
+        first = replace(path.rounds[0], fits=(found, *path.rounds[0].fits))
+        return Path((first,), (found,), seen_from(found))
 
     def vague(self, best: Fit) -> list[str]:
         """Beside a large misfit a size that could be none says that something else is there."""
