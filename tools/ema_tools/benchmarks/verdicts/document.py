@@ -36,7 +36,8 @@ Written by a command; do not edit. To write it again, after `cmake --workflow --
 
 Units are of the truth plant, which shares no code with the module; what is drawn at random is by turns of it and of machines of another build: motor and rod as two masses, the play a gap in
 the spring between them, friction a state of its own with a Stribeck bump, a winding that warms, a supply that gives way. At the desk `ema identify` gets what a user has: the data sheet's
-actuator file, today's record and the unit's healthy records. The flight code gets the rod position and the model that `ema calibrate` made of the healthy records, thresholds included; nothing else looks at its verdict.
+actuator file, today's record and the unit's healthy records. The flight code gets the rod position and the model that `ema calibrate` made of the healthy records, thresholds included; nothing
+else looks at its verdict.
 
 Units differ from the data sheet as units do, each has standing errors and sensors of its own, odd ones have contacts that yield (LuGre), and every second one has an effect in a form
 that the library does not have (Stribeck after Gauss, a smooth dead time, a winding that warms during the record). Days scatter: friction by 0.4 %, grease by 1 %, winding by 0.3 %; in the
