@@ -142,6 +142,30 @@ def test_a_fault_is_named_as_the_fault_and_not_as_an_effect(healthy: list[Record
     assert effect_of("screw.csj_Nm") == "csj"
 
 
+def _noisy(changes: dict[str, float], seed: int) -> Record:
+    model = reference_actuator()
+    noise = {"position_mm": 0.005, "motor_position_mm": 0.002, "current_A": 0.03}
+    return dataclasses.replace(
+        simulate_record(model.changed(changes), make_command("chirp", model), 64, noise, seed), file=f"run_{seed}.csv"
+    )
+
+
+def test_a_worn_one_among_the_healthy_records_is_named() -> None:
+    worn = {"screw.csj_Nm": 1.4 * reference_actuator()["screw.csj_Nm"]}
+    with pytest.raises(InputError, match=r"run_3\.csv: not of the same state as run_2\.csv: csj_Nm differs from theirs by"):
+        answer(reference_actuator(), _noisy({}, 1), [_noisy({}, 2), _noisy(worn, 3)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("changes", [{}, {"control.kp_per_m": 420.0}])
+def test_two_healthy_records_that_differ_conclude_nothing(changes: dict[str, float]) -> None:
+    """Neither that today's change is within repeatability, nor that a healthy record lacks an effect."""
+    found = answer(reference_actuator(), _noisy(changes, 1), [_noisy({}, 2), _noisy({"control.kp_per_m": 420.0}, 3)])
+    assert found.verdict == "unknown" and not found.effects and not found.faults
+    assert "the healthy records differ by themselves" in sentence(found)
+    assert any(one.topic == "repeats" and one.severity == "weakens" for one in found.gate.remarks)
+
+
 @pytest.mark.slow
 def test_a_fault_beside_one_effect_is_taken_before_three_effects_that_explain_no_more() -> None:
     """A colder winding and more friction on a slow triangle: the strongest single effect is a third that is not there, and two more mend it."""

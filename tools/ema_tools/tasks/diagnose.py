@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
-from ema_tools.compare.validity import RecordValidity, judge
+from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
@@ -19,7 +20,9 @@ from ema_tools.fit.nuisance import FROM_DATA_SHEET
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
+from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, refuted, walk
+from ema_tools.select.known_machine import Compared
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
@@ -33,7 +36,7 @@ _SIZES = 10.0  # signals of two runs of one command that differ more than this i
 class Answer:
     """Everything that was found. `actuator`: the machine as known, with the effects of `diagnosis` when they are recommended; `learned`: a table for what the library
     does not hold; `refuted`: effects that fit the record but not the one held out;
-    `sensor`: the one that what is unknown looks like."""
+    `sensor`: the one that what is unknown looks like; `doubt`: why two healthy records may not both be, in words."""
 
     record: Record
     gate: RecordValidity
@@ -48,6 +51,7 @@ class Answer:
     learned: unknowns.LearnedTable | None
     refuted: tuple[str, ...] = ()
     sensor: Suspect | None = None
+    doubt: str = ""
 
     @property
     def verdict(self) -> str:
@@ -157,12 +161,20 @@ def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) ->
     return gate
 
 
+def _two_healthy_states(evidence: Evidence, healthy: Sequence[Record]) -> str:
+    """Why two healthy records may not both be, in words. Raises InputError where more of them are of two states: one that is not healthy would be taken for scatter."""
+    if "position_mm" not in evidence.channels or len(healthy) < 2:
+        return ""
+    beside = Compared(evidence, tuple(healthy), evidence.channels)
+    return checked_states(beside, each(lambda machine: machine.base({}), beside.known_repeats))
+
+
 def answer(
     actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None
 ) -> Answer:
     """Diagnoses a record. `healthy` records of the record's command are its repeats, those of the hold-out's command are the hold-out's.
 
-    Raises InputError for a record that cannot answer, and for healthy records that belong to neither.
+    Raises InputError for a record that cannot answer, for healthy records that belong to neither, and for some of two states.
     """
     tell = report or untold
     same = healthy_of(record, healthy)
@@ -170,7 +182,15 @@ def answer(
     gate = answerable(actuator, record, same)
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
+    doubt = _two_healthy_states(evidence, same)
+    if doubt:
+        gate = replace(
+            gate, remarks=(RecordRemark("repeats", "weakens", doubt, "record a third run of the healthy machine"), *gate.remarks)
+        )
     found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+    if doubt:
+        # what changed and what repeats no better cannot be told apart
+        found = found.refuted([one.name for one in found.named])
     sensor = suspect(evidence) if found.verdict != "adequate" else None
     if sensor is not None and found.verdict == "missing":
         # an effect that a sensor's error stands in for as well is the likelier: it is the one of the library
@@ -195,4 +215,4 @@ def answer(
         left = unknowns.left_over(known.changed(kept), record, places)
         table = unknowns.learned(left[0]) if left else None
     tell(1.0, "done")
-    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor)
+    return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor, doubt)

@@ -27,6 +27,8 @@ def sentence(found: Answer) -> str:
         apart = _unit_words(found)
         return f"{first}{f'no effect is missing, but {apart}' if apart else text} ({fall})."
     if found.verdict == "unknown":
+        if found.doubt:
+            return f"{first}nothing can be concluded, since the healthy records differ by themselves: {found.doubt}."
         if found.sensor is not None:
             return f"{first}{sensor_sentence(found.sensor)} (weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g})."
         if found.refuted:
@@ -62,6 +64,8 @@ def _unit_words(found: Answer) -> str:
 def next_step(found: Answer) -> str:
     """What to do next."""
     confused = next((one for one in found.diagnosis.named if one.accepted and len(one.alike) > 1), None)
+    if found.verdict == "unknown" and found.doubt:
+        return "Next: record a third run of the healthy machine, and diagnose again with all of them."
     if found.verdict == "unknown" and found.sensor is not None:
         return f"Next: {sensor_next(found.sensor)}."
     if found.verdict == "unknown":
