@@ -9,8 +9,9 @@
  *     ema_guarded_result(&guarded, &result, &finding);
  *
  * The first run's shifts of CSJ and BLK give the annealer its start, and with it a lower temperature and fewer model
- * runs; its answer is the same. The last one tells what the best CSJ and BLK leave unexplained: an effect that is
- * missing from the model makes the verdict undecided, whatever the estimates say. Without a table (NULL) every result
+ * runs; its answer is the same. The last one tells what the best CSJ and BLK, with grease and winding as they are
+ * today where these are searched too, leave unexplained: an effect that is missing from the model makes the verdict
+ * undecided, whatever the estimates say. Without a table (NULL) every result
  * is the session's, bit for bit. A plain value like the session, which it contains: a copy is a checkpoint. Its runs
  * take turns in the same memory.
  */
@@ -43,7 +44,8 @@ typedef struct {
 } ema_guarded_t;
 
 /* Starts an empty session; `signatures` may be NULL. On an error nothing has changed. Errors: those of ema_session_init
- * and ema_onboard_check; EMA_ERR_RANGE when the session identifies other values than CSJ and BLK beside a table. */
+ * and ema_onboard_check; EMA_ERR_RANGE when the session identifies other values than CSJ and BLK, and grease and winding
+ * as ema_session_config_day adds them, beside a table. */
 ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config,
                               const ema_signatures_t* signatures);
 

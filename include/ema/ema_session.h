@@ -135,8 +135,7 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
  * screw's viscous friction and the winding's resistance, those that the actuator has. They are searched within what
  * temperatures make of them and are never a fault; without them CSJ and BLK take up what grease and winding do. Costs
  * about half as many model runs again, and up to two more beside the others at the end. To be called after
- * ema_session_config_default, not for a session behind a table of signatures. Errors, nothing changed: EMA_ERR_NULL;
- * EMA_ERR_RANGE when there is no room for them. */
+ * ema_session_config_default. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_RANGE when there is no room for them. */
 ema_status_t ema_session_config_day(ema_session_config_t* config);
 
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init;

@@ -4,6 +4,7 @@
 
 #include "ema_cursor_step.h"
 #include "ema_math.h"
+#include "ema_onboard_begin.h"
 #include "ema_tick.h"
 
 /* Start and factor of the checksum by Fowler, Noll and Vo, over words. */
@@ -93,10 +94,14 @@ ema_status_t ema_onboard_start(ema_onboard_t* self, const ema_signatures_t* tabl
     if (self == NULL) {
         return EMA_ERR_NULL;
     }
-    ema_status_t status = ema_onboard_check(table, actuator, record);
-    if (status == EMA_OK) {
-        status = ema_model_init(&self->model, actuator, start_mm);
-    }
+    const ema_status_t status = ema_onboard_check(table, actuator, record);
+    return (status == EMA_OK) ? ema_onboard_begin(self, table, actuator, record, start_mm) : status;
+}
+
+ema_status_t ema_onboard_begin(ema_onboard_t* self, const ema_signatures_t* table, const ema_actuator_t* actuator,
+                               const ema_record_t* record, ema_real start_mm)
+{
+    const ema_status_t status = ema_model_init(&self->model, actuator, start_mm);
     if (status == EMA_OK) {
         const ema_scores_t fresh = {0};
         self->scores = fresh;

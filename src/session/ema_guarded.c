@@ -19,6 +19,13 @@ static ema_status_t ema_guarded_table_check(const ema_session_config_t* config, 
     return (status == EMA_OK) ? ema_onboard_check(signatures, config->actuator, &record) : status;
 }
 
+/* CSJ and BLK, and what differs from day to day: of everything else the table is not freed. */
+static bool ema_guarded_searches(ema_value_id_t id)
+{
+    return (id == EMA_VALUE_ID(csj_Nm)) || (id == EMA_VALUE_ID(blk_mm)) || (id == EMA_VALUE_ID(viscous_Nm_s_per_rad))
+           || (id == EMA_VALUE_ID(resistance_ohm));
+}
+
 ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config,
                               const ema_signatures_t* signatures)
 {
@@ -27,8 +34,7 @@ ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t
     }
     ema_status_t status = EMA_OK;
     for (uint32_t i = 0; (signatures != NULL) && (i < config->identified_count) && (i < EMA_IDENTIFIED_MAX); ++i) {
-        const ema_value_id_t id = config->identified[i].id;
-        status = ((id == EMA_VALUE_ID(csj_Nm)) || (id == EMA_VALUE_ID(blk_mm))) ? status : EMA_ERR_RANGE;
+        status = ema_guarded_searches(config->identified[i].id) ? status : EMA_ERR_RANGE;
     }
     if ((status == EMA_OK) && (signatures != NULL)) {
         status = ema_guarded_table_check(config, signatures);

@@ -3,6 +3,7 @@
 
 #include "ema_copy.h"
 #include "ema_math.h"
+#include "ema_onboard_begin.h"
 #include "ema_runs.h"
 
 /* Temperature at a start that was placed, over the objective at the healthy values: from there the search still leaves
@@ -26,8 +27,11 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
     } else {
         return EMA_ERR_ORDER;
     }
-    const ema_status_t status =
-        ema_onboard_start(&session->scoring, table, &session->actuator, &session->record, session->start_mm);
+    /* the table's checksum is of the actuator as it was exported: the run's own may have today's grease and winding */
+    ema_status_t status = ema_onboard_check(table, session->config->actuator, &session->record);
+    if (status == EMA_OK) {
+        status = ema_onboard_begin(&session->scoring, table, &session->actuator, &session->record, session->start_mm);
+    }
     if (status == EMA_OK) {
         ema_model_learned(&session->scoring.model, session->config->actuator);
     }

@@ -5,9 +5,9 @@
 
 #include "ema/ema_session.h"
 
-/* Begins a run beside the table: of the healthy machine before the session has run, of its best point once it is done.
- * Errors: EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go on); EMA_ERR_ORDER while the session runs;
- * those of ema_onboard_start. */
+/* Begins a run beside the table: of the healthy machine before the session has run, of its best point once it is done,
+ * with all values that the session identifies. Errors: EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go
+ * on); EMA_ERR_ORDER while the session runs; those of ema_onboard_start. */
 ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* table);
 
 /* Makes at most `steps` model steps of it; returns how many. Cost: as ema_onboard_run. */

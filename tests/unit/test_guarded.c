@@ -261,7 +261,7 @@ static void order_and_refusals(void)
     rig.table.fingerprint ^= 1U;
     EMA_ASSERT_STATUS(EMA_ERR_TABLE, ema_guarded_init(&guarded, &config, &rig.table));
     rig.table.fingerprint ^= 1U;
-    config.identified[1].id = EMA_VALUE_ID(resistance_ohm);
+    config.identified[1].id = EMA_VALUE_ID(inertia_kgm2);
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));
     config.identified_count = 0U;
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_init(&guarded, &config, &rig.table));

@@ -80,7 +80,7 @@ def run(
 ) -> Identification:
     """One search on one record, behind a `table` of signatures where one is given. Raises InputError."""
     names = identified_of(actuator)
-    day = actuator[DAY_VALUES] != 0.0 and table is None and len(names) == len(KEYS) and search.identified is None
+    day = actuator[DAY_VALUES] != 0.0 and len(names) == len(KEYS) and search.identified is None
     if search.identified is None and not day:
         lower, upper = (tuple(actuator[BOUNDS[name][side]] for name in names) for side in (0, 1))
         search = replace(

@@ -1,6 +1,7 @@
 """The recordings that ship with the project: `python -m ema_tools.truth.recordings OUTDIR` writes them byte for byte.
 
-Those of the paper's cases lie in OUTDIR; OUTDIR/story holds the runs of one unit for the demo, see `ema_tools.data.story`.
+Those of the paper's cases lie in OUTDIR; OUTDIR/story holds the runs of one unit for the demo, see `ema_tools.data.story`, and OUTDIR/unit those of another one, which the flight code
+judges by its own model, see `ema_tools.data.own_unit`.
 """
 
 from __future__ import annotations
@@ -8,14 +9,15 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from ema_tools.base.recording import Recording
-from ema_tools.data import story
+from ema_tools.data import own_unit, story
 from ema_tools.reference.commands import chirp, multisine, times_s
+from ema_tools.truth.climate import at_temperature
 from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 
 COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V")
@@ -67,6 +69,12 @@ STORY_SENSORS = Sensors(
 )
 # As many decimals as the sensors resolve; the command is rounded before it is run.
 STORY_DECIMALS = {"time_s": 3, "command_mm": 5, "position_mm": 4, "motor_position_mm": 4, "current_A": 2, "voltage_V": 2}
+
+
+# Those of the other unit err and its loop sees a little noise.
+UNIT_SENSORS = replace(STORY_SENSORS, current_gain_error=-0.002, current_offset_A=0.008, feedback_noise_mm=2e-4)
+# A contact that yields is integrated in shorter steps than Coulomb's: 0.1 nm of those of 2 us.
+UNIT_STEP_S = 1e-5
 
 
 def record(shipped: ShippedRecord) -> Recording:
@@ -127,14 +135,18 @@ def run_as_text(run: Run, recording: Recording) -> str:
         "# Sensors: 2 um rms on both positions, 30 mA on the current, 10 mV on the voltage; friction, grease and winding scatter from run to run.",
         ",".join(STORY_DECIMALS),
     ]
+    return _text(lines, recording)
+
+
+def _text(lines: list[str], recording: Recording) -> str:
+    """A head and the rows with the decimals of the sensors."""
     channels = [getattr(recording, column) for column in STORY_DECIMALS]
     # Rounding first, then adding zero: no negative zero is left.
     rows = zip(
         *(np.round(channel, decimals) + 0.0 for channel, decimals in zip(channels, STORY_DECIMALS.values(), strict=True)), strict=True
     )
     form = ",".join(f"{{:.{decimals}f}}" for decimals in STORY_DECIMALS.values())
-    lines += [form.format(*row) for row in rows]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *(form.format(*row) for row in rows)]) + "\n"
 
 
 def write_story(folder: Path) -> list[Path]:
@@ -143,6 +155,33 @@ def write_story(folder: Path) -> list[Path]:
     for run in story_runs():
         path = folder / f"{run.name}.csv"
         path.write_text(run_as_text(run, run_record(run)), encoding="utf-8", newline="\n")
+        paths.append(path)
+    return paths
+
+
+def unit_record(day: own_unit.Day, seed: int) -> Recording:
+    """The record of one day of the unit with standing errors: its temperature, the day's scatter, the unit's sensors."""
+    values = at_temperature(scattered({**own_unit.UNIT, **day.changes}, own_unit.SCATTER, seed), day.warmer_degC)
+    sweep = np.round(chirp(times_s(ROWS)), STORY_DECIMALS["command_mm"])
+    return simulate_truth(
+        values, sweep, friction="lugre", presliding_rad=own_unit.YIELDS_RAD, step_s=UNIT_STEP_S, sensors=UNIT_SENSORS, seed=seed + 1
+    )
+
+
+def write_unit(folder: Path) -> list[Path]:
+    """Write the files of the unit with standing errors into `folder`, which must exist; return their paths."""
+    paths = []
+    healthy = (own_unit.healthy_day(run) for run in range(1, own_unit.HEALTHY_RUNS + 1))
+    for place, day in enumerate((*healthy, *own_unit.LATER)):
+        lines = [
+            f"# A unit of the reference actuator with standing errors: {day.title}. Simulated, not measured on a machine.",
+            "# Made by the truth plant (python -m ema_tools.truth.recordings): Heun's method at 10 us, a contact that yields.",
+            "# Command: chirp 2 mm, 0.1 to 4 Hz, 10 s, held for 1 ms.",
+            "# Sensors: 2 um rms on both positions, 30 mA on the current, 10 mV on the voltage; days differ by scatter and temperature.",
+            ",".join(STORY_DECIMALS),
+        ]
+        path = folder / f"{day.name}.csv"
+        path.write_text(_text(lines, unit_record(day, SEED + 100 + 10 * place)), encoding="utf-8", newline="\n")
         paths.append(path)
     return paths
 
@@ -165,8 +204,9 @@ def main() -> int:
     if not folder.is_dir():
         print(f"{folder}: not a folder: make it first", file=sys.stderr)
         return 1
-    (folder / "story").mkdir(exist_ok=True)
-    for path in [*write(folder), *write_story(folder / "story")]:
+    for name in ("story", "unit"):
+        (folder / name).mkdir(exist_ok=True)
+    for path in [*write(folder), *write_story(folder / "story"), *write_unit(folder / "unit")]:
         print(path)
     return 0
 
