@@ -40,13 +40,18 @@ configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/e
                @ONLY NEWLINE_STYLE UNIX
                FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
-# What is written from the lists and kept in the project: reference vectors, and what the example firmware compiles in.
+# What is written from the lists and kept in the project: reference vectors, and what the example firmware compiles in, for its data sheet's machine and for a unit with standing errors.
+set(ema_unit "${CMAKE_CURRENT_SOURCE_DIR}/recordings/unit")
 add_custom_target(written
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib" "EMA_BIN_DIR=${CMAKE_BINARY_DIR}/bin"
             "${EMA_VENV_PYTHON}" -B -m ema_tools.vectors "${CMAKE_CURRENT_SOURCE_DIR}/tests/vectors"
     COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
             --root "${CMAKE_CURRENT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_actuator.h"
             "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_signatures.h"
+    COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
+            --root "${CMAKE_CURRENT_SOURCE_DIR}" --actuator "${ema_unit}/unit.toml" --healthy "${ema_unit}/healthy_1.csv" "${ema_unit}/healthy_2.csv"
+            "${ema_unit}/healthy_3.csv" -- "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_actuator.h"
+            "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_signatures.h"
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/tools"
     DEPENDS venv ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)

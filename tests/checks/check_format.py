@@ -18,7 +18,7 @@ from check_python import PACKAGE, SCRIPTS, TESTS, python_files
 from sources import c_files, fail, finish
 
 C_FOLDERS = ("docs", "include", "port", "src", "tests")
-EXPORTED = ("port/cortex_m/example/ace_actuator.h", "port/cortex_m/example/ace_signatures.h")
+EXPORTED = tuple(f"port/cortex_m/example/ace_{name}.h" for name in ("actuator", "signatures", "unit_actuator", "unit_signatures"))
 C_FINDING = re.compile(r"^(.+?):(\d+):\d+: (?:error|warning): code should be clang-formatted", re.MULTILINE)
 PYTHON_FINDING = re.compile(r"^ *--> (.+?):\d+:\d+$", re.MULTILINE)
 SEEDED_C = "int ema_seeded( void );\n"

@@ -1,7 +1,7 @@
-# The recorded cases as a table, and the program that identifies them; for host and target alike.
+# The recorded cases, and the worn unit of recordings/unit, as a table, and the program that identifies them; for host and target alike.
 
 get_filename_component(ema_recordings "${CMAKE_CURRENT_LIST_DIR}/../../recordings" ABSOLUTE)
-set(ema_cases "${ema_recordings}/case_a.csv" "${ema_recordings}/case_b.csv" "${ema_recordings}/case_c.csv")
+set(ema_cases "${ema_recordings}/case_a.csv" "${ema_recordings}/case_b.csv" "${ema_recordings}/case_c.csv" "${ema_recordings}/unit/worn.csv")
 set(ema_tables "${CMAKE_CURRENT_BINARY_DIR}/records/ema_recorded_tables.inc")
 file(MAKE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/records")
 add_custom_command(OUTPUT "${ema_tables}"
@@ -10,7 +10,8 @@ add_custom_command(OUTPUT "${ema_tables}"
 
 add_library(ema_recorded STATIC "${CMAKE_CURRENT_LIST_DIR}/ema_recorded.c" "${ema_tables}")
 ema_compile(ema_recorded)
-target_include_directories(ema_recorded PUBLIC "${CMAKE_CURRENT_LIST_DIR}" PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/records")
+target_include_directories(ema_recorded PUBLIC "${CMAKE_CURRENT_LIST_DIR}"
+                           PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/records" "${CMAKE_CURRENT_LIST_DIR}/../../port/cortex_m/example")
 target_link_libraries(ema_recorded PUBLIC EMA::ema)
 
 add_executable(ema_answer "${CMAKE_CURRENT_LIST_DIR}/ema_answer.c")

@@ -1,7 +1,7 @@
-/* Identifies one recorded case and prints the answer's bits: built for the host and for the target, which must print
- * the same.
+/* Identifies one recorded case, or the worn unit by its own model, and prints the answer's bits: built for the host and
+ * for the target, which must print the same.
  *
- * ema_answer a|b|c SEED SLICE real|int16
+ * ema_answer a|b|c|u SEED SLICE real|int16
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -41,7 +41,7 @@ static void print_result(const ema_result_t* result)
 int main(int argc, char* argv[])
 {
     if (argc != 5) {
-        (void)puts("usage: ema_answer a|b|c SEED SLICE real|int16");
+        (void)puts("usage: ema_answer a|b|c|u SEED SLICE real|int16");
         return 2;
     }
     const uint32_t slice = (uint32_t)strtoul(argv[3], NULL, 10);

@@ -1,7 +1,7 @@
-"""What the example firmware compiles in must be what `ema export` writes today for the reference actuator: configuration and table of signatures, remarks aside.
+"""What the example firmware compiles in must be what `ema export` writes today: configuration and table of signatures, remarks aside.
 
-The table needs runs of the healthy machine: five are simulated here, with the noise of sensors and the scatter of friction that a machine has. The configuration must
-be equal to the letter. A number of the table may be off by what two machines' linear algebra makes it. With --write both headers are written instead. Python's
+Without --actuator it is that of the reference actuator, and the runs of the healthy machine that the table needs, five, are simulated here, with the noise of sensors and the scatter of
+friction that a machine has; else those of --healthy are taken. The configuration must be equal to the letter. A number of the table may be off by what two machines' linear algebra makes it. With --write both headers are written instead. Python's
 standard library alone.
 """
 
@@ -72,9 +72,9 @@ def export(given: argparse.Namespace, folder: Path) -> tuple[str, str]:
         if done.returncode != 0:
             raise ExportError(f"ema {words[0]} failed: {done.stderr.strip()}")
 
-    actuator = given.root / "actuators" / "reference.toml"
-    healthy: list[object] = []
-    for seed, level in enumerate(LEVELS_NM, start=1):
+    actuator = given.actuator or given.root / "actuators" / "reference.toml"
+    healthy: list[object] = [word for record in given.healthy for word in ("--healthy", record)]
+    for seed, level in enumerate(() if given.actuator else LEVELS_NM, start=1):
         record = folder / f"healthy{seed}.csv"
         ema("simulate", actuator, "--command", "chirp", "--noise", NOISE, "--seed", seed, "--set", f"screw.csj_Nm={level}", "-o", record)
         healthy += ["--healthy", record]
@@ -87,6 +87,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--python", type=Path, required=True, help="the Python of the tools")
     parser.add_argument("--root", type=Path, required=True, help="the project")
+    parser.add_argument("--actuator", type=Path, help="the actuator; the reference actuator where absent")
+    parser.add_argument("--healthy", type=Path, nargs="+", default=[], help="its healthy runs")
     parser.add_argument("--write", action="store_true", help="write the headers instead of comparing them")
     parser.add_argument("header", type=Path, help="the configuration that the firmware compiles in")
     parser.add_argument("table", type=Path, help="its table of signatures")
@@ -94,6 +96,8 @@ def main() -> int:
     # the tools run in a folder of their own; the Python stays the link that it is
     given.python, given.root = Path(os.path.abspath(given.python)), given.root.resolve()
     given.header, given.table = given.header.resolve(), given.table.resolve()
+    given.actuator = given.actuator and given.actuator.resolve()
+    given.healthy = [record.resolve() for record in given.healthy]
     try:
         with tempfile.TemporaryDirectory() as folder:
             header, table = export(given, Path(folder))

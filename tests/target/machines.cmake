@@ -1,5 +1,6 @@
 # The example firmware on machines other than its own, worn one; for host and target alike: a healthy one, and the healthy one with a dead time that the
-# firmware's model does not know.
+# firmware's model does not know. Then the firmware with the own model of a unit that has standing errors, on recorded chirps of that unit: sound, worn, and
+# with such a dead time.
 
 set(ema_ace_healthy ACE_PLANT_CSJ_NM=0.138f ACE_PLANT_BLK_MM=0.033f)
 set(ema_ace_hidden ${ema_ace_healthy} ACE_PLANT_DEAD_TIME_V=0.3f)
@@ -17,3 +18,19 @@ foreach(machine healthy hidden)
     target_include_directories(ace_${machine} PRIVATE $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
     target_link_libraries(ace_${machine} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
 endforeach()
+
+list(TRANSFORM sources REPLACE "/ace_plant\\.c$" "/ace_recorded.c")
+foreach(day sound worn hidden)
+    set(record "${CMAKE_CURRENT_BINARY_DIR}/records/unit_${day}")
+    file(MAKE_DIRECTORY "${record}")
+    add_custom_command(OUTPUT "${record}/ace_record.inc"
+                       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_LIST_DIR}/make_records.py" "${record}/ace_record.inc" --name ace_record
+                               "${ema_recordings}/unit/${day}.csv"
+                       DEPENDS "${CMAKE_CURRENT_LIST_DIR}/make_records.py" "${ema_recordings}/unit/${day}.csv" VERBATIM)
+    add_executable(ace_unit_${day} ${sources} "${record}/ace_record.inc")
+    ema_compile(ace_unit_${day})
+    target_compile_definitions(ace_unit_${day} PRIVATE ACE_UNIT=1)
+    target_include_directories(ace_unit_${day} PRIVATE "${record}" $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
+    target_link_libraries(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
+endforeach()
+set(ema_ace_programs ace ace_healthy ace_hidden ace_unit_sound ace_unit_worn ace_unit_hidden)

@@ -27,10 +27,10 @@ def rows_of(path: Path) -> list[tuple[int, ...]]:
     return rows
 
 
-def table(path: Path) -> str:
-    """One array named like the file."""
+def table(path: Path, name: str) -> str:
+    """One array of that name."""
     rows = rows_of(path)
-    lines = [f"static const uint32_t {path.stem}[{len(rows)}][{len(COLUMNS)}] = {{"]
+    lines = [f"static const uint32_t {name}[{len(rows)}][{len(COLUMNS)}] = {{"]
     for start in range(0, len(rows), 5):
         lines.append("    " + " ".join("{" + ", ".join(f"0x{bits:08X}U" for bits in row) + "}," for row in rows[start : start + 5]))
     return "\n".join([*lines, "};", ""])
@@ -40,10 +40,11 @@ def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
+    parser.add_argument("--name", help="of the array, for one recording; the file's where absent")
     parser.add_argument("recordings", nargs="+", type=Path)
     given = parser.parse_args()
     try:
-        tables = [table(path) for path in given.recordings]
+        tables = [table(path, given.name or path.stem) for path in given.recordings]
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 import tempfile
 import unittest
@@ -45,7 +46,8 @@ class Emulated(unittest.TestCase):
 def answer(**changed: str) -> str:
     """A complete answer as ema_answer prints it."""
     values = dict.fromkeys(same_answer.SHARED, "0") | {"rows": "10000", "model_steps": "2000000"} | changed
-    lines = [f"{name} {values[name]}" for name, count in same_answer.SHARED.items() for _ in range(count)]
+    count = {name: 2 for name in same_answer.OF_A_VALUE}
+    lines = [f"{name} {values[name]}" for name in same_answer.SHARED for _ in range(count.get(name, 1))]
     return "\n".join([*lines, "slices 12"])
 
 
@@ -67,6 +69,28 @@ class Answers(unittest.TestCase):
         for name, output in bad.items():
             with self.subTest(name), self.assertRaises(same_answer.WrongAnswerError):
                 same_answer.shared_part(output, name)
+
+    def test_a_value_too_few(self) -> None:
+        with self.assertRaisesRegex(same_answer.WrongAnswerError, "2 lines `estimate` instead of 4"):
+            same_answer.shared_part(answer(), "unit", same_answer.VALUES["u"])
+
+    def test_the_stored_answer(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        file = Path(folder.name) / "stored.json"
+        names = [name for name in same_answer.SHARED if name not in ("case", "seed", "format", "rows")]
+        good = {name: ["0"] * (2 if name in same_answer.OF_A_VALUE else 1) for name in names} | {"model_steps": ["2000000"]}
+        bad = {
+            "estimate is 0 1": good | {"estimate": ["0", "1"]},
+            "reasons is 4": good | {"reasons": ["4"]},
+            "no verdict": {name: value for name, value in good.items() if name != "verdict"},
+        }
+        file.write_text(json.dumps({"answer": good}), encoding="utf-8")
+        same_answer.check_stored(file, answer())
+        for why, stored in bad.items():
+            file.write_text(json.dumps({"answer": stored}), encoding="utf-8")
+            with self.subTest(why), self.assertRaisesRegex(same_answer.WrongAnswerError, why):
+                same_answer.check_stored(file, answer())
 
     def test_one_bit_differs(self) -> None:
         ours, _ = same_answer.shared_part(answer(estimate="3e999995 0.3"), "host")
@@ -315,6 +339,16 @@ class Example(unittest.TestCase):
                 self.assertEqual(len(example.problems_of(report(**changed), example.OK)), 1)
         with self.assertRaises(ValueError):
             example.problems_of("", example.OK)
+
+    def test_a_recorded_unit(self) -> None:
+        _, worn, hidden = example.UNIT
+        two_more = "\nestimate 0 0.0001\nestimate 0 0.97\nshift_percent 0 -50\nshift_percent 0 1"
+        good = report(shift="21.5").replace("shift_percent 0 7", "shift_percent 0 51")
+        self.assertEqual(example.problems_of(good + two_more, example.OK, worn), [])
+        self.assertEqual(len(example.problems_of(good, example.OK, worn)), 1)
+        self.assertEqual(len(example.problems_of(report(shift="24") + two_more, example.OK, worn)), 1)
+        self.assertEqual(example.problems_of(report(**HIDDEN) + two_more, example.OK, hidden), [])
+        self.assertEqual(example.row_of(good + two_more, worn), f"| {worn.title} | +21.5 % | +51.0 % | adequate | `FAULT` |")
 
     def test_the_row_of_the_page(self) -> None:
         self.assertEqual(example.row_of(report(), example.WORN), f"| {example.WORN.title} | +6.6 % | +7.0 % | adequate | `FAULT` |")

@@ -1,8 +1,16 @@
 #include "ace.h"
 
-#include "ace_actuator.h"
 #include "ace_board.h"
+
+/* What is known of the machine, as `ema export` writes it: the data sheet's model, or with ACE_UNIT that of one unit,
+ * made from its healthy runs. */
+#ifdef ACE_UNIT
+#include "ace_unit_actuator.h"
+#include "ace_unit_signatures.h"
+#else
+#include "ace_actuator.h"
 #include "ace_signatures.h"
+#endif
 
 #define US_PER_S 1000000U
 #define TICK_S (1.0f / (float)ACE_TICK_HZ)
@@ -89,6 +97,10 @@ static ema_status_t prepare(const ace_limits_t* limits)
     ema_status_t status = ema_command_init(&ace.chirp, &chirp_config, TICK_S);
     if (status == EMA_OK) {
         status = ema_session_config_default(&ace.config, &EMA_ACTUATOR, &record);
+    }
+    if (status == EMA_OK) {
+        /* grease and winding too, where the machine's model says so */
+        status = ema_session_config_day(&ace.config);
     }
     if (status == EMA_OK) {
         status = ema_guarded_init(&ace.guarded, &ace.config, &EMA_SIGNATURES);

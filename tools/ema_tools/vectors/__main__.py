@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_tools.vectors import parts, text
+from ema_tools.vectors import parts, session, text
 from ema_tools.vectors.cases import CASES, CHANNELS, Tolerance
 from ema_tools.vectors.records import OVERSAMPLE, rows_of
 
@@ -167,6 +167,20 @@ def texts() -> dict[str, str]:
         }
         for index, (seed, stream) in enumerate(parts.RANDOM_CASES)
     ]
+    files[session.FILE] = (
+        json.dumps(
+            {
+                "shows": "a session with standing effects in its model and grease and winding of the day searched beside CSJ and BLK",
+                "source": "the desk's float32 library, record kept in float32; reals as the bits of float32",
+                "actuator": f"recordings/unit/{session.ACTUATOR}",
+                "record": f"recordings/unit/{session.RECORD}",
+                "seed": session.SEED,
+                "answer": session.answer(),
+            },
+            indent=1,
+        )
+        + "\n"
+    )
     manifest = {
         "generator": "ema_tools.vectors",
         "version": VERSION,

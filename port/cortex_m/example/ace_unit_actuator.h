@@ -1,0 +1,258 @@
+/* reference actuator: written by ema export. To change it, change the actuator's TOML file and export again. */
+#ifndef EMA_EXPORTED_ACTUATOR_H
+#define EMA_EXPORTED_ACTUATOR_H
+
+#include "ema/ema_actuator.h"
+
+static const ema_actuator_t EMA_ACTUATOR = {
+    .params = {
+        .kp_per_m = EMA_R(400.0), /* 400 1/m */
+        .ki_per_m_s = EMA_R(400.0), /* 400 1/(m s) */
+        .kd_s_per_m = EMA_R(0.0), /* 0 s/m */
+        .anti_windup_per_s = EMA_R(50.0), /* 50 1/s */
+        .output_limit = EMA_R(1.0), /* 1 */
+        .position_gain_per_s = EMA_R(0.0), /* 0 1/s */
+        .speed_gain_s_per_m = EMA_R(0.0), /* 0 s/m */
+        .speed_integral_per_m = EMA_R(0.0), /* 0 1/m */
+        .speed_limit_m_s = EMA_R(0.0), /* 0 m/s */
+        .supply_V = EMA_R(0x1.7e8d36fcc7506p+4), /* 23.9094763 V */
+        .current_limit_A = EMA_R(0.0), /* 0 A */
+        .current_scale_A = EMA_R(1.0), /* 1 A */
+        .current_loop_s = EMA_R(0.0), /* 0 s */
+        .output_delay_s = EMA_R(0.0), /* 0 s */
+        .command_scale_V = EMA_R(0.0), /* 0 V */
+        .torque_constant_Nm_per_A = EMA_R(0x1.f4a7ccec95c86p-5), /* 0.0611151698 Nm/A */
+        .back_emf_V_s_per_rad = EMA_R(0x1.fa3857f243801p-5), /* 0.0617944448 V s/rad */
+        .resistance_ohm = EMA_R(0x1.f379013448e9dp-1), /* 0.975532568 ohm */
+        .inductance_H = EMA_R(0x1.af593ba705315p-11), /* 0.000822732099 H */
+        .torque_limit_Nm = EMA_R(0x1.7ae147ae147aep+0), /* 1.48 Nm */
+        .ratio = EMA_R(4.0), /* 4 */
+        .efficiency = EMA_R(1.0), /* 1 */
+        .lead_mm = EMA_R(5.0), /* 5 mm */
+        .inertia_kgm2 = EMA_R(0x1.00b575d679e6bp-14), /* 6.12041543e-05 kg m2 */
+        .viscous_Nm_s_per_rad = EMA_R(0x1.cb90658129fe5p-14), /* 0.000109568608 Nm s/rad */
+        .csj_Nm = EMA_R(0x1.0c1f4ed1e8194p-3), /* 0.13091909 Nm */
+        .dynamic_ratio = EMA_R(1.0), /* 1 */
+        .friction_asymmetry = EMA_R(-0x1.2c5b79a740ea6p-11), /* -0.000572886133 */
+        .load_torque_Nm = EMA_R(0x1.e7060a0378615p-12), /* 0.00046446189 Nm */
+        .blk_mm = EMA_R(0x1.03118d971ae35p-5), /* 0.0316245809 mm */
+        .travel_mm = EMA_R(25.0), /* 25 mm */
+        .resolution_mm = EMA_R(0.0), /* 0 mm */
+        .delay_s = EMA_R(0.0), /* 0 s */
+        .rod_gain_error = EMA_R(0x1.1708a14667beep-13), /* 0.000133053642 */
+        .rod_offset_mm = EMA_R(0x1.8986804596b65p-10), /* 0.00150118025 mm */
+        .step_s = EMA_R(0x1.0624dd2f1a9fcp-10), /* 0.001 s */
+        .csj_lower_Nm = EMA_R(0x1.47ae147ae147bp-7), /* 0.01 Nm */
+        .csj_upper_Nm = EMA_R(0x1.8000000000000p+0), /* 1.5 Nm */
+        .blk_lower_mm = EMA_R(0.0), /* 0 mm */
+        .blk_upper_mm = EMA_R(0x1.999999999999ap-4), /* 0.1 mm */
+        .initial_temperature_mm2s = EMA_R(0x1.999999999999ap-5), /* 0.05 mm2 s */
+        .cooling = EMA_R(0x1.bd70a3d70a3d7p-1), /* 0.87 */
+        .function_tolerance_mm2s = EMA_R(0x1.c25c268497682p-44), /* 1e-13 mm2 s */
+        .csj_min_shift_percent = EMA_R(5.0), /* 5 % */
+        .blk_min_shift_percent = EMA_R(10.0), /* 10 % */
+        .position_noise_mm = EMA_R(0x1.47ae147ae147bp-8), /* 0.005 mm */
+        .confidence_std = EMA_R(3.0), /* 3 */
+        .adequacy_ratio = EMA_R(2.0), /* 2 */
+        .structure_ratio = EMA_R(0x1.3333333333333p-2), /* 0.3 */
+    },
+    .options = {
+        .structure = 0, /* pid */
+        .derivative = 0, /* error */
+        .average_speed = 0, /* no */
+        .every_steps = 1,
+        .mode = 0, /* voltage */
+        .side = 0, /* motor */
+        .record_every_steps = 1,
+        .substeps = 0,
+        .reanneal_interval = 60,
+        .evaluation_budget = 800,
+        .seed = 1,
+        .day_values = 1, /* yes */
+    },
+    .effects = {
+        .stribeck_friction = {
+            .rise = EMA_R(0.0), /* 0 */
+            .speed_rad_s = EMA_R(10.0), /* 10 rad/s */
+            .shape = EMA_R(1.0), /* 1 */
+        },
+        .cogging_torque = {
+            .amplitude_Nm = EMA_R(0.0), /* 0 Nm */
+            .periods = EMA_R(12.0), /* 12 */
+            .phase_rad = EMA_R(0.0), /* 0 rad */
+        },
+        .constant_load = {
+            .torque_Nm = EMA_R(0.0), /* 0 Nm */
+        },
+        .winding_heating = {
+            .rise_degC = EMA_R(0.0), /* 0 degC */
+        },
+        .inverter_dead_time = {
+            .drop_V = EMA_R(0.0), /* 0 V */
+            .width_A = EMA_R(0x1.999999999999ap-3), /* 0.2 A */
+        },
+        .transmission_compliance = {
+            .period_s = EMA_R(0.0), /* 0 s */
+            .mass_kg = EMA_R(5.0), /* 5 kg */
+            .damping_ratio = EMA_R(0x1.999999999999ap-5), /* 0.05 */
+        },
+        .feedback_delay = {
+            .delay_s = EMA_R(0.0), /* 0 s */
+        },
+        .spring_load = {
+            .stiffness_Nm_per_mm = EMA_R(0.0), /* 0 Nm/mm */
+        },
+        .presliding = {
+            .stretch_rad = EMA_R(0x1.c5b2458ad9c78p-10), /* 0.00173071432 rad */
+        },
+        .coulomb_asymmetry = {
+            .asymmetry = EMA_R(0.0), /* 0 */
+        },
+        .viscous_asymmetry = {
+            .asymmetry = EMA_R(0.0), /* 0 */
+        },
+        .load_dependent_friction = {
+            .ratio = EMA_R(0.0), /* 0 */
+        },
+        .pitch_ripple = {
+            .ratio = EMA_R(0x1.e1564e37307a5p-9), /* 0.00367231087 */
+            .phase_rad = EMA_R(-0x1.1e2647f5a7155p+0), /* -1.11777162 rad */
+        },
+        .torque_ripple = {
+            .ratio = EMA_R(0.0), /* 0 */
+            .periods = EMA_R(6.0), /* 6 */
+            .phase_rad = EMA_R(0.0), /* 0 rad */
+        },
+        .magnet_weakening = {
+            .loss = EMA_R(0.0), /* 0 */
+        },
+        .supply_sag = {
+            .sag = EMA_R(0.0), /* 0 */
+        },
+        .source_resistance = {
+            .resistance_ohm = EMA_R(0.0), /* 0 ohm */
+        },
+        .current_limit = {
+            .limit_A = EMA_R(0.0), /* 0 A */
+        },
+        .sensor_gain = {
+            .error = EMA_R(0.0), /* 0 */
+        },
+        .sensor_offset = {
+            .offset_mm = EMA_R(0.0), /* 0 mm */
+        },
+        .actuation_delay = {
+            .delay_s = EMA_R(0.0), /* 0 s */
+        },
+        .viscous_rise = {
+            .rise = EMA_R(0.0), /* 0 */
+        },
+        .concave_viscous = {
+            .drag_Nm_per_sqrt_rad_s = EMA_R(0.0), /* 0 Nm/sqrt(rad/s) */
+        },
+        .quadratic_viscous = {
+            .drag_Nm_s2_per_rad2 = EMA_R(0.0), /* 0 Nm s2/rad2 */
+        },
+        .jam_spot = {
+            .amplitude_Nm = EMA_R(0.0), /* 0 Nm */
+            .place_mm = EMA_R(0.0), /* 0 mm */
+            .width_mm = EMA_R(0x1.3333333333333p-2), /* 0.3 mm */
+        },
+        .inertia_change = {
+            .change = EMA_R(0.0), /* 0 */
+        },
+        .gain_drift = {
+            .drift = EMA_R(0.0), /* 0 */
+        },
+        .learned_torque = {
+            .gain = EMA_R(0.0), /* 0 */
+            .axis = EMA_R(1.0), /* 1 */
+            .first = EMA_R(-1.0), /* -1 */
+            .last = EMA_R(1.0), /* 1 */
+            .node_00 = EMA_R(0.0), /* 0 */
+            .node_01 = EMA_R(0.0), /* 0 */
+            .node_02 = EMA_R(0.0), /* 0 */
+            .node_03 = EMA_R(0.0), /* 0 */
+            .node_04 = EMA_R(0.0), /* 0 */
+            .node_05 = EMA_R(0.0), /* 0 */
+            .node_06 = EMA_R(0.0), /* 0 */
+            .node_07 = EMA_R(0.0), /* 0 */
+            .node_08 = EMA_R(0.0), /* 0 */
+            .node_09 = EMA_R(0.0), /* 0 */
+            .node_10 = EMA_R(0.0), /* 0 */
+            .node_11 = EMA_R(0.0), /* 0 */
+            .node_12 = EMA_R(0.0), /* 0 */
+            .node_13 = EMA_R(0.0), /* 0 */
+            .node_14 = EMA_R(0.0), /* 0 */
+            .node_15 = EMA_R(0.0), /* 0 */
+        },
+        .learned_friction = {
+            .gain = EMA_R(0.0), /* 0 */
+            .axis = EMA_R(1.0), /* 1 */
+            .first = EMA_R(-1.0), /* -1 */
+            .last = EMA_R(1.0), /* 1 */
+            .node_00 = EMA_R(0.0), /* 0 */
+            .node_01 = EMA_R(0.0), /* 0 */
+            .node_02 = EMA_R(0.0), /* 0 */
+            .node_03 = EMA_R(0.0), /* 0 */
+            .node_04 = EMA_R(0.0), /* 0 */
+            .node_05 = EMA_R(0.0), /* 0 */
+            .node_06 = EMA_R(0.0), /* 0 */
+            .node_07 = EMA_R(0.0), /* 0 */
+            .node_08 = EMA_R(0.0), /* 0 */
+            .node_09 = EMA_R(0.0), /* 0 */
+            .node_10 = EMA_R(0.0), /* 0 */
+            .node_11 = EMA_R(0.0), /* 0 */
+            .node_12 = EMA_R(0.0), /* 0 */
+            .node_13 = EMA_R(0.0), /* 0 */
+            .node_14 = EMA_R(0.0), /* 0 */
+            .node_15 = EMA_R(0.0), /* 0 */
+        },
+        .learned_voltage = {
+            .gain = EMA_R(0.0), /* 0 */
+            .axis = EMA_R(1.0), /* 1 */
+            .first = EMA_R(-1.0), /* -1 */
+            .last = EMA_R(1.0), /* 1 */
+            .node_00 = EMA_R(0.0), /* 0 */
+            .node_01 = EMA_R(0.0), /* 0 */
+            .node_02 = EMA_R(0.0), /* 0 */
+            .node_03 = EMA_R(0.0), /* 0 */
+            .node_04 = EMA_R(0.0), /* 0 */
+            .node_05 = EMA_R(0.0), /* 0 */
+            .node_06 = EMA_R(0.0), /* 0 */
+            .node_07 = EMA_R(0.0), /* 0 */
+            .node_08 = EMA_R(0.0), /* 0 */
+            .node_09 = EMA_R(0.0), /* 0 */
+            .node_10 = EMA_R(0.0), /* 0 */
+            .node_11 = EMA_R(0.0), /* 0 */
+            .node_12 = EMA_R(0.0), /* 0 */
+            .node_13 = EMA_R(0.0), /* 0 */
+            .node_14 = EMA_R(0.0), /* 0 */
+            .node_15 = EMA_R(0.0), /* 0 */
+        },
+        .learned_reading = {
+            .gain = EMA_R(0.0), /* 0 */
+            .axis = EMA_R(1.0), /* 1 */
+            .first = EMA_R(-1.0), /* -1 */
+            .last = EMA_R(1.0), /* 1 */
+            .node_00 = EMA_R(0.0), /* 0 */
+            .node_01 = EMA_R(0.0), /* 0 */
+            .node_02 = EMA_R(0.0), /* 0 */
+            .node_03 = EMA_R(0.0), /* 0 */
+            .node_04 = EMA_R(0.0), /* 0 */
+            .node_05 = EMA_R(0.0), /* 0 */
+            .node_06 = EMA_R(0.0), /* 0 */
+            .node_07 = EMA_R(0.0), /* 0 */
+            .node_08 = EMA_R(0.0), /* 0 */
+            .node_09 = EMA_R(0.0), /* 0 */
+            .node_10 = EMA_R(0.0), /* 0 */
+            .node_11 = EMA_R(0.0), /* 0 */
+            .node_12 = EMA_R(0.0), /* 0 */
+            .node_13 = EMA_R(0.0), /* 0 */
+            .node_14 = EMA_R(0.0), /* 0 */
+            .node_15 = EMA_R(0.0), /* 0 */
+        },
+    },
+};
+
+#endif
