@@ -44,8 +44,8 @@ typedef struct {
 } ema_guarded_t;
 
 /* Starts an empty session; `signatures` may be NULL. On an error nothing has changed. Errors: those of ema_session_init
- * and ema_onboard_check; EMA_ERR_RANGE when the session identifies other values than CSJ and BLK, and grease and winding
- * as ema_session_config_day adds them, beside a table. */
+ * and ema_onboard_check; EMA_ERR_RANGE when the session identifies other values than CSJ and BLK, and grease and
+ * winding as ema_session_config_day adds them, beside a table. */
 ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t* config,
                               const ema_signatures_t* signatures);
 

@@ -3,16 +3,12 @@
 #include <string.h>
 
 #include "ace_plant.h"
+#include "ace_record.h"
 
-/* static const uint32_t ace_record[rows][3]: command and rod position in mm and current in A, as bits of a float;
- * written from a CSV file by tests/target/make_records.py. */
-#include "ace_record.inc"
-
-#define ROWS (sizeof ace_record / sizeof ace_record[0])
 #define ROD 1U
 #define CURRENT 2U
 
-static size_t next_row;
+static uint32_t next_row;
 
 static float number(uint32_t bits)
 {
@@ -31,7 +27,7 @@ void ace_plant_reset(void)
 ace_sensors_t ace_plant_sensors(void)
 {
     const uint32_t* const row = ace_record[next_row];
-    next_row += ((next_row + 1U) < ROWS) ? 1U : 0U;
+    next_row += ((next_row + 1U) < ace_record_rows) ? 1U : 0U;
     const ace_sensors_t sensors = {number(row[ROD]), number(row[ROD]), number(row[CURRENT])};
     return sensors;
 }

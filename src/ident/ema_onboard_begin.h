@@ -1,4 +1,5 @@
-/* The start of a run beside a table that has been checked, for a caller whose actuator is no longer the exported one. */
+/* The start of a run beside a table that has been checked, for a caller whose actuator is no longer the exported one.
+ */
 #ifndef EMA_ONBOARD_BEGIN_H
 #define EMA_ONBOARD_BEGIN_H
 

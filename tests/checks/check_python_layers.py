@@ -36,7 +36,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
 )
 # A folder that is to share nothing with what it is held against may import these alone: names and nominal values, what the shipped records were made with, and samples of commands.
 ONLY: dict[str, tuple[tuple[str, ...], ...]] = {
-    "truth": (("base",), ("library", "definitions"), ("data", "story"), ("reference", "commands")),
+    "truth": (("base",), ("library", "definitions"), ("data", "own_unit"), ("data", "story"), ("reference", "commands")),
 }
 
 

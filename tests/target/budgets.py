@@ -20,6 +20,7 @@ import stack
 SHIFT = 6
 CLOCK_HZ = 168_000_000
 SLICES = (1, 7, 200, 1000)
+UNIT_SLICES = (8, 200)
 COUNTED_ALL = "counted all"
 CALLS = ("init", "feed", "run", "result")
 # Ways to keep the command of a guarded session, by the names of their counts.
@@ -30,6 +31,8 @@ RECORD = "size_record_10s_int16"
 MISSED = {
     "bare": "no effect is linked, but search and fit (3 KiB), sensitivities and verdict (1.9 KiB), control law, drive and encoder in all their modes (1.3 KiB) "
     "and memset (0.2 KiB) are",
+    "unit_tick": "its standing effects act in motion, so a step asks for their forces many times; a unit that has none costs what case A does",
+    "unit_identify": "likewise; nothing waits for it but the answer, and its slices are as short as one likes",
     "guarded_tick_function": "the chirp's sine is computed anew in every step; record the command where 20 kB more are to be had",
 }
 
@@ -69,6 +72,7 @@ class Measured:
     bare: int
     stacks: dict[str, tuple[int, tuple[str, ...]]]
     guarded: int
+    day: int
 
     def number(self, name: str) -> int:
         """One of the counts, whole."""
@@ -141,9 +145,26 @@ class Measured:
             ),
         ]
 
+    def unit_targets(self) -> list[Target]:
+        """The same limits for a unit's own model."""
+        return [
+            Target("unit_tick", "1 ms of model time with a unit's own model", 400, self.unit_per_ms(), "instructions"),
+            Target(
+                "unit_identify",
+                "a whole identification of a worn unit by its own model",
+                6 * CLOCK_HZ,
+                self.number(f"unit_identify_{UNIT_SLICES[-1]}"),
+                "instructions",
+            ),
+        ]
+
+    def unit_per_ms(self) -> int:
+        """Instructions for a millisecond of model time in an identification of the unit."""
+        return round(self.counts[f"unit_identify_{UNIT_SLICES[-1]}"] / self.counts["unit_steps"])
+
     def all_targets(self) -> list[Target]:
-        """Without a table and with one."""
-        return [*self.targets(), *self.guarded_targets()]
+        """Without a table, with one, and with a unit's own model."""
+        return [*self.targets(), *self.guarded_targets(), *self.unit_targets()]
 
 
 def counts_of(output: str) -> dict[str, float]:
@@ -183,9 +204,13 @@ def measure(given: argparse.Namespace) -> Measured:
         used, bound = counts[f"stack_session_{call}"], stacks[f"ema_session_{call}"][0]
         if not 0 < used <= bound:
             raise BudgetError(f"ema_session_{call} used {used:.0f} bytes of stack, and its call graph says {bound}")
+    counts["stack_unit_run"] -= around.frame("call_unit")
+    if not 0 < counts["stack_unit_run"] <= stacks["ema_session_run"][0]:
+        raise BudgetError(f"the unit's ema_session_run used {counts['stack_unit_run']:.0f} bytes of stack: more than its call graph says")
     code, bare = (code_bytes(given.size, program, given.flash_object) for program in (given.flash, given.bare))
     guarded = code_bytes(given.size, given.guarded, given.guarded_object)
-    return Measured(given.compiler, counts, code, bare, stacks, guarded)
+    day = code_bytes(given.size, given.day, given.day_object)
+    return Measured(given.compiler, counts, code, bare, stacks, guarded, day)
 
 
 def grouped(value: float) -> str:
@@ -285,6 +310,7 @@ def document(found: Measured) -> str:
         [[f"`{name}`", grouped(value)] for name, value in sorted(sizes.items(), key=lambda item: (-item[1], item[0]))],
     )
     lines += guarded_section(found)
+    lines += unit_section(found)
     return "\n".join(lines)
 
 
@@ -361,6 +387,44 @@ def guarded_section(found: Measured) -> list[str]:
     return lines
 
 
+def unit_section(found: Measured) -> list[str]:
+    """What a unit's own model costs: standing effects in every model step, four values in the search."""
+    whole = found.counts[f"unit_identify_{UNIT_SLICES[-1]}"]
+    lines = [
+        "## With a unit's own model",
+        "",
+        "The worn unit of `recordings/unit` by the model that `ema calibrate` made of its healthy runs, from a record in int16: two standing effects, a ripple and a contact that yields, in",
+        "every model step, and grease and winding of the day searched beside CSJ and BLK. Everything else as above.",
+        "",
+    ]
+    lines += calls_table(
+        found, [(f"ema_session_run, {steps_of(count).replace('model ', '')}", f"unit_slice_{count}") for count in UNIT_SLICES]
+    )
+    lines += [
+        "Where the chirp turns, a contact that yields takes a model step in many parts: such steps make the longest slices.",
+        "",
+    ]
+    lines += table(
+        ["what", "instructions"],
+        [
+            ["one model step, mean over the chirp", grouped(found.counts["model_step_unit_mean"])],
+            ["one model step, most", grouped(found.counts["model_step_unit_most"])],
+            ["1 ms of model time inside the search", grouped(found.unit_per_ms())],
+            [f"whole identification, {grouped(found.counts['unit_runs'])} model runs: {whole / CLOCK_HZ:.1f} s at 168 MHz", grouped(whole)],
+        ],
+    )
+    lines += table(
+        ["what", "bytes"],
+        [
+            ["flash: `ema_session_config_day` and its call, beyond the session's code", grouped(found.day - found.code)],
+            ["flash: the unit's configuration, in the place of the data sheet's", grouped(found.counts["size_ema_actuator_t"])],
+            ["memory beyond a session without it", "0"],
+            ["stack that `ema_session_run` used", grouped(found.counts["stack_unit_run"])],
+        ],
+    )
+    return lines
+
+
 def summary(found: Measured) -> str:
     """The few numbers that docs/FIRMWARE.md shows between its marks."""
     per_ms = found.counts["identify_int16_200"] / found.counts["identify_int16_200_steps"]
@@ -391,6 +455,13 @@ def summary(found: Measured) -> str:
             f"{grouped(found.counts['size_table'])} bytes of flash, {grouped(found.guarded - found.code)} of code",
         ],
         ["a whole identification behind it", f"{found.counts['guarded_identify'] / 1e6:.0f} million instructions"],
+        [
+            "a whole identification by a unit's own model, with two standing effects",
+            (
+                f"{found.counts[f'unit_identify_{UNIT_SLICES[-1]}'] / 1e6:.0f} million instructions, "
+                f"{grouped(found.day - found.code)} bytes of code, no memory"
+            ),
+        ],
     ]
     return "\n".join(["| what | how much |", "|---|---|", *("| " + " | ".join(row) + " |" for row in rows)])
 
@@ -441,6 +512,8 @@ def main() -> int:
     parser.add_argument("--bare", type=Path, required=True, help="the program ema_flash without effects")
     parser.add_argument("--guarded", type=Path, required=True, help="the program ema_flash_guarded")
     parser.add_argument("--guarded-object", type=Path, required=True, help="the object file of ema_flash_guarded.c alone")
+    parser.add_argument("--day", type=Path, required=True, help="the program ema_flash_day")
+    parser.add_argument("--day-object", type=Path, required=True, help="the object file of ema_flash_day.c alone")
     parser.add_argument("--flash-object", type=Path, required=True, help="the object file of ema_flash.c alone")
     parser.add_argument("--count-objects", type=Path, required=True, help="folder with the call graph of ema_count")
     parser.add_argument("--objects", type=Path, required=True, help="folder with the library's call graph")

@@ -370,6 +370,53 @@ static void measure_stack(void)
     }
 }
 
+/* Slices of the unit's session: in the time of one of them the example firmware's allowance is kept. */
+#define UNIT_SLICE_STEPS 8U
+
+static uint32_t unit_slice;
+static ticks_t unit_run;
+
+static void call_unit(void)
+{
+    while ((called == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {
+        const uint32_t from = ema_counter_now();
+        called = ema_session_run(&recorded.session, unit_slice);
+        take(&unit_run, from, ema_counter_now());
+    }
+}
+
+/* The worn unit by its own model: standing effects in every model step, grease and winding of the day searched too. */
+static void count_unit(uint32_t slice)
+{
+    static ema_result_t result;
+    const ticks_t none = {0};
+    unit_run = none;
+    unit_slice = slice;
+    called = ema_recorded_start(&recorded, 'u', 1U, EMA_RECORD_INT16);
+    const uint32_t stack = stack_of(call_unit);
+    if (called == EMA_OK) {
+        called = ema_session_result(&recorded.session, &result);
+    }
+    if (called != EMA_OK) {
+        fail("unit", called);
+    }
+    if ((result.verdict != EMA_VERDICT_FAULT) || (result.identified_count != EMA_IDENTIFIED_MAX)) {
+        /* another course through the code than the one that is to be counted */
+        (void)printf("failed unit: verdict %d, %" PRIu32 " values\n", (int)result.verdict, result.identified_count);
+        exit(1);
+    }
+    char label[32];
+    (void)snprintf(label, sizeof label, "unit_slice_%" PRIu32, slice);
+    print_mean(label, &unit_run);
+    (void)printf("unit_identify_%" PRIu32 " %llu\n", slice, instructions(unit_run.sum));
+    if (slice != UNIT_SLICE_STEPS) {
+        (void)printf("stack_unit_run %u\nunit_runs %" PRIu32 "\n", (unsigned)stack, result.evaluations);
+        (void)printf("unit_steps %llu\n", (unsigned long long)result.model_steps);
+        const ema_actuator_t own = recorded.actuator;
+        count_model("unit", &own);
+    }
+}
+
 #define PRINT_SIZE(type) (void)printf("size_" #type " %u\n", (unsigned)sizeof(type))
 
 static void print_sizes(void)
@@ -421,6 +468,8 @@ int main(void)
     count_guarded(1U, false, "guarded");
     count_guarded(200U, false, "guarded");
     count_onboard();
+    count_unit(UNIT_SLICE_STEPS);
+    count_unit(200U);
     (void)puts("counted all");
     return 0;
 }

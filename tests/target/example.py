@@ -132,7 +132,9 @@ def wanted_of(lines: list[list[str]], machine: Machine) -> dict[str, bool]:
     named = f"finding {finding}, effect {effect}"
     if machine.effect == "none":
         if machine.true is not None:
-            near = [abs(found / true - 1.0) <= within for found, true, within in zip(values["estimate"], machine.true, WITHIN, strict=False)]
+            near = [
+                abs(found / true - 1.0) <= within for found, true, within in zip(values["estimate"], machine.true, WITHIN, strict=False)
+            ]
         else:
             wanted = zip(values["shift_percent"], machine.shifts or (), SHIFT_WITHIN, strict=False)
             near = [abs(found - true) <= within for found, true, within in wanted]

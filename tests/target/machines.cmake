@@ -23,14 +23,14 @@ list(TRANSFORM sources REPLACE "/ace_plant\\.c$" "/ace_recorded.c")
 foreach(day sound worn hidden)
     set(record "${CMAKE_CURRENT_BINARY_DIR}/records/unit_${day}")
     file(MAKE_DIRECTORY "${record}")
-    add_custom_command(OUTPUT "${record}/ace_record.inc"
-                       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_LIST_DIR}/make_records.py" "${record}/ace_record.inc" --name ace_record
+    add_custom_command(OUTPUT "${record}/ace_record.c"
+                       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_LIST_DIR}/make_records.py" "${record}/ace_record.c" --header ace_record.h
                                "${ema_recordings}/unit/${day}.csv"
                        DEPENDS "${CMAKE_CURRENT_LIST_DIR}/make_records.py" "${ema_recordings}/unit/${day}.csv" VERBATIM)
-    add_executable(ace_unit_${day} ${sources} "${record}/ace_record.inc")
+    add_executable(ace_unit_${day} ${sources} "${record}/ace_record.c")
     ema_compile(ace_unit_${day})
     target_compile_definitions(ace_unit_${day} PRIVATE ACE_UNIT=1)
-    target_include_directories(ace_unit_${day} PRIVATE "${record}" $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
+    target_include_directories(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
     target_link_libraries(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
 endforeach()
 set(ema_ace_programs ace ace_healthy ace_hidden ace_unit_sound ace_unit_worn ace_unit_hidden)

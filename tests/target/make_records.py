@@ -27,24 +27,34 @@ def rows_of(path: Path) -> list[tuple[int, ...]]:
     return rows
 
 
-def table(path: Path, name: str) -> str:
-    """One array of that name."""
+def table(path: Path, head: str) -> str:
+    """One array, whose declaration begins with `head`."""
     rows = rows_of(path)
-    lines = [f"static const uint32_t {name}[{len(rows)}][{len(COLUMNS)}] = {{"]
+    lines = [f"{head}[{len(rows)}][{len(COLUMNS)}] = {{"]
     for start in range(0, len(rows), 5):
         lines.append("    " + " ".join("{" + ", ".join(f"0x{bits:08X}U" for bits in row) + "}," for row in rows[start : start + 5]))
     return "\n".join([*lines, "};", ""])
+
+
+def source(path: Path, header: str) -> str:
+    """A source file that defines what `header` declares: the array, named like it, and the number of its rows."""
+    name = Path(header).stem
+    lines = [f'#include "{header}"', "", f"const uint32_t {name}_rows = {len(rows_of(path))}U;", ""]
+    return "\n".join([*lines, table(path, f"const uint32_t {name}")])
 
 
 def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--name", help="of the array, for one recording; the file's where absent")
+    parser.add_argument("--header", help="write a source file for one recording, of what this header declares")
     parser.add_argument("recordings", nargs="+", type=Path)
     given = parser.parse_args()
     try:
-        tables = [table(path, given.name or path.stem) for path in given.recordings]
+        if given.header:
+            tables = [source(path, given.header) for path in given.recordings]
+        else:
+            tables = [table(path, f"static const uint32_t {path.stem}") for path in given.recordings]
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 1

@@ -170,6 +170,41 @@ static void a_missing_effect_takes_the_fault_back(void)
     EMA_ASSERT_CLOSE(-0.05, (double)finding.size, 0.01, 0.0);
 }
 
+/* Warm grease and a warm winding, on a machine that is worn besides. */
+static void the_day_is_searched_behind_the_table_too(void)
+{
+    healthy.options.day_values = 1;
+    healthy.options.evaluation_budget = 800;
+    rig.table.fingerprint = ema_onboard_fingerprint(&healthy);
+    ema_actuator_t truth = faulty(EMA_R(0.2), EMA_R(0.045));
+    truth.params.viscous_Nm_s_per_rad *= EMA_R(0.6);
+    truth.params.resistance_ohm *= EMA_R(1.06);
+    ema_finding_t finding;
+    /* without it the table takes the day for an effect */
+    const ema_result_t without = guarded_result(&truth, EMA_R(4.0), &rig.table, 1000U, &finding);
+    TEST_ASSERT_NOT_EQUAL(EMA_FINDING_ADEQUATE, finding.kind);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, without.verdict);
+    config.annealer.evaluation_budget = 800U;
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_config_day(&config));
+    const ema_result_t plain = plain_result(&truth, EMA_R(4.0));
+    const ema_result_t behind = guarded_result(&truth, EMA_R(4.0), &rig.table, 1000U, &finding);
+    TEST_ASSERT_EQUAL_UINT32(4U, behind.identified_count);
+    for (uint32_t i = 0; i < 4U; ++i) {
+        EMA_ASSERT_CLOSE((double)plain.identified[i].estimate, (double)behind.identified[i].estimate,
+                         0.5 * (double)plain.identified[i].std, 0.0);
+    }
+    TEST_ASSERT_EQUAL_INT(plain.verdict, behind.verdict);
+    TEST_ASSERT_EQUAL_HEX32(plain.reasons, behind.reasons);
+    TEST_ASSERT_EQUAL_INT(EMA_FINDING_ADEQUATE, finding.kind);
+    /* an effect is named all the same, by what grease and winding have left of it: this table is not freed of them */
+    truth.effects.inertia_change.change = -EMA_R(0.05);
+    const ema_result_t lacking = guarded_result(&truth, EMA_R(4.0), &rig.table, 1000U, &finding);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, lacking.verdict);
+    TEST_ASSERT_BITS_HIGH(EMA_REASON_EFFECT, lacking.reasons);
+    TEST_ASSERT_EQUAL_INT(EMA_EFFECT_ID_inertia_change, finding.effect);
+    TEST_ASSERT_TRUE((finding.size < EMA_R(0.0)) && (finding.size > -EMA_R(0.06)));
+}
+
 /* Another command: the search is the session's own, and the verdict is withheld. */
 static void another_command(void)
 {
@@ -331,6 +366,7 @@ int main(void)
     RUN_TEST(slices_do_not_matter);
     RUN_TEST(copies_go_on);
     RUN_TEST(a_missing_effect_takes_the_fault_back);
+    RUN_TEST(the_day_is_searched_behind_the_table_too);
     RUN_TEST(another_command);
     RUN_TEST(one_value_alone);
     RUN_TEST(too_many_values);

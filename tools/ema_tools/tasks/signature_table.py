@@ -1,7 +1,7 @@
 """Signatures of all effects under one fixed command, as the onboard module reads them: what `ema export --signatures` writes and `ema_onboard.h` multiplies.
 
 The desk's method in small. Rows are averaged in bins and weighted per signal; what scatters (friction, grease, winding) is taken off with its spread, CSJ and BLK entirely,
-so that a fault is not named as an effect. Each row of the table has length one: its product with a whitened residual is normal with variance 1 where nothing is missing.
+so that a fault is not named as an effect; grease and winding entirely too, where the search finds those of the day. Each row of the table has length one: its product with a whitened residual is normal with variance 1 where nothing is missing.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from ema_tools.library.registry import record_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.results.files import SignatureTable
 from ema_tools.select.baseline import same_command
+from ema_tools.tasks.onboard_search import DAY_VALUES
 
 TABLE_BYTES_MAX = 131_072  # what the table may take in flash: docs/ONBOARD_DIAGNOSIS.md has the measurement behind it [measured]
 ROWS_MAX = 112  # what the module holds, EMA_SIGNATURE_ROWS_MAX [layout]
@@ -399,19 +400,23 @@ def _table(bench: _Bench, healthy: Sequence[Record]) -> Signatures:
     count = len(runs)
     noise, widths = _noise(bench, runs)
     bench.weight = 1.0 / noise
-    soft = np.column_stack(
-        [bench.weighted(bench.of_spread(one) * width) for one, width in zip(spreads.from_run_to_run(), widths, strict=True)]
-    )
+    scattering = {
+        one.title: bench.weighted(bench.of_spread(one) * width) for one, width in zip(spreads.from_run_to_run(), widths, strict=True)
+    }
+    # what the search moves must not be read as an effect, however far it goes
+    searched = [name for name in scattering if actuator[DAY_VALUES] != 0.0 and name not in FAULTS.values() and actuator[name] > 0.0]
+    day = [scattering[name] for name in searched]
+    soft = np.column_stack([vector for name, vector in scattering.items() if name not in searched])
     steps = {key: FAULT_RECORDS[key].typical_share * actuator[name] for key, name in FAULTS.items() if actuator[name] > 0.0}
     vectors = {key: bench.vector({FAULTS[key]: actuator[FAULTS[key]] + step}) for key, step in steps.items()}
-    space = _Space.of(soft, list(vectors.values()))
+    space = _Space.of(soft, [*vectors.values(), *day])
     rows = list(space.short(space.basis.T))
     nuisances = len(rows)
     patterns, more = _patterns(bench, space, nuisances)
     rows += more
     faults = []
     for key, vector in vectors.items():
-        own = _Space.of(soft, [other for name, other in vectors.items() if name != key])
+        own = _Space.of(soft, [*(other for name, other in vectors.items() if name != key), *day])
         tall = own(vector)
         length = float(np.linalg.norm(tall))
         faults.append(
