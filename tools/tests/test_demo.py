@@ -16,10 +16,11 @@ from demo_run import demo_run
 from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.accuracy import TRUTH_LIMIT_PERCENT
 from ema_tools.cli import cli, demo
-from ema_tools.data import story
+from ema_tools.data import own_unit, story
 from ema_tools.data.actuator import read_actuator
 from ema_tools.data.cases import CASES
 from ema_tools.data.records import read_record
+from ema_tools.tasks.export import header_text
 from ema_tools.truth import recordings, scattered
 
 pytestmark = pytest.mark.slow
@@ -74,14 +75,33 @@ def test_the_machine_written_is_the_healthy_one_with_the_effect(made: tuple[Path
     assert machine["screw.blk_mm"] == pytest.approx(story.UNIT["screw.blk_mm"], rel=0.03)
 
 
+def test_the_flight_code_judges_the_other_unit_by_its_own_model(made: tuple[Path, str]) -> None:
+    unit = read_actuator(made[0] / "unit.toml")
+    assert set(_result(made, "calibrate.json")["own_machine"]["standing"]) == set(unit.active_effects) == {"pitch_ripple", "presliding"}
+    assert unit["screw.csj_Nm"] == pytest.approx(own_unit.UNIT["screw.csj_Nm"], rel=0.02)
+    assert unit["screw.blk_mm"] == pytest.approx(own_unit.UNIT["screw.blk_mm"], rel=0.02)
+    answers = {day.name: _result(made, f"identify_{day.name}.json") for day in own_unit.LATER}
+    assert [one["verdict"] for one in answers.values()] == ["healthy", "fault", "undecided"]
+    assert answers["worn"]["csj_Nm"]["shift_percent"] == pytest.approx(own_unit.CSJ_SHIFT_PERCENT, abs=3.0)
+    assert answers["worn"]["blk_mm"]["shift_percent"] == pytest.approx(own_unit.BLK_SHIFT_PERCENT, abs=3.0)
+    # without its reasons the last would be a fault that is not there
+    assert answers["hidden"]["csj_Nm"]["shift_percent"] > unit["verdict.csj_min_shift_percent"] and answers["hidden"]["reasons"]
+    assert header_text(unit) == (made[0] / "ema_actuator_data.h").read_text(encoding="utf-8")
+
+
 def test_every_step_shows_its_command(made: tuple[Path, str]) -> None:
-    steps = [line.split()[:3] for line in made[1].splitlines() if re.match(r"\d  ema ", line)]
+    steps = [line.split()[:3] for line in made[1].splitlines() if re.match(r"\d+  ema ", line)]
     assert steps == [
         ["1", "ema", "compare"],
         ["2", "ema", "identify"],
         ["3", "ema", "diagnose"],
         ["4", "ema", "add"],
         ["5", "ema", "identify"],
+        ["6", "ema", "calibrate"],
+        ["7", "ema", "export"],
+        ["8", "ema", "identify"],
+        ["9", "ema", "identify"],
+        ["10", "ema", "identify"],
     ]
     assert {step[2] for step in steps} <= set(cli.commands)
     assert made[1].rstrip().endswith("build/demo/report.html")
@@ -138,8 +158,8 @@ def test_noise_widens_the_stated_error_only(made: tuple[Path, str]) -> None:
 def test_page_is_one_file_of_modest_size(made: tuple[Path, str]) -> None:
     page = (made[0] / "report.html").read_bytes()
     assert 4_000_000 < len(page) < 9_000_000
-    # four of the story, four of the cases
-    assert page.count(b'data-model="before"') == page.count(b'data-model="after"') == 8
+    # four of the story, three of the unit that the flight code judges, four of the cases
+    assert page.count(b'data-model="before"') == page.count(b'data-model="after"') == 11
     places = [
         page.index(text)
         for text in (b"Which effect is missing?", b"stribeck_friction added", b"the data sheet&#x27;s model", b"Beside the paper")
@@ -160,5 +180,6 @@ def test_again_overwrites(made: tuple[Path, str], monkeypatch: pytest.MonkeyPatc
     assert all(path.is_file() for path in demo.written(made[0]))
     before = (made[0] / "case_c.json").stat().st_mtime_ns
     monkeypatch.setattr(demo, "_tell_story", lambda *_: None)
+    monkeypatch.setattr(demo, "_tell_flight", lambda *_: None)
     demo.run(Console(file=io.StringIO()), made[0])
     assert (made[0] / "case_c.json").stat().st_mtime_ns > before

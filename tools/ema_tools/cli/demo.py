@@ -1,4 +1,5 @@
-"""The demo: from a record that its model does not explain to the missing effect and the right faults, then the paper's cases. What `ema demo` does.
+"""The demo: from a record that its model does not explain to the missing effect and the right faults; from healthy runs to a unit's own model, by which the flight code answers; then the
+paper's cases. What `ema demo` does.
 
 Every step prints the command that does the same by hand; docs/WALK_THROUGH.md goes the same way at leisure.
 """
@@ -13,9 +14,9 @@ from rich.console import Console
 from rich.text import Text
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import write_json
+from ema_tools.base.files import write_json, write_text
 from ema_tools.compare.comparison import compare
-from ema_tools.data import story
+from ema_tools.data import own_unit, story
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.data.records import Record, read_record, simulated
@@ -28,9 +29,13 @@ from ema_tools.results.parts import Provenance
 from ema_tools.results.provenance import curves, provenance
 from ema_tools.results.reading import Result
 from ema_tools.tasks.add import add
+from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.diagnose import answer
+from ema_tools.tasks.export import header_text
 from ema_tools.tasks.identify import identify
+from ema_tools.tasks.own_machine import of_own_machine, own_machine
 from ema_tools.words.answers.addition import addition
+from ema_tools.words.answers.calibration import calibration
 from ema_tools.words.answers.comparison import comparison
 from ema_tools.words.answers.diagnosis import diagnosis
 from ema_tools.words.answers.identification import identification
@@ -50,6 +55,11 @@ _WEIGHT = (1.0, 1.0, 0.0, 0.0)
 _ON_PAGE = ("diagnose.json", "add.json", "identify_before.json", "identify_after.json")
 _COMPARED = "compare.json"
 _MACHINE = "machine.toml"
+# The same of the unit that the flight code judges.
+_CALIBRATED = "calibrate.json"
+_OWN_MODEL = "unit.toml"
+_HEADER = "ema_actuator_data.h"
+_FLOWN = tuple(f"identify_{day.name}.json" for day in own_unit.LATER)
 
 
 @dataclass(frozen=True)
@@ -92,21 +102,25 @@ def output_folder() -> Path:
 
 def written(folder: Path) -> list[Path]:
     """What the demo writes to `folder`: the results in the order of the page, what the story leaves besides, then the page."""
-    return [*_results(folder), folder / _COMPARED, folder / _MACHINE, folder / "report.html"]
+    beside = (_COMPARED, _MACHINE, _CALIBRATED, _OWN_MODEL, _HEADER)
+    return [*_results(folder), *(folder / name for name in beside), folder / "report.html"]
 
 
 def _results(folder: Path) -> list[Path]:
-    return [folder / name for name in (*_ON_PAGE, *(f"{Path(shipped.file).stem}.json" for shipped in RECORDINGS))]
+    return [folder / name for name in (*_ON_PAGE, *_FLOWN, *(f"{Path(shipped.file).stem}.json" for shipped in RECORDINGS))]
 
 
 def run(output: Console, folder: Path) -> Path:
-    """Go through the story and the paper's cases, print what is found, write the results and the page to `folder`.
+    """Go through the story, the unit that the flight code judges and the paper's cases, print what is found, write the results and the page to `folder`.
 
     Returns the page. Files of an earlier demo are overwritten. Raises InputError when a recording is absent.
     """
     unit = _unit()
+    healthy, later = _own_unit(unit.sheet)
     cases = [(shipped, _recording(shipped.file)) for shipped in RECORDINGS]
     _tell_story(output, folder, unit)
+    output.print()
+    _tell_flight(output, folder, unit, healthy, later)
     output.print()
     _tell_cases(output, folder, cases)
     page = folder / "report.html"
@@ -190,6 +204,58 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
         output,
         f"The record was made with CSJ {shift(story.CSJ_SHIFT_PERCENT)}, BLK {shift(story.BLK_SHIFT_PERCENT)} and {story.EFFECT} {true},"
         f" by an independent model; dry friction scatters by {100.0 * story.SCATTER['screw.csj_Nm']:g} % from run to run.",
+    )
+
+
+def _own_unit(sheet: Actuator) -> tuple[tuple[Record, ...], tuple[Record, ...]]:
+    """Records of the unit with standing errors: the healthy runs, and those of later days."""
+    healthy = [own_unit.healthy_day(run).name for run in range(1, own_unit.HEALTHY_RUNS + 1)]
+    found = [read_record(_recording(f"unit/{name}.csv"), sheet) for name in (*healthy, *(day.name for day in own_unit.LATER))]
+    return tuple(found[: len(healthy)]), tuple(found[len(healthy) :])
+
+
+def _tell_flight(output: Console, folder: Path, unit: _Unit, healthy: tuple[Record, ...], later: tuple[Record, ...]) -> None:
+    """Healthy runs, the unit's own model, its header, and what the flight code answers by it."""
+    _say(
+        output,
+        f"Another unit was recorded {len(healthy)} times when it was healthy, and on {len(later)} days since. Its contact yields, its screw ripples, its sensors err, and no data sheet"
+        " says so. What does the flight code say of it, which sees the rod alone?",
+    )
+    records = _shown(recordings_folder() / "unit")
+    own_model, header = (_shown(folder / name) for name in (_OWN_MODEL, _HEADER))
+
+    _command(output, 6, f"ema calibrate {unit.sheet_file} {records}/healthy_{{1..{len(healthy)}}}.csv -o {own_model}")
+    with terminal.progress("calibrating", 3) as bar:
+        base = calibrate(unit.sheet, healthy, report=bar.update)
+        own = own_machine(base.actuator, healthy, lambda _, text: bar.update(3, text))
+    assert own is not None  # the healthy runs are of one command
+    known = of_own_machine(base, own, healthy)
+    known.actuator.write(folder / _OWN_MODEL, True)
+    found = calibration(known, _OWN_MODEL, provenance(COMMAND, actuator=unit.sheet.name), own)
+    _write(folder / _CALIBRATED, found)
+    assert found.own_machine is not None
+    show.own_machine(output, found.own_machine)
+
+    _command(output, 7, f"ema export {own_model} -o {header}")
+    write_text(folder / _HEADER, header_text(known.actuator), force=True)
+    _say(output, f"{header} written: what the firmware compiles in")
+
+    for place, (record, file) in enumerate(zip(later, _FLOWN, strict=True), 8):
+        _command(output, place, f"ema identify {own_model} {records}/{record.file} --no-guard")
+        with terminal.progress("identifying", known.actuator["search.evaluation_budget"]) as bar:
+            flown = identify(known.actuator, record, bits=_BITS, progress=partial(_tell, bar, 0.0), guarding=False)
+        drawn = curves(record, before=simulated(flown.healthy, record), after=simulated(flown.actuator, record))
+        origin = provenance(COMMAND, actuator=known.actuator.name, record=f"recordings/unit/{record.file}")
+        said = identification(flown, f"{record.file}, the unit's own model", origin, drawn)
+        _write(folder / file, said)
+        _say(output, f"{_verdict(said)}{', because' if said.reasons else '.'}")
+        for reason in said.reasons:
+            _say(output, f"- {reason}")
+    true = ", ".join(f"{name.split('.')[1]} {value:g}" for name, value in own_unit.EFFECT_VALUES.items())
+    _say(
+        output,
+        f"The unit was sound and {own_unit.SOUND.warmer_degC:g} degC warmer; worn by CSJ {shift(own_unit.CSJ_SHIFT_PERCENT)}, BLK {shift(own_unit.BLK_SHIFT_PERCENT)} and"
+        f" {-own_unit.WORN.warmer_degC:g} degC colder; and sound with {own_unit.EFFECT} {true}. The same answers come from the example firmware on its target: docs/FIRMWARE.md.",
     )
 
 

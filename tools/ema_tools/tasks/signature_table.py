@@ -1,7 +1,8 @@
 """Signatures of all effects under one fixed command, as the onboard module reads them: what `ema export --signatures` writes and `ema_onboard.h` multiplies.
 
 The desk's method in small. Rows are averaged in bins and weighted per signal; what scatters (friction, grease, winding) is taken off with its spread, CSJ and BLK entirely,
-so that a fault is not named as an effect; grease and winding entirely too, where the search finds those of the day. Each row of the table has length one: its product with a whitened residual is normal with variance 1 where nothing is missing.
+so that a fault is not named as an effect; grease and winding entirely too, where the search finds those of the day.
+Each row of the table has length one: its product with a whitened residual is normal with variance 1 where nothing is missing.
 """
 
 from __future__ import annotations

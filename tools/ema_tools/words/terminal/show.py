@@ -103,10 +103,11 @@ def calibration(console: Console, found: CalibrationResult) -> None:
             "Calibrate on healthy records; ema diagnose says what is missing.",
         )
     if found.own_machine is not None:
-        _own_machine(console, found.own_machine)
+        own_machine(console, found.own_machine)
 
 
-def _own_machine(console: Console, own: OwnMachineEntry) -> None:
+def own_machine(console: Console, own: OwnMachineEntry) -> None:
+    """What the unit's runs of one command show beside base values."""
     if own.standing:
         effects = ", ".join(f"{name} (a model step takes {number(cost, 2)} times as long)" for name, cost in own.standing.items())
         say(console, f"What this unit always has, by its {own.records} runs of one command: {effects}.")
