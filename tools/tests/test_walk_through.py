@@ -52,7 +52,7 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def test_output_is_what_the_commands_print(output: dict[str, str]) -> None:
     wrong = {command: missing for command, shown in _steps() if shown and (missing := missing_from(shown, output[command]))}
     assert wrong == {}
-    assert sum(bool(shown) for _, shown in _steps()) == 7
+    assert sum(bool(shown) for _, shown in _steps()) == 12
 
 
 def test_words_and_numbers_are_held_against_the_output() -> None:
