@@ -401,7 +401,8 @@ def unit_section(found: Measured) -> list[str]:
         found, [(f"ema_session_run, {steps_of(count).replace('model ', '')}", f"unit_slice_{count}") for count in UNIT_SLICES]
     )
     lines += [
-        "Where the chirp turns, a contact that yields takes a model step in many parts: such steps make the longest slices.",
+        "While it holds, a contact that yields takes a model step in many parts: candidates of high friction, which the motor hardly moves, make the longest slices. The structures are the same as",
+        "without, and so is the memory.",
         "",
     ]
     lines += table(
@@ -418,7 +419,6 @@ def unit_section(found: Measured) -> list[str]:
         [
             ["flash: `ema_session_config_day` and its call, beyond the session's code", grouped(found.day - found.code)],
             ["flash: the unit's configuration, in the place of the data sheet's", grouped(found.counts["size_ema_actuator_t"])],
-            ["memory beyond a session without it", "0"],
             ["stack that `ema_session_run` used", grouped(found.counts["stack_unit_run"])],
         ],
     )
@@ -459,7 +459,7 @@ def summary(found: Measured) -> str:
             "a whole identification by a unit's own model, with two standing effects",
             (
                 f"{found.counts[f'unit_identify_{UNIT_SLICES[-1]}'] / 1e6:.0f} million instructions, "
-                f"{grouped(found.day - found.code)} bytes of code, no memory"
+                f"{grouped(found.day - found.code)} bytes of code"
             ),
         ],
     ]

@@ -224,7 +224,7 @@ def _tell_flight(output: Console, folder: Path, unit: _Unit, healthy: tuple[Reco
     records = _shown(recordings_folder() / "unit")
     own_model, header = (_shown(folder / name) for name in (_OWN_MODEL, _HEADER))
 
-    _command(output, 6, f"ema calibrate {unit.sheet_file} {records}/healthy_{{1..{len(healthy)}}}.csv -o {own_model}")
+    _command(output, 6, f"ema calibrate {unit.sheet_file} {records}/healthy_*.csv -o {own_model}")
     with terminal.progress("calibrating", 3) as bar:
         base = calibrate(unit.sheet, healthy, report=bar.update)
         own = own_machine(base.actuator, healthy, lambda _, text: bar.update(3, text))
