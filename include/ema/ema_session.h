@@ -14,6 +14,7 @@
 #define EMA_SESSION_H
 
 #include "ema/ema_annealer.h"
+#include "ema/ema_annealer_check.h"
 #include "ema/ema_objective.h"
 #include "ema/ema_onboard.h"
 #include "ema/ema_sensitivity.h"
@@ -137,6 +138,12 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
  * about half as many model runs again, and up to two more beside the others at the end. To be called after
  * ema_session_config_default. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_RANGE when there is no room for them. */
 ema_status_t ema_session_config_day(ema_session_config_t* config);
+
+/* Whether the search can work as `config` has it: ema_annealer_check with the session's own start, and the sensor's
+ * noise where the rod position alone is weighted. EMA_WARNING_ bits, 0 for none, and for a configuration without
+ * actuator. Nothing but a warning: a search with any of them runs, and its verdict is as sound as it says. Cost: that
+ * of ema_annealer_check. */
+uint32_t ema_session_check(const ema_session_config_t* config);
 
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init;
  * EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of parameters, an id (a value of a learned table, or of an effect that the

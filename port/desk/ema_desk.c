@@ -361,6 +361,23 @@ static ema_status_t ema_session_config_from(ema_session_config_t* config, const 
     return status;
 }
 
+int32_t ema_desk_search_check(const double* values, const int32_t* options, const ema_desk_search_t* search,
+                              int32_t* warnings)
+{
+    if ((values == NULL) || (options == NULL) || (search == NULL) || (warnings == NULL)) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    ema_actuator_t actuator;
+    ema_session_config_t config;
+    const ema_record_config_t none = {0};
+    ema_actuator_from(values, options, &actuator);
+    const ema_status_t status = ema_session_config_from(&config, &actuator, &none, search);
+    if (status == EMA_OK) {
+        *warnings = (int32_t)ema_session_check(&config);
+    }
+    return (int32_t)status;
+}
+
 static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
 {
     const ema_desk_result_t fresh = {0};

@@ -175,6 +175,44 @@ int32_t ema_desk_identify_guarded(const double* values, const int32_t* options, 
                                   const ema_desk_table_t* table, ema_desk_progress_t progress, void* context,
                                   ema_desk_result_t* result, ema_desk_finding_t* finding, int32_t* bad_row);
 
+/* Text and EMA_WARNING_ bit of the index-th warning of a search's settings; NULL behind the last. */
+const char* ema_desk_warning_text(int32_t index, int32_t* bit);
+
+/* The warnings, a set of bits, that ema_session_check has for this search. */
+int32_t ema_desk_search_check(const double* values, const int32_t* options, const ema_desk_search_t* search,
+                              int32_t* warnings);
+
+#define EMA_DESK_DIMENSION_MAX 8
+
+/* ema_annealer_config_t; candidates are accepted without limit. */
+typedef struct {
+    int32_t dimension;
+    double start[EMA_DESK_DIMENSION_MAX]; /* in [0, 1] */
+    double first_step;
+    double initial_temperature;
+    double cooling;
+    double function_tolerance;
+    int32_t stall_evaluations;
+    int32_t reanneal_interval;
+    int32_t evaluation_budget;
+    int64_t seed;
+} ema_desk_annealer_t;
+
+typedef struct {
+    double x[EMA_DESK_DIMENSION_MAX]; /* the best point */
+    double cost;
+    int32_t evaluations;
+    int32_t outcome; /* ema_outcome_t; active where it was stopped */
+} ema_desk_annealed_t;
+
+/* Writes the cost of `x`, of which a cost above `limit` may be given up early; a return other than 0 stops the search.
+ */
+typedef int32_t (*ema_desk_cost_t)(const double* x, double limit, double* cost, void* context);
+
+/* Runs the module's annealer on a cost of the caller's own. Errors: EMA_ERR_NULL, those of ema_annealer_init. */
+int32_t ema_desk_anneal(const ema_desk_annealer_t* settings, ema_desk_cost_t cost, void* context,
+                        ema_desk_annealed_t* annealed);
+
 /* The first `count` numbers of the module's generator, for its reference vectors. */
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits);
 
