@@ -276,7 +276,7 @@ def identify(
     from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
-    from ema_tools.tasks.onboard_search import weight_of
+    from ema_tools.tasks.onboard_search import search_warnings, weight_of
     from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
 
@@ -302,9 +302,12 @@ def identify(
         found.actuator.write(fitted, force)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
     drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
-    result = identification(found, measured.file, origin, drawn)
+    # behind a table the search begins as the table says
+    warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
+    result = identification(found, measured.file, origin, drawn, warnings=warned or None)
     save(json_path, result, force)
     show.identification(output(), result)
+    _warn_of_search(actuator, warned)
 
 
 @cli.command()
@@ -362,6 +365,12 @@ def diagnose(
         found.actuator.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
+
+
+def _warn_of_search(actuator: str, warnings: tuple[str, ...]) -> None:
+    """One line where the search's settings will not reach the lowest cost."""
+    if warnings:
+        complain(f"{actuator}: [search]: {'; '.join(warnings)}")
 
 
 def _written(*paths: str | None) -> None:
@@ -583,6 +592,7 @@ def export(
     from ema_tools.results.files import ExportResult
     from ema_tools.tasks import export as work
     from ema_tools.tasks import signature_table as onboard
+    from ema_tools.tasks.onboard_search import search_warnings
 
     if not signatures and (healthy or signals):
         raise click.UsageError("--healthy and --signals belong to --signatures FILE.h")
@@ -599,7 +609,10 @@ def export(
     if signatures and table:
         write_text(signatures, work.signatures_text(table), force)
     made = table.summary() if table is not None else None
-    save(json_path, ExportResult("export", actuator, out, flat, model.active_effects, signatures if made else None, made), force)
+    warned = search_warnings(model)
+    found = ExportResult("export", actuator, out, flat, model.active_effects, signatures if made else None, made, warned or None)
+    save(json_path, found, force)
+    _warn_of_search(actuator, warned)
     if table and table.warning:
         complain(table.warning)
     told = [f"{path} written" for path in (out, flat) if path]

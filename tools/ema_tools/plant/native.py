@@ -24,6 +24,7 @@ from ema_tools.base.errors import InputError, LibraryError
 from ema_tools.library.definitions import library_path, load_definitions, open_library, read_definitions
 
 IDENTIFIED_MAX = 4
+DIMENSION_MAX = 8
 CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
 OUTPUTS = (*CHANNELS, "speed_mm_s")
 RECORD_COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
@@ -40,12 +41,12 @@ _TABLE_NUMBERS = 8
 _FAULT_NUMBERS = 5
 
 
-def _reasons() -> dict[int, str]:
-    """Bit to text, as the library has them."""
+def _texts(function: str) -> dict[int, str]:
+    """Bit to text, as the library's `function` has them."""
     opened = open_library(library_path(64))
-    read: Any = getattr(opened, "ema_desk_reason_text", None)
+    read: Any = getattr(opened, function, None)
     if read is None:
-        raise LibraryError(f"{library_path(64).name}: has no ema_desk_reason_text: build the project again")
+        raise LibraryError(f"{library_path(64).name}: has no {function}: build the project again")
     read.argtypes, read.restype = [c_int32, POINTER(c_int32)], c_char_p
     found: dict[int, str] = {}
     bit = c_int32()
@@ -54,7 +55,8 @@ def _reasons() -> dict[int, str]:
     return found
 
 
-REASONS = _reasons()
+REASONS = _texts("ema_desk_reason_text")
+WARNINGS = _texts("ema_desk_warning_text")
 
 
 class _SearchStructure(ctypes.Structure):
@@ -102,6 +104,25 @@ class _Result(ctypes.Structure):
     ]
 
 
+class _Annealer(ctypes.Structure):
+    _fields_ = [
+        ("dimension", c_int32),
+        ("start", c_double * DIMENSION_MAX),
+        ("first_step", c_double),
+        ("initial_temperature", c_double),
+        ("cooling", c_double),
+        ("function_tolerance", c_double),
+        ("stall_evaluations", c_int32),
+        ("reanneal_interval", c_int32),
+        ("evaluation_budget", c_int32),
+        ("seed", c_int64),
+    ]
+
+
+class _Annealed(ctypes.Structure):
+    _fields_ = [("x", c_double * DIMENSION_MAX), ("cost", c_double), ("evaluations", c_int32), ("outcome", c_int32)]
+
+
 class _Table(ctypes.Structure):
     _fields_ = [
         ("version", c_int32),
@@ -145,6 +166,7 @@ class _Finding(ctypes.Structure):
 
 
 _PROGRESS = ctypes.CFUNCTYPE(c_int32, c_int32, c_double, c_double, c_void_p)
+_COST = ctypes.CFUNCTYPE(c_int32, POINTER(c_double), c_double, POINTER(c_double), c_void_p)
 Progress = Callable[[int, float, float], None]
 
 
@@ -182,6 +204,31 @@ class SearchSettings:
     abandon: bool | None = None
     int16_record: bool | None = None
     slice_steps: int | None = None
+
+
+@dataclass(frozen=True)
+class AnnealerSettings:
+    """Settings of the module's annealer alone, `ema_annealer_config_t`; temperature and tolerance in the unit of the cost. `start` [1 to 8] in [0, 1]."""
+
+    start: tuple[float, ...]
+    initial_temperature: float
+    cooling: float
+    function_tolerance: float
+    evaluation_budget: int
+    first_step: float = 0.2
+    stall_evaluations: int = 40
+    reanneal_interval: int = 60
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class Annealed:
+    """The best point [dimension] of an annealing in the unit box, its cost, the evaluations, and what ended it (of OUTCOMES)."""
+
+    x: Reals
+    cost: float
+    evaluations: int
+    outcome: str
 
 
 @dataclass(frozen=True)
@@ -363,6 +410,8 @@ class Library:
                 POINTER(_Finding), whole,
             ],
         )  # fmt: skip
+        self._declare("ema_desk_search_check", [real, whole, POINTER(_SearchStructure), whole])
+        self._declare("ema_desk_anneal", [POINTER(_Annealer), _COST, c_void_p, POINTER(_Annealed)])
         text = [c_char_p, c_int32]
         self._declare("ema_csv_count", [c_char_p, POINTER(c_int64), *text])
         self._declare("ema_csv_load", [c_char_p, real, c_int64, POINTER(c_int64), whole, real, *text])
@@ -580,6 +629,46 @@ class Library:
             random_state=result.random_state,
             finding=None if table is None else _finding(found),
         )
+
+    def search_warnings(self, values: Reals, options: Integers, search: SearchSettings | None = None) -> tuple[str, ...]:
+        """Why a search with these settings will not reach its lowest cost, and what to do: texts of WARNINGS. Raises InputError as `identify`."""
+        raw = self._search(values, options, search or SearchSettings())
+        warnings = c_int32(0)
+        status = self._lib.ema_desk_search_check(
+            _doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(raw), ctypes.byref(warnings)
+        )
+        self._raise_on(status, "identify", values, options)
+        return tuple(text for bit, text in WARNINGS.items() if warnings.value & bit)
+
+    def anneal(self, settings: AnnealerSettings, cost: Callable[[Reals, float], float]) -> Annealed:
+        """Run the module's annealer on `cost` of a point [dimension] of the unit box and the limit above which it may be given up early.
+
+        What `cost` raises ends the search and is raised here. Raises InputError for settings that the annealer refuses.
+        """
+        dimension = len(settings.start)
+        raw = _Annealer(
+            dimension=dimension,
+            **{name: value for name, value in vars(settings).items() if name != "start"},
+        )
+        for place, number in enumerate(settings.start[:DIMENSION_MAX]):
+            raw.start[place] = number
+        raised: list[BaseException] = []
+
+        def called(x: Any, limit: float, into: Any, _context: object) -> int:
+            try:
+                into[0] = cost(np.array(x[:dimension]), limit)
+            except BaseException as error:  # an exception cannot pass through C
+                raised.append(error)
+                return 1
+            return 0
+
+        found = _Annealed()
+        status = self._lib.ema_desk_anneal(ctypes.byref(raw), _COST(called), None, ctypes.byref(found))
+        if raised:
+            raise raised[0]
+        if status != 0:
+            raise InputError(f"anneal: {self.status_text(status)}: correct the settings")
+        return Annealed(np.array(found.x[:dimension]), found.cost, found.evaluations, OUTCOMES[found.outcome])
 
     def read_csv(self, path: str | Path) -> tuple[Reals, int, float]:
         """A recording as the host program reads it: table [rows, 7] in the order of RECORD_COLUMNS with NaN for absent columns, the bits of

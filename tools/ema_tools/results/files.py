@@ -51,6 +51,7 @@ class ExportResult:
     effects: tuple[str, ...]  # that the actuator has
     signatures: str | None = field(default=None, metadata=SPARE)  # file
     table: SignatureTable | None = field(default=None, metadata=SPARE)
+    warnings: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # why the search would not reach its lowest cost
 
 
 @dataclass(frozen=True)

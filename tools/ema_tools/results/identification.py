@@ -146,6 +146,9 @@ class IdentificationResult:
     baseline: BaselineEntry | None = None  # None where the actuator's healthy values were taken
     search: SearchEntry | None = None
     seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
+    warnings: tuple[str, ...] | None = field(
+        default=None, metadata=SPARE
+    )  # why the search would not reach its lowest cost with its settings
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
 

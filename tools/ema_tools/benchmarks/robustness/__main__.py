@@ -1,0 +1,46 @@
+"""`python -m ema_tools.benchmarks.robustness -o DIR` searches with every setting of the designs; interrupted, the same call goes on."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import click
+
+from ema_tools.base.files import write_text
+from ema_tools.base.parallel import workers as cores
+from ema_tools.benchmarks.hidden import running
+from ema_tools.benchmarks.options import folder_option, workers_option
+from ema_tools.benchmarks.robustness.design import EFFECTS, drawn, one_at_a_time
+from ema_tools.benchmarks.robustness.document import written
+from ema_tools.benchmarks.robustness.trials import perform
+from ema_tools.words.terminal.console import output, run_command
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.option("--settings", "count", type=click.IntRange(2), default=512, show_default=True, help="Settings of each of the two designs.")
+@click.option("--records", type=click.IntRange(1), default=24, show_default=True, help="Records on which the shipped settings are moved.")
+@click.option("--effects", help=f"Effects that the model lacks, of {', '.join(EFFECTS)}; comma between. All unless told.")
+@workers_option
+@folder_option("robustness")
+@click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there as Markdown, overwritten.")
+def main(count: int, records: int, effects: str | None, workers: int | None, folder: Path, document: Path | None) -> None:
+    """Searches with settings of all kinds and reports which reach the lowest point."""
+    begun = time.monotonic()
+    chosen = tuple(EFFECTS) if effects is None else tuple(name.strip() for name in effects.split(","))
+    for name in chosen:
+        if name not in EFFECTS:
+            raise click.UsageError(f"effect {name}: not known: use some of {', '.join(EFFECTS)}")
+    settings = [*drawn("sensible", count, 4, chosen), *drawn("any", count, 2, chosen), *one_at_a_time(records, 2, chosen)]
+    rows = running.run(settings, folder, cores() if workers is None else workers, perform, remember=False)
+    text = written(rows, "python -m ema_tools.benchmarks.robustness -o DIR --document ../docs/ROBUSTNESS.md")
+    console = output()
+    console.print(text[text.index("## Goals") :], markup=False)
+    console.print(f"{len(rows)} settings, {running.elapsed(begun)}")
+    if document is not None:
+        write_text(document, text, force=True)
+        console.print(str(document))
+
+
+if __name__ == "__main__":
+    run_command(main)

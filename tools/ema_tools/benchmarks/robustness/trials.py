@@ -1,0 +1,110 @@
+"""One setting: its record, the lowest point by another search, the onboard session from several starts, and what is warned of beforehand and said afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.benchmarks.optimum import Objective, Optimum, Parameter, optimum
+from ema_tools.benchmarks.robustness.design import EFFECTS, FAULTS, Setting
+from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.records import read_record
+from ema_tools.plant.native import CHANNELS, REASONS, SearchSettings, library
+from ema_tools.reference.commands import chirp, times_s
+from ema_tools.truth.plant import simulate_truth
+
+IDENTIFIED = ("screw.csj_Nm", "screw.blk_mm")
+# What counts as at the lowest point: no farther than this of the healthy values, or by cost no more above it than one standard error of this sensor adds.
+CLOSE = 1e-3
+NOISE_MM = 0.005
+_CELLS = 16
+_ROWS = 10_000
+_RECORDINGS = Path(__file__).resolve().parents[4] / "recordings"
+# What the session says afterwards of a search that ended elsewhere.
+_SAID = tuple(REASONS[bit] for bit in (2, 4, 8))
+
+
+@lru_cache(maxsize=32)
+def _truth(effect: str, fault: str) -> tuple[Reals, Reals]:
+    """Command and rod position [rows] of the truth plant; without an effect the shipped recordings are that."""
+    if effect == "none":
+        record = read_record(_RECORDINGS / ("healthy.csv" if fault == "healthy" else f"case_{fault.lower()}.csv"))
+        return record.command_mm, record.recorded("position_mm")
+    csj, blk = FAULTS[fault]
+    made = simulate_truth({"screw.csj_Nm": csj, "screw.blk_mm": blk, **EFFECTS[effect]}, chirp(times_s(_ROWS)))
+    return made.command_mm, made.position_mm
+
+
+@lru_cache(maxsize=8)
+def _problem(effect: str, fault: str, noise_mm: float, number: int, upper: tuple[float, float]) -> tuple[Objective, Optimum]:
+    """The record with its noise, and the lowest point inside the bounds."""
+    command, position = _truth(effect, fault)
+    noise = noise_mm * np.random.default_rng(number).standard_normal(position.size)
+    channels = np.full((position.size, len(CHANNELS)), np.nan)
+    channels[:, 0] = position + noise
+    actuator = reference_actuator()
+    parameters = (
+        Parameter("CSJ", ("screw.csj_Nm",), actuator["search.csj_lower_Nm"], upper[0], actuator["screw.csj_Nm"], actuator["screw.csj_Nm"]),
+        Parameter("BLK", ("screw.blk_mm",), actuator["search.blk_lower_mm"], upper[1], actuator["screw.blk_mm"], actuator["screw.blk_mm"]),
+    )
+    objective = Objective(actuator, parameters, command, channels)
+    return objective, optimum(objective, [objective.healthy], _CELLS)
+
+
+def actuator_of(setting: Setting) -> Actuator:
+    """The actuator with these settings, whose sensor is known to be as noisy as it is."""
+    return reference_actuator().changed({**setting.changes, "verdict.position_noise_mm": max(NOISE_MM, setting.noise_mm)})
+
+
+def perform(setting: Setting) -> Mapping[str, Any]:
+    """The row of one setting."""
+    upper = (setting.csj_upper_Nm, setting.blk_upper_mm)
+    objective, lowest = _problem(setting.effect, setting.fault, setting.noise_mm, setting.number, upper)
+    values, options = actuator_of(setting).arrays()
+    period_s = reference_actuator()["timing.step_s"]
+    level = max(NOISE_MM, setting.noise_mm) ** 2 * period_s + lowest.rounding
+    rng = np.random.default_rng([setting.seed, setting.number])
+    bounds = {"identified": IDENTIFIED, "lower": tuple(objective.lower), "upper": upper, "min_shift_percent": (5.0, 10.0)}
+    searches = []
+    for search in range(setting.searches):
+        start = objective.inside(np.array(setting.start) if search == 0 else rng.random(2))
+        best: list[float] = []
+        answer = library(32).identify(
+            values,
+            options,
+            objective.command_mm,
+            objective.channels,
+            SearchSettings(**bounds, start=tuple(start), seed=setting.seed + search),
+            lambda _run, _cost, lowest_yet, kept=best: kept.append(lowest_yet),
+        )
+        off = (np.array([one.estimate for one in answer.identified]) - lowest.theta) / objective.scale
+        above = answer.objective_after - lowest.cost
+        there = np.flatnonzero(np.array(best) - lowest.cost <= level)
+        searches.append(
+            {
+                "reached": bool(np.all(np.abs(off) <= CLOSE) or above <= level),
+                "off_percent": (100.0 * off).tolist(),
+                "above": above,
+                "evaluations": answer.evaluations,
+                "runs": int(there[0]) + 1 if there.size else None,
+                "outcome": answer.outcome,
+                "verdict": answer.verdict,
+                "said": any(text in answer.reasons for text in _SAID),
+            }
+        )
+    search = SearchSettings(**bounds, start=tuple(objective.inside(np.array(setting.start))))
+    return {
+        "key": setting.key,
+        **vars(setting),
+        "optimum": lowest.theta.tolist(),
+        "cost": lowest.cost,
+        "rounding": lowest.rounding,
+        "at_bound": lowest.at_bound(objective),
+        "warnings": list(library(32).search_warnings(values, options, search)),
+        "found": searches,
+    }

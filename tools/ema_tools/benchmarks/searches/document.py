@@ -1,0 +1,2 @@
+def written(rows, command, folder):
+    return "## Ranks"

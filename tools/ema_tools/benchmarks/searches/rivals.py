@@ -1,0 +1,203 @@
+"""The searches: each gets the cost of a point in the unit box, a start and a seed, and goes on until it ends by itself, arrives, or has used up its model runs.
+
+All but least squares see one number per model run, the flight's own cost; least squares sees every residual, which is more.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import cma
+import nlopt
+import numpy as np
+from scipy.optimize import differential_evolution, dual_annealing, least_squares, minimize
+
+from ema_tools.base.arrays import Reals
+from ema_tools.benchmarks.searches.problems import CAP, Problem
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.plant.native import AnnealerSettings, library
+
+CLOSE = 1e-3
+# What a plain annealer falls to of its first temperature, the paper's objective before the search (case A).
+_TEXTBOOK_FIRST, _TEXTBOOK_LAST = 0.66, 1e-9
+_FIRST_STEP = 0.2
+_LOCAL_STEP = 0.1
+_DIFFERENCE = 1e-4
+_COST_DIFFERENCE = 1e-3
+_SHIPPED_DIMENSION = 2
+
+
+class Over(Exception):
+    """The search has arrived, or its model runs are used up."""
+
+
+@dataclass
+class Count:
+    """Counts model runs and the time of the search, and keeps the best point and when it was good enough: `close`, every value within CLOSE of its scale from the lowest point, and
+    `noise`, a cost that the sensor's noise cannot tell from the lowest."""
+
+    problem: Problem
+    begun_s: float = field(default_factory=time.thread_time)
+    runs: int = 0
+    cost: float = math.inf
+    theta: Reals | None = None
+    when: dict[str, tuple[int, float]] = field(default_factory=dict)
+
+    @property
+    def cap(self) -> int:
+        """Most model runs."""
+        return CAP[self.problem.dimension]
+
+    def _seen(self, theta: Reals, cost: float) -> None:
+        self.runs += 1
+        if cost < self.cost:
+            self.cost, self.theta = cost, theta
+            now = (self.runs, time.thread_time() - self.begun_s)
+            lowest = self.problem.lowest
+            if "close" not in self.when and np.all(np.abs(theta - lowest.theta) <= CLOSE * self.problem.objective.scale):
+                self.when["close"] = now
+            if "noise" not in self.when and cost <= lowest.cost + self.problem.level:
+                self.when["noise"] = now
+        if len(self.when) == 2 or self.runs >= self.cap:
+            raise Over
+
+    def __call__(self, unit: Reals) -> float:
+        """The flight's cost at a point of the unit box."""
+        theta = self.problem.objective.inside(np.clip(unit, 0.0, 1.0))
+        cost = self.problem.objective.cost(theta)
+        self._seen(theta, cost)
+        return cost
+
+    def residuals(self, unit: Reals) -> Reals:
+        """Every residual at a point of the unit box."""
+        theta = self.problem.objective.inside(np.clip(unit, 0.0, 1.0))
+        found = self.problem.objective.residuals(theta)
+        self._seen(theta, float(found @ found))
+        return found
+
+
+Rival = Callable[[Count, Reals, int], None]
+
+
+def _onboard(count: Count, start: Reals, seed: int) -> None:
+    """The module's annealer, float32, settings of the shipped actuator; in more dimensions it cools as many times slower."""
+    search = {name.partition(".")[2]: reference_actuator()[name] for name in _SETTINGS}
+    more = start.size / _SHIPPED_DIMENSION
+    settings = AnnealerSettings(
+        start=tuple(start),
+        initial_temperature=search["initial_temperature_mm2s"],
+        cooling=search["cooling"] ** (1.0 / more),
+        function_tolerance=search["function_tolerance_mm2s"],
+        evaluation_budget=count.cap,
+        stall_evaluations=20 * start.size,
+        reanneal_interval=int(search["reanneal_interval"]),
+        seed=seed,
+    )
+    library(32).anneal(settings, lambda unit, _limit: count(unit))
+
+
+_SETTINGS = (
+    "search.initial_temperature_mm2s",
+    "search.cooling",
+    "search.function_tolerance_mm2s",
+    "search.reanneal_interval",
+)
+
+
+def _textbook(count: Count, start: Reals, seed: int) -> None:
+    """Metropolis with geometric cooling over all of its model runs; all coordinates move at once, by less as it cools."""
+    rng = np.random.default_rng(seed)
+    factor = _TEXTBOOK_LAST ** (1.0 / count.cap)
+    temperature, here = _TEXTBOOK_FIRST, start
+    cost = count(here)
+    while True:
+        width = _FIRST_STEP * math.sqrt(temperature / _TEXTBOOK_FIRST)
+        there = np.abs(here + width * rng.standard_normal(here.size))
+        there = np.clip(np.where(there > 1.0, 2.0 - there, there), 0.0, 1.0)
+        found = count(there)
+        if found <= cost - temperature * math.log(1.0 - rng.random()):
+            here, cost = there, found
+        temperature *= factor
+
+
+def _dual(count: Count, start: Reals, seed: int) -> None:
+    # its local searches would take differences far below what a float32 cost resolves
+    local = {"method": "L-BFGS-B", "jac": "3-point", "options": {"finite_diff_rel_step": _COST_DIFFERENCE}}
+    dual_annealing(count, [(0.0, 1.0)] * start.size, x0=start, maxfun=10 * count.cap, minimizer_kwargs=local, rng=seed)
+
+
+def _evolution(count: Count, start: Reals, seed: int) -> None:
+    differential_evolution(count, [(0.0, 1.0)] * start.size, x0=start, tol=0.0, maxiter=count.cap, polish=False, rng=seed)
+
+
+def _simplex(count: Count, start: Reals, _seed: int) -> None:
+    inward = np.where(start > 0.5, -_LOCAL_STEP, _LOCAL_STEP)
+    corners = start + np.vstack([np.zeros(start.size), np.diag(inward)])
+    minimize(
+        count,
+        start,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * start.size,
+        options={"initial_simplex": corners, "xatol": 1e-8, "fatol": 1e-15, "maxfev": 10 * count.cap, "adaptive": start.size > 2},
+    )
+
+
+def _squares(count: Count, start: Reals, _seed: int) -> None:
+    least_squares(
+        count.residuals, start, bounds=(0.0, 1.0), diff_step=_DIFFERENCE, xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=10 * count.cap
+    )
+
+
+def _nlopt(algorithm: int) -> Rival:
+    def search(count: Count, start: Reals, seed: int) -> None:
+        nlopt.srand(seed)
+        solver = nlopt.opt(algorithm, start.size)
+        solver.set_lower_bounds(0.0)
+        solver.set_upper_bounds(1.0)
+        solver.set_initial_step(_LOCAL_STEP)
+        solver.set_xtol_abs(1e-9)
+        solver.set_maxeval(10 * count.cap)
+        solver.set_min_objective(lambda x, _gradient: count(np.array(x)))
+        with contextlib.suppress(nlopt.RoundoffLimited):
+            solver.optimize(start)
+
+    return search
+
+
+def _cma(count: Count, start: Reals, seed: int) -> None:
+    options = {"bounds": [0.0, 1.0], "seed": seed, "verbose": -9, "tolfun": 1e-15, "tolfunhist": 1e-16, "tolx": 1e-9}
+    strategy = cma.CMAEvolutionStrategy(start, 0.3, options)
+    while not strategy.stop():
+        points = strategy.ask()
+        strategy.tell(points, [count(point) for point in points])
+
+
+RIVALS: Mapping[str, Rival] = {
+    "this annealer": _onboard,
+    "textbook annealer": _textbook,
+    "SciPy dual_annealing": _dual,
+    "SciPy differential_evolution": _evolution,
+    "SciPy Nelder-Mead": _simplex,
+    "SciPy least_squares (sees residuals)": _squares,
+    "NLopt DIRECT": _nlopt(nlopt.GN_DIRECT),
+    "NLopt CRS2": _nlopt(nlopt.GN_CRS2_LM),
+    "NLopt BOBYQA": _nlopt(nlopt.LN_BOBYQA),
+    "NLopt SBPLX": _nlopt(nlopt.LN_SBPLX),
+    "CMA-ES": _cma,
+}
+# Neither start nor seed changes them: they search once.
+WITHOUT_START = ("NLopt DIRECT",)
+
+
+def search(problem: Problem, rival: str, start: Reals, seed: int) -> Count:
+    """One search of one rival from `start` [p] in the unit box."""
+    count = Count(problem)
+    with contextlib.suppress(Over), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        RIVALS[rival](count, start, seed)
+    return count
