@@ -145,7 +145,7 @@ def optimum(objective: Objective, starts: Sequence[Reals], cells: int = 0, polis
             np.clip(start, objective.lower + margin, objective.upper - margin),
             bounds=(objective.lower, objective.upper),
             x_scale=objective.scale,
-            diff_step=_DIFFERENCE,
+            diff_step=[_DIFFERENCE] * len(objective.parameters),
             xtol=1e-12,
             ftol=1e-12,
             gtol=1e-14,

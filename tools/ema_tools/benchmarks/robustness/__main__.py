@@ -18,8 +18,8 @@ from ema_tools.words.terminal.console import output, run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
-@click.option("--settings", "count", type=click.IntRange(2), default=512, show_default=True, help="Settings of each of the two designs.")
-@click.option("--records", type=click.IntRange(1), default=24, show_default=True, help="Records on which the shipped settings are moved.")
+@click.option("--settings", "count", type=click.IntRange(1), default=512, show_default=True, help="Settings of each of the two designs.")
+@click.option("--records", type=click.IntRange(0), default=24, show_default=True, help="Records on which the shipped settings are moved.")
 @click.option("--effects", help=f"Effects that the model lacks, of {', '.join(EFFECTS)}; comma between. All unless told.")
 @workers_option
 @folder_option("robustness")

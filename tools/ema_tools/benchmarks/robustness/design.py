@@ -45,7 +45,7 @@ class Factor:
 
     def at(self, share: float, ends: tuple[float, float]) -> float:
         """The value at a share of the way."""
-        return ends[0] * (ends[1] / ends[0]) ** share
+        return float(ends[0] * (ends[1] / ends[0]) ** share)
 
 
 # The names of the actuator's [search] table; bounds in the units of their values.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from ema_tools.benchmarks.optimum import Objective, Optimum, Parameter, optimum
 from ema_tools.benchmarks.robustness.design import EFFECTS, FAULTS, Setting
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.records import read_record
-from ema_tools.plant.native import CHANNELS, REASONS, SearchSettings, library
+from ema_tools.plant.native import CHANNELS, REASONS, Progress, SearchSettings, library
 from ema_tools.reference.commands import chirp, times_s
 from ema_tools.truth.plant import simulate_truth
 
@@ -61,7 +61,12 @@ def actuator_of(setting: Setting) -> Actuator:
     return reference_actuator().changed({**setting.changes, "verdict.position_noise_mm": max(NOISE_MM, setting.noise_mm)})
 
 
-def perform(setting: Setting) -> Mapping[str, Any]:
+def _keeping(best: list[float]) -> Progress:
+    """Keeps the best cost after every model run."""
+    return lambda _run, _cost, yet: best.append(yet)
+
+
+def perform(setting: Setting) -> dict[str, Any]:
     """The row of one setting."""
     upper = (setting.csj_upper_Nm, setting.blk_upper_mm)
     objective, lowest = _problem(setting.effect, setting.fault, setting.noise_mm, setting.number, upper)
@@ -69,18 +74,19 @@ def perform(setting: Setting) -> Mapping[str, Any]:
     period_s = reference_actuator()["timing.step_s"]
     level = max(NOISE_MM, setting.noise_mm) ** 2 * period_s + lowest.rounding
     rng = np.random.default_rng([setting.seed, setting.number])
-    bounds = {"identified": IDENTIFIED, "lower": tuple(objective.lower), "upper": upper, "min_shift_percent": (5.0, 10.0)}
+    first = tuple(objective.inside(np.array(setting.start)))
+    search = SearchSettings(IDENTIFIED, tuple(objective.lower), upper, (5.0, 10.0), start=first)
     searches = []
-    for search in range(setting.searches):
-        start = objective.inside(np.array(setting.start) if search == 0 else rng.random(2))
+    for place in range(setting.searches):
+        start = first if place == 0 else tuple(objective.inside(rng.random(2)))
         best: list[float] = []
         answer = library(32).identify(
             values,
             options,
             objective.command_mm,
             objective.channels,
-            SearchSettings(**bounds, start=tuple(start), seed=setting.seed + search),
-            lambda _run, _cost, lowest_yet, kept=best: kept.append(lowest_yet),
+            replace(search, start=start, seed=setting.seed + place),
+            _keeping(best),
         )
         off = (np.array([one.estimate for one in answer.identified]) - lowest.theta) / objective.scale
         above = answer.objective_after - lowest.cost
@@ -97,7 +103,6 @@ def perform(setting: Setting) -> Mapping[str, Any]:
                 "said": any(text in answer.reasons for text in _SAID),
             }
         )
-    search = SearchSettings(**bounds, start=tuple(objective.inside(np.array(setting.start))))
     return {
         "key": setting.key,
         **vars(setting),

@@ -32,9 +32,7 @@ def main(two: int, eight: int, kinds: str | None, workers: int | None, folder: P
         if name not in KINDS:
             raise click.UsageError(f"kind {name}: not known: use some of {', '.join(KINDS)}")
     rows = running.run(trials(two, eight, chosen), folder, cores() if workers is None else workers, perform, remember=False)
-    text = written(
-        rows, f"python -m ema_tools.benchmarks.searches --starts {two} --eight {eight} -o DIR --document ../docs/SEARCHES.md", folder
-    )
+    text = written(rows, f"python -m ema_tools.benchmarks.searches --starts {two} --eight {eight} -o DIR --document ../docs/SEARCHES.md")
     console = output()
     console.print(text[text.index("## Ranks") :], markup=False)
     console.print(f"{len(rows)} searches, {running.elapsed(begun)}")

@@ -11,11 +11,12 @@ import time
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import cma
 import nlopt
 import numpy as np
-from scipy.optimize import differential_evolution, dual_annealing, least_squares, minimize
+from scipy.optimize import Bounds, differential_evolution, dual_annealing, least_squares, minimize
 
 from ema_tools.base.arrays import Reals
 from ema_tools.benchmarks.searches.problems import CAP, Problem
@@ -127,12 +128,14 @@ def _textbook(count: Count, start: Reals, seed: int) -> None:
 
 def _dual(count: Count, start: Reals, seed: int) -> None:
     # its local searches would take differences far below what a float32 cost resolves
-    local = {"method": "L-BFGS-B", "jac": "3-point", "options": {"finite_diff_rel_step": _COST_DIFFERENCE}}
+    local: Any = {"method": "L-BFGS-B", "jac": "3-point", "options": {"finite_diff_rel_step": _COST_DIFFERENCE}}
     dual_annealing(count, [(0.0, 1.0)] * start.size, x0=start, maxfun=10 * count.cap, minimizer_kwargs=local, rng=seed)
 
 
 def _evolution(count: Count, start: Reals, seed: int) -> None:
-    differential_evolution(count, [(0.0, 1.0)] * start.size, x0=start, tol=0.0, maxiter=count.cap, polish=False, rng=seed)
+    differential_evolution(
+        count, Bounds(np.zeros(start.size), np.ones(start.size)), x0=start, tol=0.0, maxiter=count.cap, polish=False, rng=seed
+    )
 
 
 def _simplex(count: Count, start: Reals, _seed: int) -> None:
@@ -149,7 +152,14 @@ def _simplex(count: Count, start: Reals, _seed: int) -> None:
 
 def _squares(count: Count, start: Reals, _seed: int) -> None:
     least_squares(
-        count.residuals, start, bounds=(0.0, 1.0), diff_step=_DIFFERENCE, xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=10 * count.cap
+        count.residuals,
+        start,
+        bounds=(0.0, 1.0),
+        diff_step=[_DIFFERENCE] * start.size,
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-14,
+        max_nfev=10 * count.cap,
     )
 
 
@@ -162,8 +172,21 @@ def _nlopt(algorithm: int) -> Rival:
         solver.set_initial_step(_LOCAL_STEP)
         solver.set_xtol_abs(1e-9)
         solver.set_maxeval(10 * count.cap)
-        solver.set_min_objective(lambda x, _gradient: count(np.array(x)))
-        with contextlib.suppress(nlopt.RoundoffLimited):
+        over = False
+
+        def cost(x: Reals, _gradient: Reals) -> float:
+            # an exception would not stop all of its algorithms at once
+            nonlocal over
+            if not over:
+                try:
+                    return count(np.array(x))
+                except Over:
+                    over = True
+                    solver.force_stop()
+            return math.inf
+
+        solver.set_min_objective(cost)
+        with contextlib.suppress(nlopt.RoundoffLimited, nlopt.ForcedStop):
             solver.optimize(start)
 
     return search
@@ -190,8 +213,8 @@ RIVALS: Mapping[str, Rival] = {
     "NLopt SBPLX": _nlopt(nlopt.LN_SBPLX),
     "CMA-ES": _cma,
 }
-# Neither start nor seed changes them: they search once.
-WITHOUT_START = ("NLopt DIRECT",)
+# Neither start nor seed changes DIRECT: it searches once. The textbook annealer uses all of its model runs from every start.
+FEWER_STARTS: Mapping[str, int] = {"NLopt DIRECT": 1, "textbook annealer": 25}
 
 
 def search(problem: Problem, rival: str, start: Reals, seed: int) -> Count:

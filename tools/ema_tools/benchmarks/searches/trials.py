@@ -11,7 +11,7 @@ import numpy as np
 from ema_tools.benchmarks.optimum import POSITION_ALONE
 from ema_tools.benchmarks.searches import baseline
 from ema_tools.benchmarks.searches.problems import KINDS, NOISE, WEIGHTED, Problem, identifiable, objective_of, problem, starts, truth_of
-from ema_tools.benchmarks.searches.rivals import RIVALS, WITHOUT_START, search
+from ema_tools.benchmarks.searches.rivals import FEWER_STARTS, RIVALS, search
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.plant.native import SearchSettings, library
 
@@ -51,7 +51,7 @@ def trials(two: int, eight: int, kinds: Sequence[str] = KINDS, rivals: Sequence[
                 continue
             found += [Trial(values, kind, other, 0, count) for other in (_DATA, _BASELINE)]
             for start in range(count):
-                found += [Trial(values, kind, name, start, count) for name in rivals if start == 0 or name not in WITHOUT_START]
+                found += [Trial(values, kind, name, start, count) for name in rivals if start < FEWER_STARTS.get(name, count)]
                 found += [Trial(values, kind, _SESSION, start, count)] if values == 2 else []
     return found
 
