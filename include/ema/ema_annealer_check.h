@@ -16,18 +16,17 @@ extern "C" {
 /* EMA-D1 */
 #define EMA_ANNEALER_WARNING_LIST(X)                                                                                   \
     X(EMA_WARNING_START, 1, "the start of the search lies outside its bounds: widen them")                             \
-    X(EMA_WARNING_FEW, 2, "evaluation_budget is too small to search so many values: allow 50 model runs for each")     \
+    X(EMA_WARNING_FEW, 2, "evaluation_budget is too small to search so many values: allow 30 model runs for each")     \
     X(EMA_WARNING_HOT, 4,                                                                                              \
       "the evaluations are used up before the search is cold: raise evaluation_budget, or lower cooling or "           \
       "initial_temperature")                                                                                           \
     X(EMA_WARNING_COLD, 8,                                                                                             \
-      "initial_temperature is so small that nothing is searched: raise it, or lower the tolerance")                    \
-    X(EMA_WARNING_QUENCHED, 16,                                                                                        \
-      "the temperature falls in too few evaluations to search: raise cooling towards 1 and evaluation_budget with it") \
-    X(EMA_WARNING_TOLERANCE, 32,                                                                                       \
+      "initial_temperature lies so far below function_tolerance that nothing is searched: raise the one or lower the " \
+      "other")                                                                                                         \
+    X(EMA_WARNING_TOLERANCE, 16,                                                                                       \
       "function_tolerance is larger than what the sensor resolves, so the search ends before its lowest cost: lower "  \
       "it")                                                                                                            \
-    X(EMA_WARNING_REANNEALED, 64,                                                                                      \
+    X(EMA_WARNING_REANNEALED, 32,                                                                                      \
       "reanneal_interval is so short that the search never cools: raise it to 10 or more, 60 say")
 
 enum {
@@ -40,7 +39,7 @@ enum {
  * standard error of a parameter raises the cost; for a position alone, squared sensor noise times the record's period
  * (mm^2 s). Zero, or anything that is no positive finite number, is unknown: the function tolerance takes its place,
  * and what needs more than that is not judged. Does not look for what ema_annealer_init refuses, the start aside; NULL
- * has no warnings. Cost: two logarithms. */
+ * has no warnings. Cost: three logarithms. */
 uint32_t ema_annealer_check(const ema_annealer_config_t* config, ema_real resolution);
 
 /* The text of one warning, a constant string; "unknown warning" for anything but one bit of the list. Cost: a handful

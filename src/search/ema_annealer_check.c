@@ -7,13 +7,15 @@
 
 /* The limits of the rules, chosen on a design of settings and counted on another: docs/ROBUSTNESS.md. */
 
-/* Evaluations that one dimension needs, and of these the ones in which the temperature falls to the resolution. */
-#define EMA_FEWEST_PER_DIMENSION 50U
-#define EMA_FALL_PER_DIMENSION EMA_R(15.0)
+/* Evaluations that one dimension needs. */
+#define EMA_FEWEST_PER_DIMENSION 30U
 
-/* Times the resolution: the last temperature and the tolerance at the most, the first temperature at the least. */
-#define EMA_COARSE EMA_R(10.0)
-#define EMA_FROZEN EMA_R(1.0e-3)
+/* Times the resolution, at the most: the last temperature, and the tolerance. */
+#define EMA_LAST_OVER_RESOLUTION EMA_R(30.0)
+#define EMA_TOLERANCE_OVER_RESOLUTION EMA_R(100.0)
+
+/* Times the tolerance, at the least: the first temperature. */
+#define EMA_FIRST_OVER_TOLERANCE EMA_R(1.0e-3)
 
 /* Accepted candidates between two reannealings at the least. */
 #define EMA_REANNEAL_LEAST 10U
@@ -45,20 +47,16 @@ uint32_t ema_annealer_check(const ema_annealer_config_t* config, ema_real resolu
     const bool known = (resolution > EMA_R(0.0)) && ema_is_finite(resolution);
     const ema_real first = config->initial_temperature;
     const ema_real tolerance = config->function_tolerance;
-    const ema_real fine = known ? resolution : tolerance;
-    warnings |= ema_warning_if(known && (tolerance > (EMA_COARSE * resolution)), (uint32_t)EMA_WARNING_TOLERANCE);
-    const bool cold = (first <= tolerance) || (known && (first < (EMA_FROZEN * resolution)));
-    warnings |= ema_warning_if(cold, (uint32_t)EMA_WARNING_COLD);
-    const bool falls = (first > fine) && (fine > EMA_R(0.0)) && (config->cooling > EMA_R(0.0))
-                       && (config->cooling < EMA_R(1.0)) && ema_is_finite(first);
+    warnings |= ema_warning_if(known && (tolerance > (EMA_TOLERANCE_OVER_RESOLUTION * resolution)),
+                               (uint32_t)EMA_WARNING_TOLERANCE);
+    warnings |= ema_warning_if(first < (EMA_FIRST_OVER_TOLERANCE * tolerance), (uint32_t)EMA_WARNING_COLD);
+    const ema_real cold = EMA_LAST_OVER_RESOLUTION * (known ? resolution : tolerance);
+    const bool falls = (first > cold) && (cold > EMA_R(0.0)) && ema_is_finite(first) && (config->cooling > EMA_R(0.0))
+                       && (config->cooling < EMA_R(1.0));
     if (falls) {
-        /* in evaluations: until the temperature is no more than the resolution, and than ten times that */
-        const ema_real rate = -ema_log(config->cooling);
-        const ema_real fall = (ema_log(first) - ema_log(fine)) / rate;
-        const ema_real coarse = fall - (ema_log(EMA_COARSE) / rate);
-        warnings |= ema_warning_if(fall < (EMA_FALL_PER_DIMENSION * (ema_real)config->dimension),
-                                   (uint32_t)EMA_WARNING_QUENCHED);
-        warnings |= ema_warning_if(coarse > (ema_real)config->evaluation_budget, (uint32_t)EMA_WARNING_HOT);
+        /* evaluations until the temperature is down */
+        const ema_real fall = (ema_log(first) - ema_log(cold)) / -ema_log(config->cooling);
+        warnings |= ema_warning_if(fall > (ema_real)config->evaluation_budget, (uint32_t)EMA_WARNING_HOT);
     }
     return warnings;
 }

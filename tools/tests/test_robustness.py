@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from ema_tools.benchmarks.robustness.__main__ import main
 from ema_tools.benchmarks.robustness.design import FACTORS, drawn, one_at_a_time
 from ema_tools.benchmarks.robustness.document import written
-from ema_tools.benchmarks.robustness.trials import perform
+from ema_tools.benchmarks.robustness.trials import perform, warnings_of
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.tasks.onboard_search import search_warnings
 from support import RECORDINGS, REFERENCE, run_ema
@@ -28,7 +28,7 @@ def test_a_few_settings_are_searched_and_written(tmp_path: Path) -> None:
         # a machine that the model knows and no hidden effect: the lowest point is the truth, but for the noise
         assert row["cost"] == pytest.approx(10_000 * 0.001 * row["noise_mm"] ** 2, rel=0.05, abs=1e-9)
         if row["design"] == "sensible":
-            assert not row["warnings"] and all(one["reached"] and one["runs"] <= 600 for one in row["found"])
+            assert all(one["reached"] and one["runs"] <= 600 for one in row["found"])
     text = (tmp_path / "page.md").read_text(encoding="utf-8")
     assert "within 600 model runs: **met**, 100.00 % of 8 searches" in text
     # a run that goes on searches nothing anew
@@ -39,7 +39,9 @@ def test_a_few_settings_are_searched_and_written(tmp_path: Path) -> None:
 
 def test_a_setting_that_cannot_work_fails_is_warned_of_and_is_listed() -> None:
     good = drawn("sensible", 1, 2, ("none",))[0]
-    row = perform(replace(good, cooling=0.995, evaluation_budget=120))
+    bad = replace(good, cooling=0.995, evaluation_budget=120)
+    row = {**perform(bad), "warnings": warnings_of(bad)}
+    assert warnings_of(good) == []
     assert not any(one["reached"] for one in row["found"])
     assert [text.partition(":")[0] for text in row["warnings"]] == ["the evaluations are used up before the search is cold"]
     text = written([row], "")

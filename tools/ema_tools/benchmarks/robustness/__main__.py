@@ -13,7 +13,7 @@ from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.benchmarks.robustness.design import EFFECTS, drawn, one_at_a_time
 from ema_tools.benchmarks.robustness.document import written
-from ema_tools.benchmarks.robustness.trials import perform
+from ema_tools.benchmarks.robustness.trials import perform, warnings_of
 from ema_tools.words.terminal.console import output, run_command
 
 
@@ -33,6 +33,9 @@ def main(count: int, records: int, effects: str | None, workers: int | None, fol
             raise click.UsageError(f"effect {name}: not known: use some of {', '.join(EFFECTS)}")
     settings = [*drawn("sensible", count, 4, chosen), *drawn("any", count, 2, chosen), *one_at_a_time(records, 2, chosen)]
     rows = running.run(settings, folder, cores() if workers is None else workers, perform, remember=False)
+    # not kept with the searches: rules can be changed without searching again
+    warned = {setting.key: warnings_of(setting) for setting in settings}
+    rows = [{**row, "warnings": warned[row["key"]]} for row in rows]
     text = written(rows, "python -m ema_tools.benchmarks.robustness -o DIR --document ../docs/ROBUSTNESS.md")
     console = output()
     console.print(text[text.index("## Goals") :], markup=False)

@@ -16,6 +16,7 @@ from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.records import read_record
 from ema_tools.plant.native import CHANNELS, REASONS, Progress, SearchSettings, library
 from ema_tools.reference.commands import chirp, times_s
+from ema_tools.tasks.onboard_search import search_warnings
 from ema_tools.truth.plant import simulate_truth
 
 IDENTIFIED = ("screw.csj_Nm", "screw.blk_mm")
@@ -59,6 +60,11 @@ def _problem(effect: str, fault: str, noise_mm: float, number: int, upper: tuple
 def actuator_of(setting: Setting) -> Actuator:
     """The actuator with these settings, whose sensor is known to be as noisy as it is."""
     return reference_actuator().changed({**setting.changes, "verdict.position_noise_mm": max(NOISE_MM, setting.noise_mm)})
+
+
+def warnings_of(setting: Setting) -> list[str]:
+    """What the module warns of beforehand, which hangs on the settings alone; its start is the healthy one, as onboard."""
+    return list(search_warnings(actuator_of(setting)))
 
 
 def _keeping(best: list[float]) -> Progress:
@@ -110,6 +116,5 @@ def perform(setting: Setting) -> dict[str, Any]:
         "cost": lowest.cost,
         "rounding": lowest.rounding,
         "at_bound": lowest.at_bound(objective),
-        "warnings": list(library(32).search_warnings(values, options, search)),
         "found": searches,
     }
