@@ -127,6 +127,20 @@ static void test_without_a_resolution_the_tolerance_takes_its_place(void)
     }
 }
 
+/* What ema_annealer_init refuses is not judged, and read no farther than it goes. */
+static void test_settings_that_mean_nothing(void)
+{
+    const ema_real cooling[3] = {EMA_R(0.0), EMA_R(1.0), (ema_real)NAN};
+    for (uint32_t k = 0; k < 3U; ++k) {
+        config.cooling = cooling[k];
+        expect(0U, __LINE__);
+    }
+    config.initial_temperature = (ema_real)INFINITY;
+    expect(0U, __LINE__);
+    config.dimension = 1000000U;
+    expect((uint32_t)EMA_WARNING_FEW, __LINE__);
+}
+
 static void test_several_warnings_at_once(void)
 {
     config.evaluation_budget = 20U;
@@ -158,6 +172,12 @@ static void test_session_knows_its_start_and_its_sensor(void)
     session.start_at_healthy = false;
     session.annealer.start[0] = EMA_R(0.5);
     TEST_ASSERT_EQUAL_HEX32(0U, ema_session_check(&session));
+    session.identified_count = 1000000U;
+    TEST_ASSERT_EQUAL_HEX32(0U, ema_session_check(&session));
+    session.weight[EMA_CHANNEL_POSITION] = EMA_R(0.0);
+    session.annealer.evaluation_budget = 40U;
+    session.identified_count = 1U;
+    TEST_ASSERT_EQUAL_HEX32(EMA_WARNING_HOT, ema_session_check(&session));
     session.actuator = NULL;
     TEST_ASSERT_EQUAL_HEX32(0U, ema_session_check(&session));
     TEST_ASSERT_EQUAL_HEX32(0U, ema_session_check(NULL));
@@ -195,6 +215,7 @@ int main(void)
     RUN_TEST(test_tolerance_that_ends_too_soon);
     RUN_TEST(test_reannealing_that_never_lets_it_cool);
     RUN_TEST(test_without_a_resolution_the_tolerance_takes_its_place);
+    RUN_TEST(test_settings_that_mean_nothing);
     RUN_TEST(test_several_warnings_at_once);
     RUN_TEST(test_session_knows_its_start_and_its_sensor);
     RUN_TEST(test_every_warning_has_its_own_bit_and_text);

@@ -244,8 +244,8 @@ def _advice(rows: Sequence[Row]) -> str:
         if faster
         else "none faster arrives as surely"
     )
-    return f"""What the defaults should be: every search arrives, none uses up its evaluations, and the same settings serve two values and the four that are searched where grease and winding are (`day_values`), for which the
-temperature must fall half as fast for each value. The shipped ones {"are such" if follows else "are **not** such"}: {share:.1f} % arrive, the longest search took {most} of {budget:g} evaluations. They are not the fastest for two: {fast}.
+    return f"""What the defaults should be: every search arrives, none uses up its evaluations, and the same settings serve two values and the four that are searched where grease and winding are (`day_values`), of
+whose model runs each value gets half as many. The shipped ones {"are such" if follows else "are **not** such"}: {share:.1f} % arrive, the longest search took {most} of {budget:g} evaluations. They are not the fastest for two: {fast}.
 """
 
 
