@@ -87,11 +87,17 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
     const bool scouting = annealer->info.evaluations <= (EMA_SCOUTS_PER_DIMENSION * dimension);
     ema_quadratic_t* const quadratic = &annealer->quadratic;
     annealer->walked = false;
-    if (scouting) {
-        for (uint32_t i = 0; i < dimension; ++i) {
-            annealer->candidate.x[i] = ema_random_uniform(random);
-        }
-    } else if (!((source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(quadratic, annealer))) {
+    bool proposed = scouting;
+    for (uint32_t i = 0; scouting && (i < dimension); ++i) {
+        annealer->candidate.x[i] = ema_random_uniform(random);
+    }
+    if (!scouting && (source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(quadratic, annealer)) {
+        ema_quadratic_draw(quadratic, annealer, random, annealer->candidate.x);
+        /* cut off at a bound it would be wrong in the other coordinates: there the walk goes on */
+        proposed = ema_start_valid(annealer->candidate.x, dimension);
+        annealer->info.from_quadratic += proposed ? 1U : 0U;
+    }
+    if (!proposed) {
         const uint32_t i = annealer->coordinate;
         const bool jump = ema_random_uniform(random) < EMA_JUMP_SHARE;
         const ema_real draw = jump ? ema_random_uniform(random)
@@ -99,12 +105,6 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
         annealer->candidate = annealer->current;
         annealer->candidate.x[i] = ema_reflect(draw);
         annealer->walked = !jump;
-    } else {
-        ema_quadratic_draw(quadratic, annealer, random, annealer->candidate.x);
-        for (uint32_t i = 0; i < dimension; ++i) {
-            annealer->candidate.x[i] = ema_clamp(annealer->candidate.x[i], EMA_R(0.0), EMA_R(1.0));
-        }
-        ++annealer->info.from_quadratic;
     }
     /* -log(u) > 0: with u drawn now, what will be accepted is known before the evaluation */
     annealer->accept_limit = annealer->current.cost - (annealer->temperature * ema_log(ema_random_uniform(random)));

@@ -661,6 +661,22 @@ static void test_heat_carries_over_ridges(void)
     TEST_ASSERT_TRUE(successes(ridges, 0.0, 1.0e-2, 1000U, 50U) >= 45U);
 }
 
+/* A valley that leaves the box: its lowest point inside lies on a wall, and elsewhere along it than the valley's own.
+ */
+static ema_real leaving(const ema_real* x, uint32_t dimension)
+{
+    (void)dimension;
+    const ema_real beyond = x[0] - EMA_R(1.2);
+    const ema_real aside = (x[1] - EMA_R(0.5)) + (EMA_R(0.8) * beyond);
+    return (EMA_R(100.0) * aside * aside) + (beyond * beyond);
+}
+
+static void test_lowest_point_on_a_wall(void)
+{
+    config.function_tolerance = EMA_R(1.0e-7);
+    TEST_ASSERT_TRUE(successes(leaving, 0.04, 1.0e-5, 400U, 50U) >= 35U);
+}
+
 static void assert_refused(unsigned line)
 {
     (void)memset(&annealer, 0x5A, sizeof annealer);
@@ -774,6 +790,7 @@ int main(void)
     RUN_TEST(test_lowest_point_of_turned_bowls);
     RUN_TEST(test_lowest_point_of_a_curved_valley);
     RUN_TEST(test_heat_carries_over_ridges);
+    RUN_TEST(test_lowest_point_on_a_wall);
     RUN_TEST(test_init_needs_its_pointers);
     RUN_TEST(test_init_refuses_a_dimension_out_of_range);
     RUN_TEST(test_init_refuses_a_start_outside_the_box);
