@@ -294,7 +294,7 @@ def identify(
             SearchSettings(seed=seed, weight=weight),
             seeds,
             int(precision),
-            lambda run, _, best: bar.update(run, f"best {best:.3g}"),
+            lambda run, _, best, _tried: bar.update(run, f"best {best:.3g}"),
             not no_guard,
             signatures,
         )

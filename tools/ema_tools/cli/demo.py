@@ -304,7 +304,7 @@ def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]
     output.print()
 
 
-def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float) -> None:
+def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float, _tried: tuple[float, ...]) -> None:
     """Progress after a model run; `before` runs belong to earlier recordings."""
     bar.update(before + run_number, f"best {best:.2g} mm2 s")
 
