@@ -22,7 +22,14 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
         left_out=found.left_out,
         own_machine=None
         if own is None
-        else result.OwnMachineEntry(own.records, dict(own.standing), dict(own.scatter_percent), dict(own.least_percent)),
+        else result.OwnMachineEntry(
+            own.records,
+            dict(own.standing),
+            dict(own.scatter_percent),
+            dict(own.least_percent),
+            dict(own.exceeded),
+            dict(own.found_percent),
+        ),
         provenance=provenance,
     )
 

@@ -116,6 +116,12 @@ def own_machine(console: Console, own: OwnMachineEntry) -> None:
         for name, value in own.scatter_percent.items()
     )
     say(console, f"Its runs differ: {scatter}.")
+    for name, share in own.exceeded.items():
+        say(
+            console,
+            f"{FAULTS[name.partition('.')[2]]}: a healthy unit exceeds that in at most {number(100.0 * share, 2)} % of ground tests; "
+            f"from {number(own.found_percent[name], 2)} % on the onboard module calls 95 % of the shifts a fault.",
+        )
 
 
 def identification(console: Console, found: IdentificationResult) -> None:
