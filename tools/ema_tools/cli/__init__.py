@@ -288,6 +288,7 @@ def identify(
     from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
+    from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import weight_of
     from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
@@ -310,11 +311,13 @@ def identify(
             not no_guard,
             signatures,
         )
+        bar.update(model["search.evaluation_budget"], "looking round")
+        shape = shape_of(found, mapped=bool(json_path))
     if fitted:
         found.actuator.write(fitted, force)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
     drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
-    result = identification(found, measured.file, origin, drawn)
+    result = identification(found, measured.file, origin, drawn, shape)
     save(json_path, result, force)
     show.identification(output(), result)
 

@@ -28,6 +28,7 @@ FALSE_ALARM = 0.01  # of ground tests of a healthy machine, unless told: what th
 POWER = 0.95  # share of shifts that are to be found, unless told [judgement]
 _ALWAYS_ONE_SIDED = 2  # single tests that share the false alarms: CSJ and BLK, each upwards, since wear makes nothing smaller [physics]
 _BLIND = 1e4  # %, the standard deviation of a value of which a record says nothing [precision]
+_SELDOM = 1e-4  # a rate below this is not told more exactly [chance]
 _QUANTILES = 400  # of the scatter that runs may show [precision]
 
 
@@ -109,6 +110,11 @@ def false_alarms(threshold: float, runs: int, tests: int = _ALWAYS_ONE_SIDED) ->
     """How often a healthy machine exceeds one of its thresholds, of which each lies so many shown standard deviations off: what `Test.threshold` takes the other way."""
     test = Test(runs=runs)
     return float(min(1.0, tests * stats.t.sf(threshold / test.widened, test.freedom)))
+
+
+def rate_text(share: float) -> str:
+    """A rate of false alarms in words: what lies far out in the tail is not told exactly, since no few runs show that the scatter is normal there."""
+    return f"less than {100.0 * _SELDOM:g} %" if share < _SELDOM else f"at most {100.0 * share:.2g} %"
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,35 @@ class SearchEntry:
 
 
 @dataclass(frozen=True)
+class ProfileEntry:
+    """The objective along one value, the others at their best as far as a straight valley goes."""
+
+    value: Series  # in the unit of the name
+    objective_mm2s: Series
+    limit_mm2s: float  # values with less lie inside the 95 % region by what the residual is
+
+
+@dataclass(frozen=True)
+class MapEntry:
+    """The objective over both values."""
+
+    csj_Nm: Series
+    blk_mm: Series
+    objective_mm2s: tuple[Series, ...]  # a row for each BLK, in it a number for each CSJ
+
+
+@dataclass(frozen=True)
+class ShapeEntry:
+    """The objective round the estimates, and the way of the search over it."""
+
+    csj_Nm: ProfileEntry | None = field(default=None, metadata=SPARE)
+    blk_mm: ProfileEntry | None = field(default=None, metadata=SPARE)
+    map: MapEntry | None = None  # None where one value was searched alone, or nobody asked
+    path: dict[str, Series] = field(default_factory=dict)  # values of the model runs by key, in their order; a run whose values are not known is left out
+    path_cost_mm2s: Series = ()
+
+
+@dataclass(frozen=True)
 class Seed:
     """The answer of one further seed."""
 
@@ -145,6 +174,8 @@ class IdentificationResult:
     precision: int | None = None  # bits of the module's numbers
     baseline: BaselineEntry | None = None  # None where the actuator's healthy values were taken
     search: SearchEntry | None = None
+    shape: ShapeEntry | None = field(default=None, metadata=SPARE)  # None where nobody asked
+    undetermined: dict[str, str] = field(default_factory=dict)  # values that the record does not determine, by key, a sentence each
     seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record

@@ -20,7 +20,7 @@ from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record, simulated
-from ema_tools.fit.detection import Test, false_alarms
+from ema_tools.fit.detection import Test, false_alarms, rate_text
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.library.definitions import load_definitions
@@ -116,7 +116,7 @@ def _remark(name: str, exceeded: float, runs: int) -> str:
     """What stands behind a threshold in the unit's file."""
     row = row_of(name)
     return (
-        f"{row.text}; by its {runs} healthy runs a healthy unit exceeds it in at most {100.0 * exceeded:.2g} % of ground tests [{row.unit}]"
+        f"{row.text}; by its {runs} healthy runs a healthy unit exceeds it in {rate_text(exceeded)} of ground tests [{row.unit}]"
     )
 
 

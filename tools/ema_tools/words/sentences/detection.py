@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ema_tools.design.detection import Detection, Sight
+from ema_tools.fit.detection import rate_text
 
-_SELDOM = 1e-4  # a rate below this is not told more exactly [chance]
 ONE_WAY = "pushes the rod one way alone, which shows no play"
 
 
@@ -18,13 +18,9 @@ def sentence(found: Detection) -> str:
     return (
         f"At {100.0 * test.false_alarm:g} % false alarms the onboard test finds {100.0 * test.power:g} % of the shifts from {_shifts(_alone(present))} on, {by}; "
         f"one test of both together finds {together}. By the actuator's own thresholds its verdict is a fault from {_shifts(present.verdict)} on, "
-        f"and a false one in {_rate(present.false_alarms)} of ground tests; "
+        f"and a false one in {rate_text(present.false_alarms)} of ground tests; "
         f"all signals together could find {_shifts({name: one.alone for name, one in present.signals.items()})}. {_better(found)}"
     )
-
-
-def _rate(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share >= _SELDOM else f"less than {100.0 * _SELDOM:g} %"
 
 
 def _alone(one: Sight) -> dict[str, float]:

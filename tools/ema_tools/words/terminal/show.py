@@ -10,6 +10,7 @@ from rich.text import Text
 
 from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
+from ema_tools.fit.detection import rate_text
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry, RodModel
@@ -119,7 +120,7 @@ def own_machine(console: Console, own: OwnMachineEntry) -> None:
     for name, share in own.exceeded.items():
         say(
             console,
-            f"{FAULTS[name.partition('.')[2]]}: a healthy unit exceeds that in at most {number(100.0 * share, 2)} % of ground tests; "
+            f"{FAULTS[name.partition('.')[2]]}: a healthy unit exceeds that in {rate_text(share)} of ground tests; "
             f"from {number(own.found_percent[name], 2)} % on the onboard module calls 95 % of the shifts a fault.",
         )
 
@@ -141,6 +142,8 @@ def identification(console: Console, found: IdentificationResult) -> None:
             f"{estimate.shift_percent:+.3f} %",
         )
     console.print(rows)
+    for sentence in found.undetermined.values():
+        say(console, sentence)
     say(
         console,
         f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms",
