@@ -318,7 +318,9 @@ def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Prog
         COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
     )
     drawn = curves(record, before=simulated(found.healthy, record), after=simulated(found.actuator, record))
-    return identification(found, shipped.file, origin, drawn, shape_of(found), command="demo", case=shipped.case.letter, noise=shipped.noise)
+    return identification(
+        found, shipped.file, origin, drawn, shape_of(found), command="demo", case=shipped.case.letter, noise=shipped.noise
+    )
 
 
 def _shown(path: Path) -> str:

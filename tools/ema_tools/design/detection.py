@@ -199,6 +199,17 @@ class _Asked:
         )
 
 
+def sight_of(actuator: Actuator, test: Test, command: str, noise: Mapping[str, float] | None = None) -> Sight:
+    """What one command shows on an actuator whose scatter is the usual. Raises InputError for a command that does not exist."""
+    return _Asked(actuator, test, CHANNELS, _noise(actuator, noise)).sight(run_of(actuator, "", command))
+
+
+def _noise(actuator: Actuator, noise: Mapping[str, float] | None) -> dict[str, float]:
+    """Of each channel, rms per row; `noise` at 1 kHz."""
+    own = {"position_mm": actuator[_NOISE] / rows_noise(actuator)}
+    return {name: one * rows_noise(actuator) for name, one in noise_rms(actuator, {**own, **(noise or {})}).items()}
+
+
 def detection(
     actuator: Actuator,
     test: Test,
@@ -217,13 +228,11 @@ def detection(
     """
     tell = report or untold
     recorded = checked_channels(channels)
-    own_noise = {"position_mm": actuator[_NOISE] / rows_noise(actuator)}
-    rms = {name: one * rows_noise(actuator) for name, one in noise_rms(actuator, {**own_noise, **(noise or {})}).items()}
     limits = limits_of(actuator, own_limits)
     texts = menu(actuator, limits)
     present_text = command or texts["chirp"]
     present = run_of(actuator, "the present test", present_text)
-    asked = _Asked(actuator, test, recorded, rms)
+    asked = _Asked(actuator, test, recorded, _noise(actuator, noise))
     if not asked.names:
         raise InputError(
             f"{actuator.file}: screw.csj_Nm = 0, screw.blk_mm = 0: a shift is counted in % of the healthy value: calibrate first"

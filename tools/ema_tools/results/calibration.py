@@ -19,6 +19,7 @@ class Calibrated:
     unit: str
     source: Literal["balance", "loop"]  # what gave it
     at_bound: bool
+    interval95: tuple[float | None, float | None] = (None, None)  # lower and upper end, by the standard error
 
 
 @dataclass(frozen=True)

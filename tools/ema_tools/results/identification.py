@@ -54,6 +54,7 @@ class MissingEffect:
     std: dict[str, float | None]
     beside_it: dict[str, float]  # CSJ and BLK beside it, by full name
     against_healthy_records: int  # that it was compared with
+    interval95: dict[str, tuple[float | None, float | None]] = field(default_factory=dict)  # lower and upper end of each of the parameters
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class BaselineEntry:
     values: dict[str, float]  # by full name
     std: dict[str, float | None]  # standard errors
     records: int
+    interval95: dict[str, tuple[float | None, float | None]] = field(default_factory=dict)  # lower and upper end, by full name
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,9 @@ class ShapeEntry:
     csj_Nm: ProfileEntry | None = field(default=None, metadata=SPARE)
     blk_mm: ProfileEntry | None = field(default=None, metadata=SPARE)
     map: MapEntry | None = None  # None where one value was searched alone, or nobody asked
-    path: dict[str, Series] = field(default_factory=dict)  # values of the model runs by key, in their order; a run whose values are not known is left out
+    path: dict[str, Series] = field(
+        default_factory=dict
+    )  # values of the model runs by key, in their order; a run whose values are not known is left out
     path_cost_mm2s: Series = ()
 
 

@@ -96,7 +96,9 @@ class _Objective:
     def __call__(self, values: Reals) -> float:
         inside = np.clip(values, self.lower, self.upper).tolist()
         machine = self.found.healthy.changed(dict(zip(self.names, inside, strict=True)))
-        return library(self.found.precision).objective(*machine.arrays(), self.found.seen.command_mm, self.table, self.weight, self.start_mm)
+        return library(self.found.precision).objective(
+            *machine.arrays(), self.found.seen.command_mm, self.table, self.weight, self.start_mm
+        )
 
     def along(self, held: Sequence[int]) -> Reals:
         """How the other values go along the valley per unit of each held one, [held, values]; the held ones go by themselves."""

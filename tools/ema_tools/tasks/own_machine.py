@@ -115,9 +115,7 @@ def own_machine(
 def _remark(name: str, exceeded: float, runs: int) -> str:
     """What stands behind a threshold in the unit's file."""
     row = row_of(name)
-    return (
-        f"{row.text}; by its {runs} healthy runs a healthy unit exceeds it in {rate_text(exceeded)} of ground tests [{row.unit}]"
-    )
+    return f"{row.text}; by its {runs} healthy runs a healthy unit exceeds it in {rate_text(exceeded)} of ground tests [{row.unit}]"
 
 
 def _searched(found: Actuator, repeats: Sequence[Record]) -> tuple[Actuator, list[Identification]]:

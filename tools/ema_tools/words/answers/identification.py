@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.interval import interval_of
 from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
 from ema_tools.results.parts import CurvesEntry, Provenance
@@ -51,7 +52,12 @@ def identification(
         precision=found.precision,
         baseline=None
         if found.baseline is None
-        else result.BaselineEntry(dict(found.baseline.values), dict(found.baseline.std), found.baseline.records),
+        else result.BaselineEntry(
+            dict(found.baseline.values),
+            dict(found.baseline.std),
+            found.baseline.records,
+            {name: interval_of(value, found.baseline.std[name]) for name, value in found.baseline.values.items()},
+        ),
         search=result.SearchEntry(found.costs),
         shape=None if shape is None else _shape(shape),
         undetermined={} if shape is None else {KEYS[one.name]: undetermined_words(one) for one in shape.undetermined},
@@ -93,12 +99,15 @@ def _missing(checked: CrossCheck) -> result.MissingEffect:
         {field_of(name): value for name, value in checked.std.items()},
         dict(checked.faults),
         checked.against,
+        {field_of(name): interval_of(checked.values[name], std) for name, std in checked.std.items() if name in checked.values},
     )
 
 
 def _shape(shape: Shape) -> result.ShapeEntry:
     profiles = {
-        KEYS[one.name]: result.ProfileEntry(_series(one.values), _series(one.objective), one.limit) for one in shape.profiles if one.name in KEYS
+        KEYS[one.name]: result.ProfileEntry(_series(one.values), _series(one.objective), one.limit)
+        for one in shape.profiles
+        if one.name in KEYS
     }
     surface = shape.surface
     drawn = None

@@ -166,7 +166,9 @@ def profiles(result: ShownIdentification) -> Figure:
     """Objective along each parameter, logarithmic: the profile, the estimate with its 95 % interval, the healthy value, and the level up to which noise alone explains a value."""
     traces: list[Figure] = []
     count = len(result.profiles)
-    layout: Figure = {"yaxis": {"title": {"text": "E<sub>int</sub>, mm² s"}, "type": "log", "exponentformat": "power", "tickfont": {"size": 9}}}
+    layout: Figure = {
+        "yaxis": {"title": {"text": "E<sub>int</sub>, mm² s"}, "type": "log", "exponentformat": "power", "tickfont": {"size": 9}}
+    }
     said = []
     for place, (name, one) in enumerate(result.profiles.items(), start=1):
         fault, unit, axis = result.faults[name], name.partition("_")[2], "x" if place == 1 else f"x{place}"
@@ -229,7 +231,9 @@ def profiles(result: ShownIdentification) -> Figure:
             "nticks": 5,
             "anchor": "y",
         }
-        said.append(f"{title} lowest at {number(fault.estimate, 4)} {unit}, {number(least)} mm2 s; at the healthy value {number(float(traces[-2]['y'][0]))}")
+        said.append(
+            f"{title} lowest at {number(fault.estimate, 4)} {unit}, {number(least)} mm2 s; at the healthy value {number(float(traces[-2]['y'][0]))}"
+        )
     layout["margin"] = {"l": 62, "r": 14, "t": 8, "b": 44}
     return {"data": traces, "layout": layout, "height": 300, "label": "Objective along each parameter: " + "; ".join(said)}
 
@@ -274,7 +278,12 @@ def surface(result: ShownIdentification) -> Figure:
         "line": {"width": 0.7, "smoothing": 0.8},
         "hovertemplate": "CSJ %{x:.4~g} Nm, BLK %{y:.4~g} mm: 10^%{z:.2f} mm² s<extra></extra>",
     }
-    drawn = (found.path_csj >= found.csj[0]) & (found.path_csj <= found.csj[-1]) & (found.path_blk >= found.blk[0]) & (found.path_blk <= found.blk[-1])
+    drawn = (
+        (found.path_csj >= found.csj[0])
+        & (found.path_csj <= found.csj[-1])
+        & (found.path_blk >= found.blk[0])
+        & (found.path_blk <= found.blk[-1])
+    )
     better = found.path_cost <= np.minimum.accumulate(found.path_cost) if found.path_cost.size else np.zeros(0, dtype=bool)
     traces = [
         contour,

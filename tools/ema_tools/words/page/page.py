@@ -219,16 +219,24 @@ def _shape(page: _Page, result: ShownIdentification, identity: str) -> None:
     if not result.profiles:
         return
     page.add('<div class="pair">')
-    page.add('<figure><div class="figure-head"><h3>The error along each parameter</h3><ul class="legend"><li><span class="key after"></span>profile</li>')
-    page.add('<li><span class="key dot"></span>estimate, 95 %</li><li><span class="key diamond full before"></span>healthy</li>')
-    page.add('<li><span class="key dashed"></span>limit of noise</li></ul></div>', page.figure(f"{identity}-profiles", figures.profiles(result)))
     page.add(
-        "<figcaption>The other values follow along the valley. A value under the dashed line would explain this one record as well; the bar counts what differs from day to day, too.</figcaption></figure>"
+        '<figure><div class="figure-head"><h3>The error along each parameter</h3><ul class="legend"><li><span class="key after"></span>profile</li>'
+    )
+    page.add('<li><span class="key dot"></span>estimate, 95 %</li><li><span class="key diamond full before"></span>healthy</li>')
+    page.add(
+        '<li><span class="key dashed"></span>limit of noise</li></ul></div>', page.figure(f"{identity}-profiles", figures.profiles(result))
+    )
+    page.add(
+        "<figcaption>The other values follow along the valley. A value under the dashed line would explain this record as well; "
+        "the bar counts what differs from day to day, too.</figcaption></figure>"
     )
     if result.map is not None:
         page.add('<figure><div class="figure-head"><h3>The error over both, and the way of the search</h3><ul class="legend">')
         page.add('<li><span class="key dot soft"></span>candidate</li><li><span class="key after"></span>best so far</li>')
-        page.add('<li><span class="key diamond full before"></span>healthy</li></ul></div>', page.figure(f"{identity}-map", figures.surface(result)))
+        page.add(
+            '<li><span class="key diamond full before"></span>healthy</li></ul></div>',
+            page.figure(f"{identity}-map", figures.surface(result)),
+        )
         page.add("<figcaption>Logarithmic; dark is small. Candidates beyond the map are not drawn.</figcaption></figure>")
     page.add("</div>")
 

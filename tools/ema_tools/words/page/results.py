@@ -18,9 +18,8 @@ from ema_tools.results import reading as results
 from ema_tools.results.addition import Addition
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
-from ema_tools.results.identification import KEYS, IdentificationResult
+from ema_tools.results.identification import KEYS, IdentificationResult, ProfileEntry, ShapeEntry
 from ema_tools.results.identification import EstimateEntry as ResultEstimate
-from ema_tools.results.identification import ProfileEntry, ShapeEntry
 from ema_tools.results.parts import Place
 from ema_tools.results.reading import result_of
 from ema_tools.words.page.diagnosis_results import Diagnosed, diagnosed
@@ -205,7 +204,9 @@ def _estimate(one: ResultEstimate, source: str, name: str) -> ShownEstimate:
         return ShownEstimate(one.estimate, (low, high), one.shift_percent, healthy)
     # an older file states a standard error alone
     ends = interval95(one.estimate, one.std) if one.std is not None else (None, None)
-    return ShownEstimate(one.estimate, (ends[0], ends[1]) if ends[0] is not None and ends[1] is not None else None, one.shift_percent, healthy)
+    return ShownEstimate(
+        one.estimate, (ends[0], ends[1]) if ends[0] is not None and ends[1] is not None else None, one.shift_percent, healthy
+    )
 
 
 def _profiles(shape: ShapeEntry, source: str) -> dict[str, ShownProfile]:
@@ -228,7 +229,9 @@ def _map(shape: ShapeEntry, source: str) -> ShownMap:
     cost = np.asarray(shape.path_cost_mm2s, dtype=np.float64)
     if any(one.size != cost.size for one in path):
         raise fault(source, "shape.path", "has not one value for each cost")
-    return ShownMap(np.asarray(shape.map.csj_Nm), np.asarray(shape.map.blk_mm), np.asarray(shape.map.objective_mm2s), *path, cost)
+    return ShownMap(
+        np.asarray(shape.map.csj_Nm), np.asarray(shape.map.blk_mm), np.asarray(shape.map.objective_mm2s), path[0], path[1], cost
+    )
 
 
 def compared(found: ComparisonResult, source: str, stem: str) -> Compared:

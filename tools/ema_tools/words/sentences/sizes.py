@@ -18,7 +18,7 @@ def ends_text(low: float | None, high: float | None) -> str:
 
 
 def size_text(name: str, value: float, std: float | None) -> str:
-    """A value with its 95 % interval and unit, as in `0.31 (0.27 .. 0.35) Nm`."""
+    """A value with its 95 % interval and unit, as in `0.31 Nm [95 %: 0.27 .. 0.35]`."""
     unit = row_of(name).unit
-    doubt = f" ({ends_text(*interval95(value, std))})" if std is not None and math.isfinite(std) else ""
-    return f"{value:.4g}{doubt}{' ' + unit if unit else ''}"
+    doubt = f" [95 %: {ends_text(*interval95(value, std))}]" if std is not None and math.isfinite(std) else ""
+    return f"{value:.4g}{' ' + unit if unit else ''}{doubt}"
