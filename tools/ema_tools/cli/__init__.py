@@ -593,12 +593,12 @@ def next_command(
     chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else CHANNELS
     if first is None:
         from ema_tools.design import detection as seeing
-        from ema_tools.fit.detection import Test
+        from ema_tools.fit.detection import ShiftTest
 
         with progress("simulating", 100) as bar:
             seen = seeing.detection(
                 model,
-                Test(false_alarm, power, runs),
+                ShiftTest(false_alarm, power, runs),
                 present,
                 chosen,
                 noise_of(noise),

@@ -19,7 +19,7 @@ from ema_tools.data.commands import parsed_numbers
 from ema_tools.design.menu import Offence, SafeRange, limits_of, menu
 from ema_tools.design.runs import CommandRun, checked_channels, noise_rms, rows_noise, run_of, safe_of
 from ema_tools.design.typical import typical_change
-from ema_tools.fit.detection import Scatter, Test, scatter_by_search, scatter_by_signals
+from ema_tools.fit.detection import Scatter, ShiftTest, scatter_by_search, scatter_by_signals
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.library.faults import FAULTS
 from ema_tools.plant.native import CHANNELS
@@ -72,7 +72,7 @@ class Sight:
 class Detection:
     """The present ground test and the safe ones beside it, best first; `unsafe`: command to why it was left out, `one_way`: those that push the rod one way alone, which shows no play."""
 
-    test: Test
+    test: ShiftTest
     channels: tuple[str, ...]
     scatter_percent: Mapping[str, float]
     present: Sight
@@ -148,7 +148,7 @@ def _both_ways(one: CommandRun, blk_mm: float) -> bool:
 class _Asked:
     """What is the same for every command."""
 
-    def __init__(self, actuator: Actuator, test: Test, channels: Sequence[str], noise: Mapping[str, float]) -> None:
+    def __init__(self, actuator: Actuator, test: ShiftTest, channels: Sequence[str], noise: Mapping[str, float]) -> None:
         self.actuator, self.test = actuator, test
         self.names = {fault: value for fault, value in FAULTS.items() if actuator[value] > 0.0}
         self.noise = {name: noise[name] for name in channels}
@@ -199,7 +199,7 @@ class _Asked:
         )
 
 
-def sight_of(actuator: Actuator, test: Test, command: str, noise: Mapping[str, float] | None = None) -> Sight:
+def sight_of(actuator: Actuator, test: ShiftTest, command: str, noise: Mapping[str, float] | None = None) -> Sight:
     """What one command shows on an actuator whose scatter is the usual. Raises InputError for a command that does not exist."""
     return _Asked(actuator, test, CHANNELS, _noise(actuator, noise)).sight(run_of(actuator, "", command))
 
@@ -212,7 +212,7 @@ def _noise(actuator: Actuator, noise: Mapping[str, float] | None) -> dict[str, f
 
 def detection(
     actuator: Actuator,
-    test: Test,
+    test: ShiftTest,
     command: str | None = None,
     channels: Sequence[str] = CHANNELS,
     noise: Mapping[str, float] | None = None,

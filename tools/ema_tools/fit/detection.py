@@ -33,7 +33,7 @@ _QUANTILES = 400  # of the scatter that runs may show [precision]
 
 
 @dataclass(frozen=True)
-class Test:
+class ShiftTest:
     """A test at `false_alarm`, that finds a shift with `power`, by the scatter that `runs` healthy runs show; None where the scatter is known without."""
 
     false_alarm: float = FALSE_ALARM
@@ -107,8 +107,8 @@ def _shift(share: Callable[[float], float], power: float) -> float:
 
 
 def false_alarms(threshold: float, runs: int, tests: int = _ALWAYS_ONE_SIDED) -> float:
-    """How often a healthy machine exceeds one of its thresholds, of which each lies so many shown standard deviations off: what `Test.threshold` takes the other way."""
-    test = Test(runs=runs)
+    """How often a healthy machine exceeds one of its thresholds, of which each lies so many shown standard deviations off: what `ShiftTest.threshold` takes the other way."""
+    test = ShiftTest(runs=runs)
     return float(min(1.0, tests * stats.t.sf(threshold / test.widened, test.freedom)))
 
 

@@ -12,7 +12,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.data.records import Record
-from ema_tools.fit.detection import USUAL_WEIGHT, Test
+from ema_tools.fit.detection import USUAL_WEIGHT, ShiftTest
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
@@ -90,8 +90,8 @@ def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_
     With a rate of false alarms that was chosen it is what the scatter makes of that, and nothing else.
     """
     if false_alarm is not None:
-        return Test(false_alarm, runs=runs).threshold() * scatter_percent
-    return float(np.clip(Test(runs=runs).threshold() * scatter_percent, stated_percent, _AT_MOST * stated_percent))
+        return ShiftTest(false_alarm, runs=runs).threshold() * scatter_percent
+    return float(np.clip(ShiftTest(runs=runs).threshold() * scatter_percent, stated_percent, _AT_MOST * stated_percent))
 
 
 def weights_of(beside: Compared) -> tuple[float, float, float, float]:

@@ -20,7 +20,7 @@ from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record, simulated
-from ema_tools.fit.detection import Test, false_alarms, rate_text
+from ema_tools.fit.detection import ShiftTest, false_alarms, rate_text
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.library.definitions import load_definitions
@@ -95,7 +95,7 @@ def own_machine(
     runs = len(repeats)
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
     exceeded = {name: false_alarms(least[name] / (100.0 * scatter[name]), runs, 1) for name in names}
-    test = Test(runs=runs)
+    test = ShiftTest(runs=runs)
     certain = {name: found["verdict.confidence_std"] * by_noise[name] + test.missed() * scatter[name] for name in names}
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(

@@ -11,7 +11,7 @@ from ema_tools.benchmarks.detection.trials import CONFIRMED, FAULTS, RUNS, WIDE,
 from ema_tools.benchmarks.hidden.documents import table
 from ema_tools.benchmarks.hidden.pictures import COLOURS, label, svg
 from ema_tools.design.detection import Detection, Sight, detection
-from ema_tools.fit.detection import Test
+from ema_tools.fit.detection import ShiftTest
 
 Row = Mapping[str, Any]
 _VERDICTS = ("healthy", "fault", "undecided")
@@ -153,7 +153,7 @@ def _confirmed(rows: Sequence[Row]) -> str:
                 name: (now.onboard[name].alone - made.onboard[name].alone, now.onboard[name].together - made.onboard[name].alone)
                 for name in FAULTS
             }
-            rates, test = tested(by, scatter(searched, command), runs, moves, _DRAWS), Test(runs=runs)
+            rates, test = tested(by, scatter(searched, command), runs, moves, _DRAWS), ShiftTest(runs=runs)
             spread = " / ".join(
                 f"{np.std(by[''][:, place], ddof=1):.2f} ({now.onboard[name].std:.2f})" for place, name in enumerate(FAULTS)
             )
@@ -228,7 +228,7 @@ def _commands() -> str:
         (True, "Grease and winding searched beside (a unit's own model)"),
         (False, "CSJ and BLK alone (the data sheet's model)"),
     ):
-        found = detection(machine(searched), Test(runs=RUNS[0]))
+        found = detection(machine(searched), ShiftTest(runs=RUNS[0]))
         parts += [f"### {title}\n", _menu(found)]
     return "\n".join(parts)
 

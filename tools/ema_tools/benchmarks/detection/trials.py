@@ -21,7 +21,7 @@ from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.design.detection import Sight, sight_of
 from ema_tools.design.runs import run_of
-from ema_tools.fit.detection import Scatter, Test, scatter_by_search
+from ema_tools.fit.detection import Scatter, ShiftTest, scatter_by_search
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.onboard_search import MIN_SHIFTS, run
@@ -123,7 +123,7 @@ def machine(day_searched: bool) -> Actuator:
 @lru_cache(maxsize=16)
 def sight(day_searched: bool, command: str, runs: int) -> Sight:
     """What is computed of a command."""
-    return sight_of(machine(day_searched), Test(runs=runs), command)
+    return sight_of(machine(day_searched), ShiftTest(runs=runs), command)
 
 
 @lru_cache(maxsize=16)
@@ -182,7 +182,7 @@ def _judged(job: Wear) -> dict[str, Any]:
     }
     if job.kind == "flight":
         actuator = calibrated(job.unit, "", "chirp", job.healthy)
-        seen = sight_of(actuator, Test(runs=job.healthy), _CHIRP)
+        seen = sight_of(actuator, ShiftTest(runs=job.healthy), _CHIRP)
         found |= {
             "threshold": {name: actuator[MIN_SHIFTS[value]] for name, value in FAULTS.items()},
             "computed": dict(seen.verdict),
@@ -199,7 +199,7 @@ def tested(
     `read`: readings [days, 2] in %, healthy ones under "", worn ones by fault, which are moved by `moves` to the shift that the single test finds, and to the one that the test of both finds.
     """
     random = np.random.default_rng(seed_of("draws", runs))
-    test = Test(runs=runs)
+    test = ShiftTest(runs=runs)
     limit, together = test.threshold(), test.threshold_together()
     inverse, usual = np.linalg.inv(known.whole), np.diag(known.whole)
     healthy = read[""]

@@ -196,7 +196,8 @@ def identified(found: IdentificationResult, source: str, stem: str) -> ShownIden
 
 
 def _estimate(one: ResultEstimate, source: str, name: str) -> ShownEstimate:
-    if one.shift_percent <= -100.0:
+    # a play of zero is one; without its healthy value there would be none to divide by
+    if one.shift_percent < -100.0 or (one.shift_percent == -100.0 and one.healthy is None):
         raise fault(source, f"{name}.shift_percent", "is not above -100")
     healthy = one.healthy if one.healthy is not None else one.estimate / (1.0 + one.shift_percent / 100.0)
     low, high = one.interval95

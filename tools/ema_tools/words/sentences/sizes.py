@@ -7,13 +7,20 @@ import math
 from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import row_of
 
+_DECIMALS = 6  # of a number that is written without a power of ten [layout]
+
 
 def ends_text(low: float | None, high: float | None) -> str:
     """An interval with two digits of its width, as in `0.297 .. 0.303`; a dash where there is none."""
     if low is None or high is None:
         return "-"
     width, largest = high - low, max(abs(low), abs(high))
-    digits = 4 if not width > 0.0 else max(2, math.ceil(math.log10(largest / width)) + 2)
+    if not width > 0.0:
+        return f"{low:.4g} .. {high:.4g}"
+    decimals = 1 - math.floor(math.log10(width))
+    if 0 <= decimals <= _DECIMALS:
+        return f"{low:.{decimals}f} .. {high:.{decimals}f}"
+    digits = max(2, math.floor(math.log10(largest)) + 1 + decimals)
     return f"{low:.{digits}g} .. {high:.{digits}g}"
 
 
