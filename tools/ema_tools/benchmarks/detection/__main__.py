@@ -17,8 +17,8 @@ from ema_tools.words.terminal.console import output, run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
-@click.option("--units", type=click.IntRange(0), default=14, show_default=True, help="Units judged by the flight code.")
-@click.option("--desk", type=click.IntRange(0), default=6, show_default=True, help="Of them those judged at the desk, too.")
+@click.option("--units", type=click.IntRange(0), default=12, show_default=True, help="Units judged by the flight code.")
+@click.option("--desk", type=click.IntRange(0), default=4, show_default=True, help="Of them those judged at the desk, too.")
 @click.option("--days", type=click.IntRange(0), default=80, show_default=True, help="Days read for each command and fault.")
 @workers_option
 @folder_option("detection")

@@ -16,7 +16,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.benchmarks.hidden.machines import SCATTER, seed_of
 from ema_tools.benchmarks.hidden.running import Job
 from ema_tools.benchmarks.hidden.sealed import record_of
-from ema_tools.benchmarks.verdicts.trials import VerdictTrial, calibrated, perform
+from ema_tools.benchmarks.verdicts.trials import VerdictTrial, calibrated, known_by, perform
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.design.detection import Sight, sight_of
@@ -181,7 +181,7 @@ def _judged(job: Wear) -> dict[str, Any]:
         "verdict": row["verdict"],
     }
     if job.kind == "flight":
-        actuator = calibrated(job.unit, "", "chirp", job.healthy)
+        actuator = calibrated(known_by(job.trial))
         seen = sight_of(actuator, ShiftTest(runs=job.healthy), _CHIRP)
         found |= {
             "threshold": {name: actuator[MIN_SHIFTS[value]] for name, value in FAULTS.items()},
