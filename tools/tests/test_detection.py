@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import re
+import xml.etree.ElementTree
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ema_tools.base.errors import InputError
+from ema_tools.benchmarks.detection import document, trials
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import write_record
 from ema_tools.design.detection import Detection, detection, moved_chirps, scatter_given
 from ema_tools.design.menu import limits_of
-from ema_tools.fit.detection import USUAL_WEIGHT, ShiftTest, false_alarms, rate_text, scatter_by_search
+from ema_tools.fit.detection import USUAL_WEIGHT, Scatter, ShiftTest, false_alarms, rate_text, scatter_by_search
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import SearchSettings
 from ema_tools.results.detection import DetectionResult
@@ -200,3 +202,32 @@ def test_a_chosen_rate_goes_into_the_units_file_and_the_firmware(tmp_path: Path)
     assert again.count("in at most 1 % of ground tests") == 2
     alone = run_ema("calibrate", REFERENCE, files[0], "--false-alarm", "0.02", "-o", tmp_path / "none.toml")
     assert alone.code == 1 and "no two of the records run the same command" in complaint(alone)
+
+
+def test_the_benchmark_counts_what_is_drawn() -> None:
+    """Readings that lie as computed have the computed rates, and the figure shows every verdict."""
+    known = Scatter(NAMES, np.diag([0.01, 0.8]), np.array([[0.2, 0.05], [0.05, 0.9]]), np.zeros(2))
+    random, test = np.random.default_rng(3), ShiftTest(runs=3)
+    drawn = {name: random.multivariate_normal([0.0, 0.0], known.whole, 4000) for name in ("", "csj", "blk")}
+    moves = {fault: (test.found() * known.std(name), test.found_together() * known.alone(name)) for fault, name in trials.FAULTS.items()}
+    rates = trials.tested(drawn, known, 3, moves, 4000)
+    assert max(rates[""]) <= 0.01
+    assert [rates[fault][0] for fault in moves] == pytest.approx([0.95, 0.95], abs=0.015)
+    assert all(rates[fault][1] >= 0.94 for fault in moves)
+    rows = [
+        {
+            "kind": kind,
+            "unit": 1,
+            "fault": fault,
+            "percent": percent,
+            "verdict": verdict,
+            "threshold": {"csj": 5.0, "blk": 10.0},
+            "computed": {"csj": 6.0, "blk": 14.0},
+            "limit": {"csj": 3.0, "blk": 7.0},
+        }
+        for kind in ("flight", "unit")
+        for fault, percent, verdict in (("csj", 0.0, "healthy"), ("csj", 5.0, "undecided"), ("csj", 8.0, "fault"), ("blk", 20.0, "fault"))
+    ]
+    drawing = document.figure(rows)
+    assert xml.etree.ElementTree.fromstring(drawing).tag.endswith("svg") and drawing.count("<polyline") == 12
+    assert "| +5 % | 0 | 0 | 100 | 0 | 0 | 100 |" in document.curves(rows, "")

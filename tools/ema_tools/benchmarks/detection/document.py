@@ -22,7 +22,7 @@ _SHOWN = 8
 
 def written(rows: Sequence[Row], command: str, picture: str) -> str:
     """As Markdown; `command` writes it again, `picture` is the file of the figure beside it, empty for none."""
-    return "\n".join(part for part in (_head(command), _curves(rows, picture), _confirmed(rows), _commands()) if part)
+    return "\n".join(part for part in (_head(command), curves(rows, picture), _confirmed(rows), _commands()) if part)
 
 
 def _head(command: str) -> str:
@@ -59,13 +59,16 @@ def _computed(rows: Sequence[Row], fault: str, what: str) -> float:
     return float(np.mean([row[what][fault] for row in _of(rows, "flight")]))
 
 
-def _curves(rows: Sequence[Row], picture: str) -> str:
+def curves(rows: Sequence[Row], picture: str) -> str:
+    """Rates of the verdicts as tables; `picture` is the figure beside them, empty for none."""
     if not _of(rows, "flight"):
         return ""
     units = {kind: len({row["unit"] for row in _of(rows, kind)}) for kind in _KINDS}
     text = (
         f"{units['flight']} units with standing errors and sensors of their own, every second one with an effect in a form that the library does not have, usual scatter, three or five "
-        f"healthy records; {units['unit']} of them at the desk, too. Each shift on a day of its own."
+        f"healthy records; {units['unit']} of them at the desk, too. Each shift on a day of its own. "
+        "The computation counts scatter and sensor noise; it does not count what a unit's model reads wrongly for its standing errors, nor that a model may not be adequate: a flight that is "
+        "undecided far from the thresholds is one of these."
     )
     parts = [f"## The three verdicts against the size of a fault\n\n{text}\n"]
     if picture:
@@ -205,7 +208,8 @@ def _wide(read: Sequence[Row]) -> str:
         alone, together = tested({"": healthy}, scatter(searched, command), runs, {}, _DRAWS)[""]
         found.append((str(runs), f"{100.0 * alone:.1f}", f"{100.0 * together:.1f}"))
     return (
-        f"A healthy machine whose friction, grease and winding scatter {WIDE:g} times as much as usual, which only its own runs tell ({len(healthy)} days, the first command):\n\n"
+        f"A healthy machine whose friction, grease and winding scatter {WIDE:g} times as much as usual, which only its own runs tell ({len(healthy)} days, the first command). "
+        "What is above 1 % here is the price of counting the usual scatter as two runs:\n\n"
         + table(("healthy runs", "false alarms, each alone, %", "both together, %"), found, 2)
     )
 
