@@ -187,7 +187,8 @@ class Actuator:
         for row in all_rows():
             _update(document, row, self[row.name])
         for name, text in self.remarks.items():
-            _item_of(document, row_of(name)).comment(text)
+            trivia = _item_of(document, row_of(name)).trivia
+            trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
         return tomlkit.dumps(document)
 
     def write(self, path: str | Path, force: bool = False) -> None:
