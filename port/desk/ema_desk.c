@@ -313,7 +313,7 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
     }
     search->start_at_healthy = config.start_at_healthy ? 1 : 0;
     search->abandon = config.abandon ? 1 : 0;
-    search->slice_steps = 1000;
+    search->slice_steps = 100;
     search->evaluation_budget = (int32_t)config.annealer.evaluation_budget;
     search->reanneal_interval = (int32_t)config.annealer.reanneal_interval;
     search->initial_temperature = (double)config.annealer.initial_temperature;
@@ -499,6 +499,15 @@ static void ema_finding_to(const ema_finding_t* from, ema_desk_finding_t* to)
     *to = found;
 }
 
+/* The values at a point of the search, in the parameters' units. */
+static void ema_tried_at(const ema_session_config_t* config, const ema_real* x, double* tried)
+{
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const double lower = (double)config->identified[i].lower;
+        tried[i] = lower + ((double)x[i] * ((double)config->identified[i].upper - lower));
+    }
+}
+
 /* Runs a fed session to its end, unless the progress stops it. */
 static ema_status_t ema_guarded_to_end(ema_guarded_t* guarded, int32_t slice_steps, ema_desk_progress_t progress,
                                        void* context)
@@ -507,11 +516,20 @@ static ema_status_t ema_guarded_to_end(ema_guarded_t* guarded, int32_t slice_ste
     ema_status_t status = EMA_OK;
     uint32_t told = 0U;
     bool stopped = false;
+    double tried[EMA_IDENTIFIED_MAX] = {0.0};
     while ((status == EMA_OK) && !stopped && (ema_guarded_phase(guarded) != EMA_GUARDED_DONE)) {
+        ema_tried_at(guarded->session.config, ema_annealer_candidate(annealer), tried);
         status = ema_guarded_run(guarded, (uint32_t)slice_steps);
         if ((status == EMA_OK) && (progress != NULL) && (annealer->info.evaluations > told)) {
+            const bool one = annealer->info.evaluations == (told + 1U);
             told = annealer->info.evaluations;
-            stopped = progress((int32_t)told, (double)annealer->last_cost, (double)annealer->best.cost, context) != 0;
+            if (told == 1U) {
+                /* the start may have been moved meanwhile; it is always taken */
+                ema_tried_at(guarded->session.config, annealer->current.x, tried);
+            }
+            stopped = progress((int32_t)told, (double)annealer->last_cost, (double)annealer->best.cost,
+                               one ? tried : NULL, context)
+                      != 0;
         }
     }
     return status;

@@ -155,9 +155,11 @@ typedef struct {
     double moved[2];
 } ema_desk_finding_t;
 
-/* Called after each model run of the search with the run's number, the cost found and the best so far; may be NULL. A
- * return other than 0 stops the search. */
-typedef int32_t (*ema_desk_progress_t)(int32_t evaluation, double cost, double best, void* context);
+/* Called after each model run of the search with the run's number, the cost found, the best so far, and the
+ * identified_count values that were tried, in the parameters' units, or NULL where one slice ended more than one run;
+ * may be NULL. A return other than 0 stops the search. */
+typedef int32_t (*ema_desk_progress_t)(int32_t evaluation, double cost, double best, const double* tried,
+                                       void* context);
 
 /* The search's settings that the actuator's own tables give. */
 int32_t ema_desk_search_default(const double* values, const int32_t* options, ema_desk_search_t* search);

@@ -157,7 +157,7 @@ def test_what_diagnose_and_add_write_agree(done: Path) -> None:
 def test_pages_show_size_and_standard_error(done: Path) -> None:
     for name in ("d", "a"):
         page = (done / f"{name}.html").read_text(encoding="utf-8")
-        assert re.search(r"rise_degC = (59|60|61)\.\d+ ± \d", page), name
+        assert re.search(r"rise_degC = (59|60|61)\.\d+ degC \[95 %: \d", page), name
     assert run_ema("report", done / "d.json", done / "a.json", "-o", done / "both.html").code == 0
 
 

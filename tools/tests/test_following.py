@@ -17,6 +17,7 @@ from ema_tools.data.records import simulated
 from ema_tools.design import next_experiment as following
 from ema_tools.design.menu import limits_of, menu
 from ema_tools.design.next_experiment import SEPARATE, Next, Option, next_experiment
+from ema_tools.design.runs import USUAL_NOISE, run_of
 from ema_tools.design.typical import scaled, typical_change, zero_of
 from ema_tools.fit.evidence import view
 from ema_tools.fit.refit import refit
@@ -78,8 +79,8 @@ def test_the_separation_is_what_noisy_records_show() -> None:
     values = {"effects.quadratic_viscous.drag_Nm_s2_per_rad2": 3e-8}
     channels = ("position_mm", "current_A")
     said = option(next_experiment(actuator, names, channels, values), "chirp")
-    run = following._run_of(actuator, "chirp", said.command)
-    evidence = following._evidence(actuator, run, channels, following.USUAL_NOISE)
+    run = run_of(actuator, "chirp", said.command)
+    evidence = following._evidence(actuator, run, channels, USUAL_NOISE)
     clean = evidence.simulate(values, np.zeros(len(evidence.spread)))
     random = np.random.default_rng(5)
     extra = []

@@ -82,17 +82,25 @@ def test_sample_that_cannot_be_taken_is_counted() -> None:
 
 def test_progress_sees_the_search_and_can_end_it() -> None:
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
-    seen: list[tuple[int, float, float]] = []
+    seen: list[tuple[int, float, float, tuple[float, ...]]] = []
     answer = library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), None, lambda *what: seen.append(what))
-    bests = [best for _, _, best in seen]
+    bests = [best for _, _, best, _ in seen]
     assert bests == sorted(bests, reverse=True)
-    assert [run for run, _, _ in seen] == sorted({run for run, _, _ in seen})
-    assert len(seen) <= answer.evaluations
+    assert [run for run, *_ in seen] == sorted({run for run, *_ in seen})
+    assert 0.95 * answer.evaluations <= len(seen) <= answer.evaluations
+    # what was tried has the cost that was told, and the best of it is the answer
+    known = {run: (cost, tried) for run, cost, _, tried in seen if tried}
+    assert len(known) >= 0.95 * len(seen)
+    assert known[1][1] == pytest.approx((reference_actuator()["screw.csj_Nm"], reference_actuator()["screw.blk_mm"]), rel=1e-6)
+    best_cost, best = min(known.values())
+    assert best == pytest.approx([one.estimate for one in answer.identified], rel=1e-6)
+    again = reference_actuator().changed({one.name: value for one, value in zip(answer.identified, best, strict=True)})
+    assert library(32).objective(*again.arrays(), record.command_mm, record.table()) == pytest.approx(best_cost, rel=0.2, abs=1e-12)
 
     class Enough(Exception):
         pass
 
-    def stop(run: int, _cost: float, _best: float) -> None:
+    def stop(run: int, _cost: float, _best: float, _tried: tuple[float, ...]) -> None:
         if run >= 10:
             raise Enough
 

@@ -115,7 +115,7 @@ def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
     for said in (
         "jam_spot explains what the record shows beyond the repeats.",
         "lies in the mechanical balance",
-        "jam_spot.amplitude_Nm = 0.1000 ± 0.0020 Nm",
+        "jam_spot.amplitude_Nm = 0.1000 Nm [95 %: 0.0961 … 0.1039]",
         "explains less",
         "separates jam_spot from pitch_ripple",
         "ema diagnose mine.toml today.csv",
@@ -160,7 +160,10 @@ def test_addition_is_shown_with_its_fall(tmp_path: Path) -> None:
     }  # fmt: skip
     text = words(page(tmp_path, added))
     assert "jam_spot added: weighted error 3.20 → 1.05 on today.csv" in text
-    assert "jam_spot.width_mm = 2.000 ± 0.010 mm (at its bound)" in text and "not recommended: width_mm lies on its bound" in text
+    assert (
+        "jam_spot.width_mm = 2.000 mm [95 %: 1.980 … 2.020] (at its bound)" in text
+        and "not recommended: width_mm lies on its bound" in text
+    )
 
 
 @pytest.mark.parametrize(
@@ -234,11 +237,11 @@ def test_values_of_the_last_model_are_stated_once_with_their_errors(tmp_path: Pa
     assert [step.added for step in found.steps] == ["what scatters", "jam_spot"] and found.steps[0].values == ()
     text = words(page(tmp_path, data))
     assert (
-        text.count("jam_spot.amplitude_Nm = 0.1000 ± 0.0020 Nm") == 1
-        and text.count("amplitude_Nm = 0.1000 ± 0.0020 Nm") == 2
-        and text.count("width_mm = 2.000 ± 0.010 mm (at its bound)") == 2
+        text.count("jam_spot.amplitude_Nm = 0.1000 Nm [95 %: 0.0961 … 0.1039]") == 1
+        and text.count("amplitude_Nm = 0.1000 Nm [95 %: 0.0961 … 0.1039]") == 2
+        and text.count("width_mm = 2.000 mm [95 %: 1.980 … 2.020] (at its bound)") == 2
     )
-    assert text.count("screw.csj_Nm = 0.2000 ± 3.0×10⁻⁴ Nm") == 1
+    assert text.count("screw.csj_Nm = 0.2000 Nm [95 %: 0.1994 … 0.2006]") == 1
     assert "recommended" not in text.split("Does the error fall?")[1].split("From the first model")[0]
     assert diagnosis_figures.waterfall(found)["data"][0]["x"] == [
         "first model<br><b>3.20</b>",

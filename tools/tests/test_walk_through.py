@@ -56,10 +56,17 @@ def test_output_is_what_the_commands_print(output: dict[str, str]) -> None:
 
 
 def test_words_and_numbers_are_held_against_the_output() -> None:
-    real = "missing is stribeck_friction (rise 0.2993 +- 0.0019); floor 0.864\nfound in 0.05 s at 1.3e-15"
+    real = "missing is stribeck_friction (rise 0.2993 [95 %: 0.2956 .. 0.3030]); floor 0.864\nfound in 0.05 s at 1.3e-15"
     assert missing_from("missing is\nstribeck_friction (rise 0.2994 … floor 0.863 found in 0.07 s", real) == ""
     assert missing_from("1.3e-15", real) == ""
-    for shown in ("missing is presliding", "(rise 0.3993", "+- 0.0031", "floor 0.864 … stribeck_friction", "floor 0.864 in", "at 1.3e-12"):
+    for shown in (
+        "missing is presliding",
+        "(rise 0.3993",
+        "[95 %: 0.2556",
+        "floor 0.864 … stribeck_friction",
+        "floor 0.864 in",
+        "at 1.3e-12",
+    ):
         assert missing_from(shown, real) != "", shown
 
 

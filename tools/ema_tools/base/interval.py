@@ -11,3 +11,8 @@ def interval95(estimate: float, *stds: float) -> tuple[float | None, float | Non
     """The 95 % interval about an estimate with independent errors of these standard deviations; no ends where the record does not determine it."""
     half = WIDTH_95 * math.hypot(*stds)
     return (estimate - half, estimate + half) if math.isfinite(half) else (None, None)
+
+
+def interval_of(estimate: float, std: float | None) -> tuple[float | None, float | None]:
+    """The same of an estimate that may have no standard error."""
+    return interval95(estimate, math.nan if std is None else std)

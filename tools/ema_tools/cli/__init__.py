@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 # The cores work on simulations; threads inside a small matrix product would only wait for each other. Read when NumPy is imported.
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -185,6 +186,12 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     is_flag=True,
     help="Fit base values alone, though two or more records run the same command: no effects that the unit always has, the thresholds as they are.",
 )
+@click.option(
+    "--false-alarm",
+    type=click.FloatRange(0.0, 0.5, min_open=True, max_open=True),
+    help="Set the thresholds so that this share of the ground tests of the healthy unit exceeds one of them, by the scatter of its runs alone: 0.01. "
+    "Unless told they stay as stated, and grow where more than 0.01 would.",
+)
 @json_option
 def calibrate(
     actuator: str,
@@ -193,6 +200,7 @@ def calibrate(
     names: str | None,
     loop: bool | None,
     base_only: bool,
+    false_alarm: float | None,
     json_path: str | None,
     force: bool,
 ) -> None:
@@ -214,7 +222,11 @@ def calibrate(
     chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
     with progress("calibrating", 3) as bar:
         found = work(model, measured, chosen, loop, bar.update)
-        own = None if base_only or chosen else own_machine(found.actuator, measured, lambda _, text: bar.update(3, text))
+        own = None if base_only or chosen else own_machine(found.actuator, measured, lambda _, text: bar.update(3, text), false_alarm)
+    if own is None and false_alarm is not None:
+        raise InputError(
+            f"--false-alarm {false_alarm:g}: no two of the records run the same command, or a value is left out: the scatter of their runs is not known"
+        )
     if own is not None:
         found = of_own_machine(found, own, measured)
     said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
@@ -276,6 +288,7 @@ def identify(
     from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.identify import identify as work
+    from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
     from ema_tools.words.answers.identification import identification
     from ema_tools.words.terminal import show
@@ -294,17 +307,19 @@ def identify(
             SearchSettings(seed=seed, weight=weight),
             seeds,
             int(precision),
-            lambda run, _, best: bar.update(run, f"best {best:.3g}"),
+            lambda run, _, best, _tried: bar.update(run, f"best {best:.3g}"),
             not no_guard,
             signatures,
         )
+        bar.update(model["search.evaluation_budget"], "looking round")
+        shape = shape_of(found, mapped=bool(json_path))
     if fitted:
         found.actuator.write(fitted, force)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
     drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
     # behind a table the search begins as the table says
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
-    result = identification(found, measured.file, origin, drawn, warnings=warned or None)
+    result = identification(found, measured.file, origin, drawn, shape, warnings=warned or None)
     save(json_path, result, force)
     show.identification(output(), result)
     _warn_of_search(actuator, warned)
@@ -486,9 +501,34 @@ def add(
 @click.option(
     "--between",
     "first",
-    required=True,
     metavar="EFFECT EFFECT...",
     help="The effects that are confused: two or more; csj and blk are taken too.",
+)
+@click.option(
+    "--detect", is_flag=True, help="The smallest shifts of CSJ and BLK that the ground test finds, now and under other safe commands."
+)
+@click.option(
+    "--false-alarm",
+    type=click.FloatRange(0.0, 0.5, min_open=True, max_open=True),
+    default=0.01,
+    show_default=True,
+    help="With --detect: share of the ground tests of a healthy machine that may exceed a threshold.",
+)
+@click.option(
+    "--power",
+    type=click.FloatRange(0.5, 1.0, min_open=True, max_open=True),
+    default=0.95,
+    show_default=True,
+    help="With --detect: share of the shifts that are to be found.",
+)
+@click.option(
+    "--runs", type=click.IntRange(2), default=3, show_default=True, help="With --detect: healthy runs that show mean and scatter."
+)
+@click.option("--command", "present", metavar="CMD", help="With --detect: the ground test as it is now; the reference chirp when absent.")
+@click.option(
+    "--scatter",
+    metavar="csj=PERCENT,...",
+    help="With --detect: by what healthy runs of it are read apart, standard deviations in %, as ema calibrate says; the usual when absent.",
 )
 @click.argument("others", nargs=-1, metavar="")
 @click.option(
@@ -516,7 +556,13 @@ def add(
 @json_option
 def next_command(
     actuator: str,
-    first: str,
+    first: str | None,
+    detect: bool,
+    false_alarm: float,
+    power: float,
+    runs: int,
+    present: str | None,
+    scatter: str | None,
     others: tuple[str, ...],
     settings: tuple[str, ...],
     channels: str | None,
@@ -526,23 +572,56 @@ def next_command(
     json_path: str | None,
     force: bool,
 ) -> None:
-    """Say which safe command separates effects best that look alike, or that none does and what would.
+    """Say which safe command separates effects best that look alike, or that none does and what would; or how small a shift the ground test finds.
 
     ema next ACTUATOR --between EFFECT EFFECT...
+
+    ema next ACTUATOR --detect
     """
+    if detect == (first is not None):
+        raise click.UsageError("give one of --between EFFECT EFFECT... and --detect")
+    if detect and (others or settings):
+        raise click.UsageError("effects and --set belong to --between")
+    only = {"--false-alarm": "false_alarm", "--power": "power", "--runs": "runs", "--command": "present", "--scatter": "scatter"}
+    given = [
+        option for option, name in only.items() if click.get_current_context().get_parameter_source(name) is ParameterSource.COMMANDLINE
+    ]
+    if given and not detect:
+        raise click.UsageError(f"{given[0]} belongs to --detect")
     from ema_tools.data.actuator import read_actuator
     from ema_tools.design import next_experiment as following
     from ema_tools.plant.native import CHANNELS
     from ema_tools.results.provenance import provenance
     from ema_tools.tasks.simulate import noise_of
+    from ema_tools.words.answers.detection import detection
     from ema_tools.words.answers.experiment import experiment
-    from ema_tools.words.terminal.next_experiment import print_next
+    from ema_tools.words.terminal.next_experiment import print_detection, print_next
 
     writable(json_path=json_path, force=force, inputs=(actuator,))
     model = read_actuator(actuator)
+    chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else CHANNELS
+    if first is None:
+        from ema_tools.design import detection as seeing
+        from ema_tools.fit.detection import ShiftTest
+
+        with progress("simulating", 100) as bar:
+            seen = seeing.detection(
+                model,
+                ShiftTest(false_alarm, power, runs),
+                present,
+                chosen,
+                noise_of(noise),
+                seeing.scatter_given(scatter),
+                following.limits_given(limit),
+                also,
+                lambda share, text: bar.update(100.0 * share, text),
+            )
+        told = detection(seen, provenance(command_line(), actuator=model.name))
+        save(json_path, told, force)
+        print_detection(output(), told)
+        return
     effects = following.check_effects((first, *others))
     values = following.sizes_of(settings)
-    chosen = tuple(filter(None, (name.strip() for name in channels.split(",")))) if channels else CHANNELS
     with progress("simulating", 100) as bar:
         found = following.next_experiment(
             model,

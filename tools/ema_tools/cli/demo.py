@@ -33,6 +33,7 @@ from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.diagnose import answer
 from ema_tools.tasks.export import header_text
 from ema_tools.tasks.identify import identify
+from ema_tools.tasks.objective_shape import shape_of
 from ema_tools.tasks.own_machine import of_own_machine, own_machine
 from ema_tools.words.answers.addition import addition
 from ema_tools.words.answers.calibration import calibration
@@ -272,7 +273,7 @@ def _searched(unit: _Unit, actuator: Actuator, model: str) -> IdentificationResu
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
         found = identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
     drawn = curves(unit.today, before=simulated(found.healthy, unit.today), after=simulated(found.actuator, unit.today))
-    return identification(found, f"{unit.today.file}, {model}", _origin(unit), drawn)
+    return identification(found, f"{unit.today.file}, {model}", _origin(unit), drawn, shape_of(found))
 
 
 def _verdict(found: IdentificationResult) -> str:
@@ -304,7 +305,7 @@ def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]
     output.print()
 
 
-def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float) -> None:
+def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float, _tried: tuple[float, ...]) -> None:
     """Progress after a model run; `before` runs belong to earlier recordings."""
     bar.update(before + run_number, f"best {best:.2g} mm2 s")
 
@@ -317,7 +318,9 @@ def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Prog
         COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
     )
     drawn = curves(record, before=simulated(found.healthy, record), after=simulated(found.actuator, record))
-    return identification(found, shipped.file, origin, drawn, command="demo", case=shipped.case.letter, noise=shipped.noise)
+    return identification(
+        found, shipped.file, origin, drawn, shape_of(found), command="demo", case=shipped.case.letter, noise=shipped.noise
+    )
 
 
 def _shown(path: Path) -> str:

@@ -119,13 +119,15 @@ def written(row: Row, number: float) -> Any:
 class Actuator:
     """One actuator: every value by `section.field` and `effect.field`, choices as their place in the list.
 
-    `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from.
+    `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from. `remarks`: comments behind values, by their names, that replace those
+    of the file.
     """
 
     values: Mapping[str, float]
     document: tomlkit.TOMLDocument | None = field(default=None, compare=False, repr=False)
     file: str = field(default="", compare=False)
     about: Mapping[str, str] = field(default_factory=dict, compare=False)
+    remarks: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     def __getitem__(self, name: str) -> float:
         return self.values[name]
@@ -150,8 +152,10 @@ class Actuator:
         """Names of the effects whose size is not zero."""
         return tuple(name for name, size, zero in load_definitions().sizes if self.values[size] != zero)
 
-    def changed(self, changes: Mapping[str, float], about: Mapping[str, str] | None = None) -> Actuator:
-        """A copy with some values (by any name that `row_of` takes; numbers as in `values`) and parts of [actuator] replaced.
+    def changed(
+        self, changes: Mapping[str, float], about: Mapping[str, str] | None = None, remarks: Mapping[str, str] | None = None
+    ) -> Actuator:
+        """A copy with some values (by any name that `row_of` takes; numbers as in `values`), parts of [actuator] and comments behind values replaced.
 
         Raises InputError for an unknown name or a value out of range.
         """
@@ -161,7 +165,13 @@ class Actuator:
             if not (math.isfinite(number) and row.lower <= number <= row.upper):
                 raise InputError(f"{shown(row)} = {number:g}: outside {_range(row)}: give a value inside")
             values[row.name] = float(number)
-        return replace(self, values=values, about={**self.about, **(about or {})})
+        return replace(self, values=values, about={**self.about, **(about or {})}, remarks={**self.remarks, **(remarks or {})})
+
+    def remark(self, name: str) -> str:
+        """The comment behind a value, where it is not the one that every file has."""
+        row = row_of(name)
+        text = self.remarks.get(name) or _comment(self.document, row)
+        return "" if text == _remark(row) else text
 
     def arrays(self) -> tuple[Reals, Integers]:
         """Values [value count] and options [option count] in the order of the C module."""
@@ -176,6 +186,9 @@ class Actuator:
         _update_about(document, self.about)
         for row in all_rows():
             _update(document, row, self[row.name])
+        for name, text in self.remarks.items():
+            trivia = _item_of(document, row_of(name)).trivia
+            trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
         return tomlkit.dumps(document)
 
     def write(self, path: str | Path, force: bool = False) -> None:
@@ -217,6 +230,23 @@ def _item(row: Row, number: float) -> Any:
     item.comment(_remark(row))
     item.trivia.comment_ws = " " * max(1, _REMARK_COLUMN - len(f"{row.field} = {item.as_string()}"))
     return item
+
+
+def _item_of(document: tomlkit.TOMLDocument, row: Row) -> Any:
+    """The item of a value that stands in the file."""
+    found: Any = document
+    for key in path_of(row):
+        found = found[key]
+    return found
+
+
+def _comment(document: tomlkit.TOMLDocument | None, row: Row) -> str:
+    """The comment behind a value in a file; empty where there is none."""
+    try:
+        item = _item_of(document, row) if document is not None else None
+    except KeyError:
+        return ""
+    return str(item.trivia.comment).lstrip("#").strip() if item is not None else ""
 
 
 def _plain(value: object) -> object:

@@ -15,14 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, nearest, parsed, row_of, shown
-from ema_tools.data.commands import make_command
-from ema_tools.data.records import Record, from_simulation
 from ema_tools.design.menu import LIMIT_NAMES, Offence, SafeRange, limits_of, menu
+from ema_tools.design.runs import CommandRun, checked_channels, noise_rms, rows_noise, run_of, safe_of
 from ema_tools.design.typical import scaled, typical_change, zero_of
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.evidence import Evidence, View, view
@@ -30,15 +28,11 @@ from ema_tools.fit.refit import refit
 from ema_tools.fit.whitening import Whitener, least_noise, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
-from ema_tools.plant.native import CHANNELS, Simulation, library
+from ema_tools.plant.native import CHANNELS
 from ema_tools.select.candidates import signatures
 from ema_tools.select.matched_filter import Screen
 
-# Noise of the sensors, rms, at a record rate of 1 kHz, as of common encoders and current sensors [physics]
-USUAL_NOISE: Mapping[str, float] = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03}
-_VOLTAGE_NOISE = 1e-3  # that of the voltage as a share of the supply: the noise of a position through the gain of a stiff loop [physics]
 _MODEL_ERROR = 0.02  # an effect's signature is trusted to this share of itself: a difference below it is no difference [judgement]
-_NOISE_PERIOD_S = 1e-3  # record period of the noise above [physics]
 SEPARATE = 3.0  # from here on effects can be told apart on one record, in standard deviations [chance]
 _PLAIN = 10.0  # an effect is far above detection from here on; below, a pair may be alike only because there is little to see [judgement]
 _LARGER = (3.0, 10.0)  # sizes that are tried where the first ones cannot be told apart [judgement]
@@ -112,16 +106,6 @@ class Next:
         return wanted if 1 < wanted <= _REPEATS_MAX else None
 
 
-@dataclass(frozen=True)
-class _Run:
-    """A command of the menu and the model's run under it."""
-
-    title: str
-    text: str
-    record: Record
-    run: Simulation
-
-
 def check_effects(effects: Sequence[str]) -> tuple[str, ...]:
     """The effects and fault parameters, each once. Raises InputError for an unknown or learned one, and for fewer than two."""
     known = [effect.name for effect in load_definitions().physical]
@@ -164,21 +148,10 @@ def limits_given(text: str | None) -> dict[str, float]:
     return found
 
 
-def _simulated(actuator: Actuator, command_mm: Reals) -> Simulation:
-    values, options = actuator.arrays()
-    return library(32).simulate(values, options, command_mm, 0.0)
-
-
-def _run_of(actuator: Actuator, title: str, text: str) -> _Run:
-    command = make_command(text, actuator)
-    run = _simulated(actuator, command.samples_mm)
-    return _Run(title, text, from_simulation(run, command.samples_mm, actuator.record_period_s), run)
-
-
-def _evidence(actuator: Actuator, one: _Run, channels: Sequence[str], noise: Mapping[str, float]) -> Evidence:
+def _evidence(actuator: Actuator, one: CommandRun, channels: Sequence[str], noise: Mapping[str, float]) -> Evidence:
     """What a record of this command would say about a machine that is as known."""
     base = np.array([one.record.recorded(name) for name in channels])
-    white = np.array([noise.get(name, 0.0) for name in channels]) * math.sqrt(_NOISE_PERIOD_S / actuator.record_period_s)
+    white = np.array([noise.get(name, 0.0) for name in channels]) * rows_noise(actuator)
     level = np.maximum(white, least_noise(base))
     power = np.broadcast_to((level**2)[:, None], (len(channels), lines_of(one.record.rows)))
     # a healthy repeat with nothing new stands behind it: what scatters is what differs from run to run
@@ -213,7 +186,7 @@ def _left(seen: View, other: str) -> float:
 
 def _option(
     actuator: Actuator,
-    one: _Run,
+    one: CommandRun,
     effects: Sequence[str],
     values: Mapping[str, Mapping[str, float]],
     channels: Sequence[str],
@@ -263,26 +236,6 @@ def sizes_for(actuator: Actuator, effects: Sequence[str], evidence: Evidence, gi
     return found
 
 
-def _safe(
-    runs: Sequence[_Run], actuator: Actuator, values: Mapping[str, Mapping[str, float]], limits: SafeRange
-) -> tuple[list[_Run], dict[str, Offence]]:
-    """The commands that are safe on the machine as known and with each of the effects, and why the others are not."""
-
-    def why(one: _Run) -> Offence | None:
-        found = limits.offence(one.run, one.record.command_mm, actuator, one.record.period_s)
-        for effect, changes in values.items():
-            if found is not None:
-                break
-            run = _simulated(actuator.changed(changes), one.record.command_mm)
-            found = limits.offence(run, one.record.command_mm, actuator, one.record.period_s, effect)
-        return found
-
-    reasons = each(why, runs)
-    return [one for one, reason in zip(runs, reasons, strict=True) if reason is None], {
-        f"{one.title} ({one.text})": reason for one, reason in zip(runs, reasons, strict=True) if reason is not None
-    }
-
-
 def next_experiment(
     actuator: Actuator,
     effects: Sequence[str],
@@ -300,19 +253,16 @@ def next_experiment(
     """
     tell = report or untold
     names = check_effects(effects)
-    for channel in channels:
-        if channel not in CHANNELS:
-            raise InputError(f"--channels {channel}: no such signal{nearest(channel, CHANNELS)}: signals are {', '.join(CHANNELS)}")
-    recorded = tuple(channel for channel in CHANNELS if channel in channels)
-    rms = {**USUAL_NOISE, "voltage_V": _VOLTAGE_NOISE * actuator["drive.supply_V"], **(noise or {})}
+    recorded = checked_channels(channels)
+    rms = noise_rms(actuator, noise)
     limits = limits_of(actuator, own_limits)
     texts = menu(actuator, limits) | {f"own command {place}": text for place, text in enumerate(more, start=1)}
-    runs = [_run_of(actuator, title, text) for title, text in texts.items()]
+    runs = [run_of(actuator, title, text) for title, text in texts.items()]
     sizes = sizes_for(actuator, names, _evidence(actuator, runs[0], CHANNELS, rms), dict(values or {}))
-    safe, unsafe = _safe(runs, actuator, sizes, limits)
+    safe, unsafe = safe_of(runs, actuator, sizes, limits)
     done = 0.0
 
-    def ranked(some: Sequence[_Run], at: Mapping[str, Mapping[str, float]], seen: Sequence[str], share: float) -> tuple[Option, ...]:
+    def ranked(some: Sequence[CommandRun], at: Mapping[str, Mapping[str, float]], seen: Sequence[str], share: float) -> tuple[Option, ...]:
         nonlocal done
         begun, done = done, done + share
         options = each(
@@ -327,7 +277,7 @@ def next_experiment(
     for factor in factors:
         if found.confused and found.hidden:
             at = {effect: scaled(actuator, effect, changes, factor) for effect, changes in sizes.items()}
-            still, dropped = _safe(safe, actuator, at, limits)
+            still, dropped = safe_of(safe, actuator, at, limits)
             found = Next(names, recorded, at, ranked(still, at, recorded, 0.15), unsafe | dropped, limits, factor)
     if found.confused and len(recorded) < len(CHANNELS):
         found = replace(found, with_channels=_more_channels(found, safe, lambda some, seen: ranked(some, found.values, seen, 0.05)))
@@ -335,7 +285,7 @@ def next_experiment(
     return found
 
 
-def _more_channels(found: Next, runs: Sequence[_Run], ranked: Any) -> tuple[tuple[str, ...], Option] | None:
+def _more_channels(found: Next, runs: Sequence[CommandRun], ranked: Any) -> tuple[tuple[str, ...], Option] | None:
     """The fewest signals more that would separate the effects, and the command; None when not even all signals do."""
     absent = [name for name in CHANNELS if name not in found.channels]
     # where all signals do not help, none of them does

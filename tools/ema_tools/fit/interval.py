@@ -19,17 +19,16 @@ from ema_tools.fit.evidence import simulate_channels
 _STEP = 0.01  # of a value, to both sides: large against reversals that jump a step, small against what bends [precision]
 
 
-def scatter_of(actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]) -> dict[str, float]:
-    """Standard deviation, in their own units, by which the estimates of `names` move from run to run with what scatters on a healthy machine.
+def slopes(actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]) -> dict[str, Reals]:
+    """How the weighted signals move with each value, per unit of it, [channels * rows] by name; `weights` as `scatter_of` takes them. A value at the end of its range does not move.
 
-    `weights`: of the squared error of each signal by name, as in the search. `actuator` holds the estimates. Raises InputError when the model refuses a value near them.
+    Raises InputError when the model refuses a value near the actuator's.
     """
     channels = tuple(name for name, weight in weights.items() if weight > 0.0)
     root = np.sqrt([weights[name] for name in channels])[:, None]
     start = start_of(actuator, record)
 
     def slope(name: str) -> Reals:
-        """Of the weighted signals, per unit of the value, [channels * rows]."""
         value, row = actuator[name], row_of(name)
         low, high = max(value * (1.0 - _STEP), row.lower), min(value * (1.0 + _STEP), row.upper)
         if not high > low:
@@ -37,8 +36,16 @@ def scatter_of(actuator: Actuator, record: Record, names: Sequence[str], weights
         ends = [simulate_channels(actuator.changed({name: at}), record, channels, start) for at in (low, high)]
         return np.asarray(((ends[1] - ends[0]) * root / (high - low)).ravel())
 
+    return dict(zip(found := [*dict.fromkeys(names)], each(slope, found), strict=True))
+
+
+def scatter_of(actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]) -> dict[str, float]:
+    """Standard deviation, in their own units, by which the estimates of `names` move from run to run with what scatters on a healthy machine.
+
+    `weights`: of the squared error of each signal by name, as in the search. `actuator` holds the estimates. Raises InputError when the model refuses a value near them.
+    """
     moving = {one.title: one.std * abs(actuator[one.title]) for one in spreads.from_run_to_run()}
-    columns = dict(zip(found := [*dict.fromkeys([*names, *moving])], each(slope, found), strict=True))
+    columns = slopes(actuator, record, [*names, *moving], weights)
     own = np.column_stack([columns[name] for name in names])
     follow = np.linalg.pinv(own)
     moved = np.array([std * (follow @ columns[name]) for name, std in moving.items()])

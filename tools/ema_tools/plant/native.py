@@ -165,9 +165,11 @@ class _Finding(ctypes.Structure):
     ]
 
 
-_PROGRESS = ctypes.CFUNCTYPE(c_int32, c_int32, c_double, c_double, c_void_p)
+_PROGRESS = ctypes.CFUNCTYPE(c_int32, c_int32, c_double, c_double, POINTER(c_double), c_void_p)
 _COST = ctypes.CFUNCTYPE(c_int32, POINTER(c_double), c_double, POINTER(c_double), c_void_p)
-Progress = Callable[[int, float, float], None]
+# Number of the model run, its cost, the best cost so far, and the values that were tried, in the order of the identified ones; none where one
+# slice of the work ended several runs.
+Progress = Callable[[int, float, float, tuple[float, ...]], None]
 
 
 @dataclass(frozen=True)
@@ -567,8 +569,8 @@ class Library:
 
         With a `table` it is guarded as in firmware; float32 and what the firmware's record holds give the firmware's bits.
 
-        `progress` is called after each model run with its number, its cost and the best cost so far; what it raises ends the search
-        and is raised here. Raises InputError when the session refuses actuator or record.
+        `progress` is called after each model run with its number, its cost, the best cost so far and the values that were tried; what it raises ends
+        the search and is raised here. Raises InputError when the session refuses actuator or record.
         """
         command = np.ascontiguousarray(command_mm, dtype=np.float64)
         measured = _flat(channels, (command.size, len(CHANNELS)), "channels")
@@ -576,10 +578,10 @@ class Library:
         names = list(load_definitions().ids)
         raised: list[BaseException] = []
 
-        def called(evaluation: int, cost: float, best: float, _context: object) -> int:
+        def called(evaluation: int, cost: float, best: float, tried: Any, _context: object) -> int:
             if progress is not None:
                 try:
-                    progress(evaluation, cost, best)
+                    progress(evaluation, cost, best, tuple(tried[: raw.identified_count]) if tried else ())
                 except BaseException as error:  # an exception cannot pass through C
                     raised.append(error)
                     return 1

@@ -19,6 +19,7 @@ class Calibrated:
     unit: str
     source: Literal["balance", "loop"]  # what gave it
     at_bound: bool
+    interval95: tuple[float | None, float | None] = (None, None)  # lower and upper end, by the standard error
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,12 @@ class OwnMachineEntry:
     standing: dict[str, float]  # effects that the unit always has: how many times as long a model step takes with each
     scatter_percent: dict[str, float]  # by which the onboard search reads one run apart from another, standard deviations, by full name
     least_percent: dict[str, float]  # shifts that are called a fault, by full name
+    exceeded: dict[str, float] = field(
+        default_factory=dict
+    )  # share of the ground tests of a healthy unit that exceed them, 0..1, by full name
+    found_percent: dict[str, float] = field(
+        default_factory=dict
+    )  # shifts from which on the onboard module calls 95 % of the faults one, by full name
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,7 @@ class MissingEffect:
     std: dict[str, float | None]
     beside_it: dict[str, float]  # CSJ and BLK beside it, by full name
     against_healthy_records: int  # that it was compared with
+    interval95: dict[str, tuple[float | None, float | None]] = field(default_factory=dict)  # lower and upper end of each of the parameters
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class BaselineEntry:
     values: dict[str, float]  # by full name
     std: dict[str, float | None]  # standard errors
     records: int
+    interval95: dict[str, tuple[float | None, float | None]] = field(default_factory=dict)  # lower and upper end, by full name
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,37 @@ class SearchEntry:
     """The search, run by run."""
 
     cost_mm2s: Series  # of every model run; of one given up early what had come together; with weights no longer mm2 s
+
+
+@dataclass(frozen=True)
+class ProfileEntry:
+    """The objective along one value, the others at their best as far as a straight valley goes."""
+
+    value: Series  # in the unit of the name
+    objective_mm2s: Series
+    limit_mm2s: float  # values with less lie inside the 95 % region by what the residual is
+
+
+@dataclass(frozen=True)
+class MapEntry:
+    """The objective over both values."""
+
+    csj_Nm: Series
+    blk_mm: Series
+    objective_mm2s: tuple[Series, ...]  # a row for each BLK, in it a number for each CSJ
+
+
+@dataclass(frozen=True)
+class ShapeEntry:
+    """The objective round the estimates, and the way of the search over it."""
+
+    csj_Nm: ProfileEntry | None = field(default=None, metadata=SPARE)
+    blk_mm: ProfileEntry | None = field(default=None, metadata=SPARE)
+    map: MapEntry | None = None  # None where one value was searched alone, or nobody asked
+    path: dict[str, Series] = field(
+        default_factory=dict
+    )  # values of the model runs by key, in their order; a run whose values are not known is left out
+    path_cost_mm2s: Series = ()
 
 
 @dataclass(frozen=True)
@@ -145,6 +178,8 @@ class IdentificationResult:
     precision: int | None = None  # bits of the module's numbers
     baseline: BaselineEntry | None = None  # None where the actuator's healthy values were taken
     search: SearchEntry | None = None
+    shape: ShapeEntry | None = field(default=None, metadata=SPARE)  # None where nobody asked
+    undetermined: dict[str, str] = field(default_factory=dict)  # values that the record does not determine, by key, a sentence each
     seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
     warnings: tuple[str, ...] | None = field(
         default=None, metadata=SPARE

@@ -70,6 +70,9 @@ class FittedValue:
     std: float | None  # standard error, in the same unit; None where the record does not determine it
     unit: str = ""
     at_bound: bool = False  # whether it lies on an end of its range
+    interval95: tuple[float | None, float | None] | None = field(
+        default=None, metadata=SPARE
+    )  # lower and upper end; None where nothing was fitted
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,6 +12,7 @@ from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult
 from ema_tools.results.codec import check_format, from_json
 from ema_tools.results.comparison import ComparisonResult
+from ema_tools.results.detection import DetectionResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
@@ -22,6 +23,7 @@ Result = (
     Addition
     | CalibrationResult
     | ComparisonResult
+    | DetectionResult
     | DiagnosisResult
     | DiagnosisByLapsResult
     | Effects
@@ -53,6 +55,8 @@ def kind_of(data: Mapping[str, Any], source: str) -> type[Result]:
     command = data.get("command")
     if command == "diagnose":
         return DiagnosisByLapsResult if "forces" in data else DiagnosisResult
+    if command == "next" and "detect" in data:
+        return DetectionResult
     if command == "demo":
         return DemoResult if "page" in data else IdentificationResult
     if command is None and ("csj_Nm" in data or "blk_mm" in data):

@@ -13,7 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, Row, shown
 from ema_tools.library.definitions import EffectParameter, Parameter, load_definitions
 from ema_tools.plant.native import CHANNELS, library
-from ema_tools.tasks.onboard_search import check_bounds
+from ema_tools.tasks.onboard_search import MIN_SHIFTS, check_bounds
 from ema_tools.tasks.signature_table import Signatures
 
 _GUARD = "EMA_EXPORTED_ACTUATOR_H"
@@ -23,7 +23,7 @@ _SIGNATURES_NAME = "EMA_SIGNATURES"
 _SIGNATURES_VERSION = 1  # of ema_signatures_t: version of its layout [layout]
 _FULL = 32767  # its largest count [layout]
 _LINE = 24  # numbers of a line [layout]
-_TITLE = 200  # characters of an actuator's name in a comment [layout]
+_TITLE = 200  # characters of a user's text in a comment [layout]
 
 
 def check_for_firmware(actuator: Actuator) -> None:
@@ -41,9 +41,10 @@ def literal(value: float) -> str:
     return f"EMA_R({sign}{digits})"
 
 
-def _remark(row: Row, value: float) -> str:
+def _remark(row: Row, value: float, more: str = "") -> str:
     unit = f" {row.unit}" if row.unit else ""
-    return f"/* {value:.9g}{unit} */"
+    text = f"; {_in_comment(more)}" if more else ""
+    return f"/* {value:.9g}{unit}{text} */"
 
 
 def _lines(actuator: Actuator, rows: Iterable[Row], indent: str) -> list[str]:
@@ -54,13 +55,18 @@ def _lines(actuator: Actuator, rows: Iterable[Row], indent: str) -> list[str]:
             word = f" /* {row.choices[int(value)]} */" if row.choices else ""
             lines.append(f"{indent}.{row.field} = {int(value)},{word}")
         else:
-            lines.append(f"{indent}.{row.field} = {literal(value)}, {_remark(row, value)}")
+            more = actuator.remark(row.name) if row.name in MIN_SHIFTS.values() else ""
+            lines.append(f"{indent}.{row.field} = {literal(value)}, {_remark(row, value, more)}")
     return lines
 
 
 def _title(actuator: Actuator) -> str:
     """The actuator's name as a part of a comment, in C and for the host program, which takes no line of more than 1023 bytes."""
-    return actuator.name.replace("*/", "* /").replace("/*", "/ *")[:_TITLE]
+    return _in_comment(actuator.name)
+
+
+def _in_comment(text: str) -> str:
+    return text.replace("*/", "* /").replace("/*", "/ *")[:_TITLE]
 
 
 def header_text(actuator: Actuator) -> str:

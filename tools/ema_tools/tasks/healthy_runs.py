@@ -12,6 +12,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.data.records import Record
+from ema_tools.fit.detection import USUAL_WEIGHT, ShiftTest
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
@@ -20,9 +21,9 @@ from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOIS
 
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
-_USUAL_WEIGHT = 2.0  # the usual scatter counts as much as this many healthy records that had shown it [judgement]
-_HEALTHY = 4.0  # standard deviations of its own scatter that a healthy machine may lie off: three, and a third more for what few records show of it ... [judgement]
-_AT_MOST = 2.0  # ... though no farther than so many of the stated thresholds: beyond, a machine that scatters is undecided [judgement]
+_AT_MOST = (
+    2.0  # of the stated thresholds, beyond which none is set unless it is asked for: a machine that scatters more is undecided [judgement]
+)
 # Friction differs from day to day by the temperature as the winding does: where that scatters more than usual, so will friction, though few records may not show it [physics]
 _ALSO_SHOWN = {"screw.csj_Nm": "motor.resistance_ohm"}
 # Signals that tell play and friction and hardly anything else: current and voltage follow grease and winding, which differ from day to day [physics]
@@ -80,12 +81,17 @@ class HealthyRuns:
 
 def scatter_shown(apart: Sequence[float], usual: float, means: int = 1) -> float:
     """Standard deviation from run to run, by how far runs lie from their mean and by what is `usual`; `means`: that were taken of these runs."""
-    return math.sqrt((_USUAL_WEIGHT * usual**2 + float(np.sum(np.square(apart)))) / (_USUAL_WEIGHT + len(apart) - means))
+    return math.sqrt((USUAL_WEIGHT * usual**2 + float(np.sum(np.square(apart)))) / (USUAL_WEIGHT + len(apart) - means))
 
 
-def least_shift(stated_percent: float, scatter_percent: float) -> float:
-    """The shift that is called a fault, in %: no less than what is stated, and than a healthy machine shows by its scatter."""
-    return float(np.clip(_HEALTHY * scatter_percent, stated_percent, _AT_MOST * stated_percent))
+def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:
+    """The shift that is called a fault, in %: no less than what is stated, and than a healthy machine shows by the scatter of its `runs`.
+
+    With a rate of false alarms that was chosen it is what the scatter makes of that, and nothing else.
+    """
+    if false_alarm is not None:
+        return ShiftTest(false_alarm, runs=runs).threshold() * scatter_percent
+    return float(np.clip(ShiftTest(runs=runs).threshold() * scatter_percent, stated_percent, _AT_MOST * stated_percent))
 
 
 def weights_of(beside: Compared) -> tuple[float, float, float, float]:
@@ -123,7 +129,7 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
         if other is not None and other in beside.known.scatter:
             shown += [(base.values[other] / known[other] - 1.0) / FROM_RUN_TO_RUN[other] * usual for base in bases]
         std[name] = scatter_shown(shown, usual, len(shown) // count)
-    least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name]) for name in names)
+    least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name], count) for name in names)
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
     values = {name: known[name] for name in std}

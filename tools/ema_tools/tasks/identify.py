@@ -38,6 +38,7 @@ class Identified:
     """The answer of one record; `costs` are the objective of every model run in their order, `seeds` the answers of further seeds.
 
     `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
+    `seen`: the record as it was searched, `settings`: how; `tried`: the values of every model run, in the order of `costs`, none where they are not known.
     `least_percent`: the shifts that are called a fault, by name; `doubt`: why two healthy records may not both be, in words; `checked`: what all signals say of the
     estimates; None where it was not wanted.
     """
@@ -52,6 +53,9 @@ class Identified:
     precision: int
     wall_s: float
     weighted: bool
+    seen: Record
+    settings: SearchSettings
+    tried: tuple[tuple[float, ...], ...] = ()
     least_percent: Mapping[str, float] = field(default_factory=dict)
     checked: CrossCheck | None = None
     doubt: str = ""
@@ -205,11 +209,13 @@ def identify(
     seen_record = repeats.corrected(record) if repeats is not None else record
     check_record(known, record, settings)
     costs: list[float] = []
+    points: list[tuple[float, ...]] = []
 
-    def seen(evaluation: int, cost: float, best: float) -> None:
+    def seen(evaluation: int, cost: float, best: float, tried: tuple[float, ...]) -> None:
         costs.append(cost)
+        points.append(tried)
         if progress is not None:
-            progress(evaluation, cost, best)
+            progress(evaluation, cost, best, tried)
 
     begun = time.perf_counter()
     answer = run(known, seen_record, settings, bits, seen, table)
@@ -234,5 +240,21 @@ def identify(
     weighted = search is not None and search.weight is not None
     scatter = scatter_of(found, record, searched, dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
     return Identified(
-        found, known, answer, baseline, tuple(costs), tuple(others), seed, bits, wall_s, weighted, least_percent, checked, doubt, scatter
+        found,
+        known,
+        answer,
+        baseline,
+        tuple(costs),
+        tuple(others),
+        seed,
+        bits,
+        wall_s,
+        weighted,
+        seen_record,
+        settings,
+        tuple(points),
+        least_percent,
+        checked,
+        doubt,
+        scatter,
     )

@@ -18,8 +18,9 @@ import numpy as np
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
-from ema_tools.data.actuator import Actuator
+from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record, simulated
+from ema_tools.fit.detection import ShiftTest, false_alarms, rate_text
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
 from ema_tools.library.definitions import load_definitions
@@ -39,12 +40,15 @@ _BUDGET = "search.evaluation_budget"
 @dataclass(frozen=True)
 class OwnMachine:
     """The unit's model. `standing`: effects that it always has, with how many times a model step costs with each what it costs without any; `scatter_percent`: of the readings from run to run,
-    standard deviations by name; `least_percent`: the shifts that are called a fault."""
+    standard deviations by name; `least_percent`: the shifts that are called a fault, `exceeded`: by what share of the ground tests of a healthy unit, `found_percent`: from which shift on
+    the onboard module calls a fault one with POWER."""
 
     actuator: Actuator
     standing: Mapping[str, float]
     scatter_percent: Mapping[str, float]
     least_percent: Mapping[str, float]
+    exceeded: Mapping[str, float]
+    found_percent: Mapping[str, float]
     records: int
 
 
@@ -53,9 +57,12 @@ def repeated(records: Sequence[Record]) -> tuple[Record, ...]:
     return max((repeats_of(one, records) for one in records), key=len, default=())
 
 
-def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | None = None) -> OwnMachine | None:
+def own_machine(
+    actuator: Actuator, records: Sequence[Record], report: Report | None = None, false_alarm: float | None = None
+) -> OwnMachine | None:
     """The unit's model from healthy runs of one command, beginning at a calibrated `actuator`; None where no two of the records run the same command.
 
+    `false_alarm`: the rate that its thresholds are to have; unless told they are those that the actuator states, larger where a healthy unit would exceed them.
     Raises InputError as `gather` does, and where the search cannot begin at what was found.
     """
     repeats = repeated(records)
@@ -73,6 +80,7 @@ def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | 
     found, answers = _searched(found, repeats)
     own_scatter = {name: FROM_RUN_TO_RUN.get(name, 0.0) * found[name] for name in names} if answers[0].day else usual
     scatter: dict[str, float] = {}
+    by_noise: dict[str, float] = {}
     for place, name in enumerate(names):
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
@@ -80,18 +88,34 @@ def own_machine(actuator: Actuator, records: Sequence[Record], report: Report | 
             raise InputError(
                 f"{repeats[0].file}: {name}: the onboard search does not determine it on these runs: record a longer or faster command"
             )
+        by_noise[name] = noise / found[name]
         scatter[name] = (
             scatter_shown([one.estimate - found[name] for one in read], math.hypot(own_scatter.get(name, 0.0), noise)) / found[name]
         )
-    least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name]) for name in names}
+    runs = len(repeats)
+    least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
+    exceeded = {name: false_alarms(least[name] / (100.0 * scatter[name]), runs, 1) for name in names}
+    test = ShiftTest(runs=runs)
+    certain = {name: found["verdict.confidence_std"] * by_noise[name] + test.missed() * scatter[name] for name in names}
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(
-        found.changed({MIN_SHIFTS[name]: value for name, value in least.items()}),
+        found.changed(
+            {MIN_SHIFTS[name]: value for name, value in least.items()},
+            remarks={MIN_SHIFTS[name]: _remark(MIN_SHIFTS[name], exceeded[name], runs) for name in names},
+        ),
         {name: _cost(found, name, repeats[0]) for name in new},
         {name: 100.0 * value for name, value in scatter.items()},
         least,
-        len(repeats),
+        exceeded,
+        {name: least[name] + 100.0 * certain[name] for name in names},
+        runs,
     )
+
+
+def _remark(name: str, exceeded: float, runs: int) -> str:
+    """What stands behind a threshold in the unit's file."""
+    row = row_of(name)
+    return f"{row.text}; by its {runs} healthy runs a healthy unit exceeds it in {rate_text(exceeded)} of ground tests [{row.unit}]"
 
 
 def _searched(found: Actuator, repeats: Sequence[Record]) -> tuple[Actuator, list[Identification]]:

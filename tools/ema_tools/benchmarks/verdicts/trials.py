@@ -183,7 +183,8 @@ def _healthy(known: VerdictTrial) -> tuple[Recording, ...]:
     return tuple(_run_of(known, {}, seed_of("verdicts", kind, known.number, known.command, k)) for k in range(known.healthy))
 
 
-def _known(trial: VerdictTrial) -> VerdictTrial:
+def known_by(trial: VerdictTrial) -> VerdictTrial:
+    """The trial that stands for what is known of its unit beforehand."""
     kind = "drawn" if trial.kind == "drawn" else "unit"
     return VerdictTrial(kind, trial.number, trial.setting, trial.command, trial.healthy, 0, build=trial.build)
 
@@ -208,7 +209,7 @@ def _record(trial: VerdictTrial) -> Recording:
 
 
 @lru_cache(maxsize=4)
-def _calibrated(known: VerdictTrial) -> Actuator:
+def calibrated(known: VerdictTrial) -> Actuator:
     """What `ema calibrate` makes of a unit's healthy records."""
     healthy = [record_of(one, place) for place, one in enumerate(_healthy(known))]
     base = calibrate(reference_actuator(), healthy).actuator
@@ -218,7 +219,7 @@ def _calibrated(known: VerdictTrial) -> Actuator:
 
 def _flown(trial: VerdictTrial) -> dict[str, Any]:
     """The flight code's own verdict, by the rod position alone."""
-    actuator = _calibrated(_known(trial))
+    actuator = calibrated(known_by(trial))
     answer = run(actuator, record_of(_record(trial), 99, ("position_mm",)), SearchSettings(), 32)
     found: dict[str, Any] = {"verdict": answer.verdict, "reasons": list(answer.reasons), "guard": None}
     for one in answer.identified:
@@ -229,7 +230,7 @@ def _flown(trial: VerdictTrial) -> dict[str, Any]:
 
 def _identified(trial: VerdictTrial) -> dict[str, Any]:
     """What `ema identify ACTUATOR RECORD --healthy ... --json` writes."""
-    healthy = [record_of(one, place, trial.signals) for place, one in enumerate(_healthy(_known(trial)))]
+    healthy = [record_of(one, place, trial.signals) for place, one in enumerate(_healthy(known_by(trial)))]
     return to_json(identification(identify(reference_actuator(), record_of(_record(trial), 99, trial.signals), healthy), "record", {}))
 
 

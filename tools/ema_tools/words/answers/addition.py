@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results import addition as result
@@ -21,7 +22,8 @@ def addition(found: Added, record: str, actuator: str, provenance: Provenance, c
         sentence=sentence(found),
         error=errors(found.errors),
         parameters={
-            name: FittedValue(value, fit.std.get(name), row_of(name).unit, name in fit.at_bound) for name, value in fit.values.items()
+            name: FittedValue(value, fit.std.get(name), row_of(name).unit, name in fit.at_bound, interval_of(value, fit.std.get(name)))
+            for name, value in fit.values.items()
         },
         correlations=tuple(result.Correlation((first, second), value) for first, second, value in found.correlations),
         steps=steps(found.steps),

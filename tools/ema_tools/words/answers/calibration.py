@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
 from ema_tools.results import calibration as result
 from ema_tools.results.parts import Provenance
@@ -22,11 +23,20 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
         left_out=found.left_out,
         own_machine=None
         if own is None
-        else result.OwnMachineEntry(own.records, dict(own.standing), dict(own.scatter_percent), dict(own.least_percent)),
+        else result.OwnMachineEntry(
+            own.records,
+            dict(own.standing),
+            dict(own.scatter_percent),
+            dict(own.least_percent),
+            dict(own.exceeded),
+            dict(own.found_percent),
+        ),
         provenance=provenance,
     )
 
 
 def _calibrated(one: FittedParameter) -> result.Calibrated:
     change_percent = 100.0 * (one.after - one.before) / one.before if one.before else None
-    return result.Calibrated(one.before, one.after, one.std, change_percent, row_of(one.name).unit, one.source, one.at_bound)
+    return result.Calibrated(
+        one.before, one.after, one.std, change_percent, row_of(one.name).unit, one.source, one.at_bound, interval_of(one.after, one.std)
+    )

@@ -25,14 +25,15 @@ def experiment(found: Next, provenance: Provenance) -> result.Experiment:
         best=_option(found.best) if found.best is not None else None,
         options=tuple(map(_option, found.options)),
         unsafe={command: say.offence(one) for command, one in found.unsafe.items()},
-        limits=_limits(found.limits),
+        limits=limits_of(found.limits),
         confused=found.confused,
         advice=say.advice(found),
         provenance=provenance,
     )
 
 
-def _limits(found: SafeRange) -> result.SafeLimits:
+def limits_of(found: SafeRange) -> result.SafeLimits:
+    """What a command may ask of the machine."""
     speed_mm_s = found.speed_mm_s if math.isfinite(found.speed_mm_s) else None
     return result.SafeLimits(found.stroke_mm, speed_mm_s, found.current_A, found.output)
 

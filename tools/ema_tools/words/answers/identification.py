@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, cast
 
+from ema_tools.base.arrays import Reals
+from ema_tools.base.interval import interval_of
 from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
 from ema_tools.results.parts import CurvesEntry, Provenance
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import Identified
+from ema_tools.tasks.objective_shape import Shape
 from ema_tools.tasks.onboard_search import KEYS, identified_of
 from ema_tools.words.answers.steps import field_of
-from ema_tools.words.sentences.identification import reasons, sentence
+from ema_tools.words.sentences.identification import reasons, sentence, undetermined_words
 
 # Objections that name an effect, or say that there is none to name.
 _NAMING = ("missing", "unknown", "rival")
@@ -20,9 +23,9 @@ _ZERO = "the healthy value is zero, and a shift is counted in % of it"
 
 
 def identification(
-    found: Identified, name: str, provenance: Provenance, curves: CurvesEntry | None = None, **case: Any
+    found: Identified, name: str, provenance: Provenance, curves: CurvesEntry | None = None, shape: Shape | None = None, **case: Any
 ) -> result.IdentificationResult:
-    """What was found on a record of that name; `case` and `noise` where the truth is known."""
+    """What was found on a record of that name, with the `shape` of the objective round it; `case` and `noise` where the truth is known."""
     answer = found.answer
     return result.IdentificationResult(
         **case,
@@ -49,8 +52,15 @@ def identification(
         precision=found.precision,
         baseline=None
         if found.baseline is None
-        else result.BaselineEntry(dict(found.baseline.values), dict(found.baseline.std), found.baseline.records),
+        else result.BaselineEntry(
+            dict(found.baseline.values),
+            dict(found.baseline.std),
+            found.baseline.records,
+            {name: interval_of(value, found.baseline.std[name]) for name, value in found.baseline.values.items()},
+        ),
         search=result.SearchEntry(found.costs),
+        shape=None if shape is None else _shape(shape),
+        undetermined={} if shape is None else {KEYS[one.name]: undetermined_words(one) for one in shape.undetermined},
         seeds=tuple(map(_seed, found.seeds)),
         provenance=provenance,
         curves=curves,
@@ -89,7 +99,26 @@ def _missing(checked: CrossCheck) -> result.MissingEffect:
         {field_of(name): value for name, value in checked.std.items()},
         dict(checked.faults),
         checked.against,
+        {field_of(name): interval_of(checked.values[name], std) for name, std in checked.std.items() if name in checked.values},
     )
+
+
+def _shape(shape: Shape) -> result.ShapeEntry:
+    profiles = {
+        KEYS[one.name]: result.ProfileEntry(_series(one.values), _series(one.objective), one.limit)
+        for one in shape.profiles
+        if one.name in KEYS
+    }
+    surface = shape.surface
+    drawn = None
+    if surface is not None and surface.names == tuple(KEYS):
+        drawn = result.MapEntry(_series(surface.values[0]), _series(surface.values[1]), tuple(map(_series, surface.objective)))
+    path = {KEYS[name]: _series(values) for name, values in shape.tried.items()}
+    return result.ShapeEntry(**profiles, map=drawn, path=path, path_cost_mm2s=_series(shape.cost))
+
+
+def _series(values: Reals) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)
 
 
 def _seed(other: Identification) -> result.Seed:

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
 from ema_tools.words.page import diagnosis_figures, figures
 from ema_tools.words.page import text as words
@@ -241,9 +242,10 @@ def _shown(value: Value) -> str:
         unit, name = row.unit, value.name.removeprefix("effects.")
     except InputError:
         unit, name = "", value.name
-    spread = f" ± {words.number(value.std, 2)}" if value.std is not None else ""
+    low, high = interval_of(value.value, value.std)
+    spread = f" [95 %: {words.interval(low, high)}]" if low is not None and high is not None else ""
     bound = " (at its bound)" if value.at_bound else ""
-    return f"{escape(name)} = {words.number(value.value, 4)}{spread}{' ' + escape(unit) if unit else ''}{bound}"
+    return f"{escape(name)} = {words.number(value.value, 4)}{' ' + escape(unit) if unit else ''}{spread}{bound}"
 
 
 def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
@@ -263,7 +265,7 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
             f'<tr><th scope="row">{escape(one.name)}</th><td class="reason">{escape(alike)}</td><td class="left">{values}</td>'
             f'<td>{words.number(one.score)}</td><td>{words.number(one.limit)}</td><td class="reason">{state}</td></tr>'
         )
-    caption = "Size with one standard error. An effect counts when its score exceeds the limit, which healthy repeats set; what looks alike cannot be told apart on this record."
+    caption = "Size with its 95 % interval. An effect counts when its score exceeds the limit, which healthy repeats set; what looks alike cannot be told apart on this record."
     if any(not one.accepted and one.score > one.limit for one in result.suspects):
         caption += " What is not accepted shows what it would take off alone: beside the accepted ones, which explain the record better, it adds too little."
     page.add(_table("effects", caption, _heads("Effect", "Looks alike", "Size", "Score", "Limit", "", left=3), rows))

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape
 from typing import Any
 
 import numpy as np
 
-from ema_tools.base.interval import WIDTH_95
 from ema_tools.results.parts import Place
-from ema_tools.words.page.results import FAULTS, ShownIdentification
+from ema_tools.words.page.results import FAULTS, ShownEstimate, ShownIdentification
 from ema_tools.words.page.text import number, shift
 
 LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
@@ -21,6 +19,11 @@ _PLACES_MAX = 10
 # Smaller errors are drawn here: they say nothing, and zero has no logarithm.
 SMALLEST_ERROR_PERCENT = 1e-4
 
+# An objective below it has no place on a logarithmic axis.
+_LEAST_OBJECTIVE = 1e-14
+# What is drawn of a profile beyond healthy value, estimate and interval: a share of their distance, and of the healthy value.
+_PROFILE_ROOM, _LEAST_PROFILE_ROOM = 0.4, 0.1
+
 Figure = dict[str, Any]
 
 
@@ -28,7 +31,7 @@ def scalars(result: ShownIdentification) -> Figure:
     """Diagnostic scalars: estimated against actual shift in % of the healthy value, one row per fault parameter."""
     names = [LABELS[name] for name in result.faults]
     estimates = [result.faults[name].shift_percent for name in result.faults]
-    spread = [_spread(result, name) for name in result.faults]
+    below, above = ([result.faults[name].reach_percent[side] for name in result.faults] for side in (0, 1))
     stems: Figure = {
         "type": "scatter",
         "mode": "lines",
@@ -39,7 +42,7 @@ def scalars(result: ShownIdentification) -> Figure:
         "hoverinfo": "skip",
     }
     traces = [stems]
-    values = [estimate + sign * width for estimate, width in zip(estimates, spread, strict=True) for sign in (-1.0, 1.0)]
+    values = [estimate + reach for estimate, low, high in zip(estimates, below, above, strict=True) for reach in (-low, high)]
     if result.case is not None:
         actual = [result.case.shift_percent(name) for name in result.faults]
         values += actual
@@ -49,7 +52,7 @@ def scalars(result: ShownIdentification) -> Figure:
         values += paper
         traces.append(_marker(paper, names, "Found in the paper", "paper", "diamond-open", 10, 1.5))
     estimated = _marker(estimates, names, "Estimated here", "after", "circle", 8, 0)
-    estimated["error_x"] = {"type": "data", "array": spread, "thickness": 1.5, "width": 4}
+    estimated["error_x"] = {"type": "data", "symmetric": False, "array": above, "arrayminus": below, "thickness": 1.5, "width": 4}
     traces.append(estimated)
     low, high = min(0.0, *values), max(0.0, *values)
     margin = 0.1 * (high - low or 1.0)
@@ -62,18 +65,15 @@ def scalars(result: ShownIdentification) -> Figure:
     return {"data": traces, "layout": layout, "height": 260, "label": _scalars_label(result)}
 
 
-def _spread(result: ShownIdentification, name: str) -> float:
-    """Half the width of the 95 % interval in %; zero, which draws none, where the record does not determine the value."""
-    std_percent = result.faults[name].std_percent
-    return 0.0 if math.isnan(std_percent) else WIDTH_95 * std_percent
-
-
 def _reading(result: ShownIdentification, name: str, place: int) -> Figure:
     """The numbers of one row, above it at the left."""
-    spread = _spread(result, name)
+    below, above = result.faults[name].reach_percent
+    spread = 0.5 * (below + above)
     text = f"<b>{shift(result.faults[name].shift_percent, 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2)}</b>"
     if spread >= 0.005:
-        text += f" ± {number(spread, 2)}"
+        decimals = 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2
+        ends = (result.faults[name].shift_percent - below, result.faults[name].shift_percent + above)
+        text += f"   95 %: {shift(ends[0], decimals).removesuffix(' %')} .. {shift(ends[1], decimals)}"
     if result.case is not None:
         text += f"   actual {shift(result.case.shift_percent(name), 2)}".removesuffix(" %")
     if result.paper is not None:
@@ -160,6 +160,180 @@ def search(result: ShownIdentification) -> Figure:
     }
     label = f"Objective against model run: {len(runs)} candidates, best {best[-1]:.2e} mm2 s"
     return {"data": traces, "layout": layout, "height": 260, "label": label}
+
+
+def profiles(result: ShownIdentification) -> Figure:
+    """Objective along each parameter, logarithmic: the profile, the estimate with its 95 % interval, the healthy value, and the level up to which noise alone explains a value."""
+    traces: list[Figure] = []
+    count = len(result.profiles)
+    layout: Figure = {
+        "yaxis": {"title": {"text": "E<sub>int</sub>, mm² s"}, "type": "log", "exponentformat": "power", "tickfont": {"size": 9}}
+    }
+    said = []
+    for place, (name, one) in enumerate(result.profiles.items(), start=1):
+        fault, unit, axis = result.faults[name], name.partition("_")[2], "x" if place == 1 else f"x{place}"
+        least = max(float(np.min(one.objective)), _LEAST_OBJECTIVE)
+        low, high = _seen(one.value, fault)
+        inside = (one.value >= low) & (one.value <= high)
+        common = {"type": "scatter", "xaxis": axis, "yaxis": "y"}
+        title = LABELS[name]
+        traces += [
+            {
+                **common,
+                "mode": "lines+markers",
+                "x": _short(one.value[inside]),
+                "y": _short(np.maximum(one.objective[inside], _LEAST_OBJECTIVE)),
+                "name": "Profile",
+                "meta": {"role": "after"},
+                "line": {"width": 2},
+                "marker": {"size": 4},
+                "hovertemplate": f"{title} %{{x:.4~g}} {unit}: %{{y:.3~e}} mm² s<extra></extra>",
+            },
+            {
+                **common,
+                "mode": "lines",
+                "x": [low, high],
+                "y": _short(np.full(2, max(one.limit, _LEAST_OBJECTIVE))),
+                "name": "Limit of noise",
+                "meta": {"role": "undecided"},
+                "line": {"width": 1.5, "dash": "dash"},
+                "hovertemplate": "below, noise alone would do<extra></extra>",
+            },
+            {
+                **common,
+                "mode": "markers",
+                "x": _short(np.array([fault.healthy])),
+                "y": _short(np.array([max(float(np.interp(fault.healthy, one.value, one.objective)), _LEAST_OBJECTIVE)])),
+                "name": "Healthy",
+                "meta": {"role": "before"},
+                "marker": {"symbol": "diamond", "size": 10},
+                "hovertemplate": f"healthy {title} %{{x:.4~g}} {unit}<extra></extra>",
+            },
+            {
+                **common,
+                "mode": "markers",
+                "x": [fault.estimate],
+                "y": _short(np.array([least])),
+                "name": "Estimate",
+                "meta": {"role": "after"},
+                "marker": {"size": 9},
+                "error_x": _error_bar(fault),
+                "hovertemplate": f"{title} %{{x:.4~g}} {unit}<extra></extra>",
+            },
+        ]
+        gap = 0.09
+        width = (1.0 - gap * (count - 1)) / count
+        start = (place - 1) * (width + gap)
+        layout[f"xaxis{place if place > 1 else ''}"] = {
+            "title": {"text": f"{title}, {unit}"},
+            "range": [low, high],
+            "domain": [start, start + width],
+            "nticks": 5,
+            "anchor": "y",
+        }
+        said.append(
+            f"{title} lowest at {number(fault.estimate, 4)} {unit}, {number(least)} mm2 s; at the healthy value {number(float(traces[-2]['y'][0]))}"
+        )
+    layout["margin"] = {"l": 62, "r": 14, "t": 8, "b": 44}
+    return {"data": traces, "layout": layout, "height": 300, "label": "Objective along each parameter: " + "; ".join(said)}
+
+
+def _error_bar(fault: ShownEstimate) -> Figure:
+    if fault.interval is None:
+        return {"visible": False}
+    low, high = fault.interval
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": [high - fault.estimate],
+        "arrayminus": [fault.estimate - low],
+        "thickness": 2,
+        "width": 5,
+    }
+
+
+def _seen(values: np.ndarray, fault: ShownEstimate) -> tuple[float, float]:
+    """The part of a profile that is drawn: healthy value, estimate and interval with room around them, inside what was searched."""
+    inner = [fault.healthy, fault.estimate, *(fault.interval or ())]
+    room = max(_PROFILE_ROOM * (max(inner) - min(inner)), _LEAST_PROFILE_ROOM * abs(fault.healthy))
+    low, high = min(inner) - room, max(inner) + room
+    if fault.interval is None:
+        return float(values[0]), float(values[-1])
+    return max(low, float(values[0])), min(high, float(values[-1]))
+
+
+def surface(result: ShownIdentification) -> Figure:
+    """Objective over both parameters as logarithmic contours, with the search's candidates and the way of its best point."""
+    assert result.map is not None
+    found = result.map
+    levels = np.log10(np.maximum(found.objective, _LEAST_OBJECTIVE))
+    contour: Figure = {
+        "type": "contour",
+        "x": _short(found.csj),
+        "y": _short(found.blk),
+        "z": [_short(row) for row in levels],
+        "meta": {"role": "candidate"},
+        "ncontours": 14,
+        "showscale": False,
+        "line": {"width": 0.7, "smoothing": 0.8},
+        "hovertemplate": "CSJ %{x:.4~g} Nm, BLK %{y:.4~g} mm: 10^%{z:.2f} mm² s<extra></extra>",
+    }
+    drawn = (
+        (found.path_csj >= found.csj[0])
+        & (found.path_csj <= found.csj[-1])
+        & (found.path_blk >= found.blk[0])
+        & (found.path_blk <= found.blk[-1])
+    )
+    better = found.path_cost <= np.minimum.accumulate(found.path_cost) if found.path_cost.size else np.zeros(0, dtype=bool)
+    traces = [
+        contour,
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "x": _short(found.path_csj[drawn & ~better]),
+            "y": _short(found.path_blk[drawn & ~better]),
+            "name": "Candidate",
+            "meta": {"role": "soft"},
+            "marker": {"size": 3.5, "opacity": 0.6},
+            "hovertemplate": "candidate: CSJ %{x:.4~g} Nm, BLK %{y:.4~g} mm<extra></extra>",
+        },
+        {
+            "type": "scatter",
+            "mode": "lines+markers",
+            "x": _short(found.path_csj[better]),
+            "y": _short(found.path_blk[better]),
+            "name": "Best so far",
+            "meta": {"role": "after"},
+            "line": {"width": 1.5},
+            "marker": {"size": 5},
+            "hovertemplate": "best so far: CSJ %{x:.4~g} Nm, BLK %{y:.4~g} mm<extra></extra>",
+        },
+    ]
+    healthy = [result.faults[name].healthy for name in FAULTS]
+    estimate = [result.faults[name].estimate for name in FAULTS]
+    for point, name, role, symbol in ((healthy, "Healthy", "before", "diamond"), (estimate, "Estimate", "after", "circle")):
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "markers",
+                "x": [point[0]],
+                "y": [point[1]],
+                "name": name,
+                "meta": {"role": role},
+                "marker": {"symbol": symbol, "size": 11},
+                "hovertemplate": f"{name.lower()}: CSJ %{{x:.4~g}} Nm, BLK %{{y:.4~g}} mm<extra></extra>",
+            }
+        )
+    layout = {
+        "xaxis": {"title": {"text": "CSJ, Nm"}, "range": [float(found.csj[0]), float(found.csj[-1])]},
+        "yaxis": {"title": {"text": "BLK, mm"}, "range": [float(found.blk[0]), float(found.blk[-1])]},
+        "margin": {"l": 62, "r": 14, "t": 8, "b": 44},
+    }
+    label = (
+        f"Objective over CSJ and BLK with the way of the search: {found.path_cost.size} candidates, of which {int(np.sum(better))} were the best so far; "
+        f"lowest at CSJ {number(estimate[0], 4)} Nm and BLK {number(estimate[1], 4)} mm"
+    )
+    return {"data": traces, "layout": layout, "height": 300, "label": label}
 
 
 def _decades(cost: np.ndarray) -> int:

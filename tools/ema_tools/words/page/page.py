@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Iterable
 from functools import partial
@@ -175,11 +174,11 @@ def _identified(page: _Page, result: ShownIdentification, identity: str) -> None
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
         actual = f"true {getattr(result.case, name):g}, " if result.case is not None else ""
-        spread = "" if math.isnan(fault.std) else f" ± {words.number(fault.std, 2)}"
-        doubt = "not determined by this record, " if math.isnan(fault.std) else ""
+        spread = "" if fault.interval is None else f"95 %: {words.interval(*fault.interval)} {unit}, "
+        doubt = "not determined by this record, " if fault.interval is None or name in result.undetermined else ""
         page.add(
-            f"<div><dt>{short}, {long}</dt><dd>{words.number(fault.estimate, 5)}{spread} {unit}"
-            f"<small>{doubt}{actual}healthy {fault.healthy:.4g} {unit}</small></dd></div>"
+            f"<div><dt>{short}, {long}</dt><dd>{words.number(fault.estimate, 5)} {unit}"
+            f"<small>{spread}{doubt}{actual}healthy {fault.healthy:.4g} {unit}</small></dd></div>"
         )
     for name, reason in result.left_out.items():
         page.add(f"<div><dt>{_NAMES[name][0]}, {_NAMES[name][1]}</dt><dd>–<small>not identified: {escape(reason)}</small></dd></div>")
@@ -189,6 +188,8 @@ def _identified(page: _Page, result: ShownIdentification, identity: str) -> None
     )
     time = f"<small>{words.duration(result.wall_s)} on one core</small>" if result.wall_s is not None else ""
     page.add(f"<div><dt>Model runs</dt><dd>{result.evaluations}{time}</dd></div></dl>")
+    for undetermined in result.undetermined.values():
+        page.add(f"<p>{escape(undetermined)}</p>")
     if result.curves is not None:
         _curves(page, result.curves, identity, {"before": "Before: healthy values", "after": "After: identified values"})
     page.add('<div class="pair">')
@@ -209,6 +210,34 @@ def _identified(page: _Page, result: ShownIdentification, identity: str) -> None
         page.add(
             "<figcaption>A candidate that could no longer be accepted was given up early; its dot is the error that had come together by then.</figcaption></figure>"
         )
+    page.add("</div>")
+    _shape(page, result, identity)
+
+
+def _shape(page: _Page, result: ShownIdentification, identity: str) -> None:
+    """The objective round the answer."""
+    if not result.profiles:
+        return
+    page.add('<div class="pair">')
+    page.add(
+        '<figure><div class="figure-head"><h3>The error along each parameter</h3><ul class="legend"><li><span class="key after"></span>profile</li>'
+    )
+    page.add('<li><span class="key dot"></span>estimate, 95 %</li><li><span class="key diamond full before"></span>healthy</li>')
+    page.add(
+        '<li><span class="key dashed"></span>limit of noise</li></ul></div>', page.figure(f"{identity}-profiles", figures.profiles(result))
+    )
+    page.add(
+        "<figcaption>The other values follow along the valley. A value under the dashed line would explain this record as well; "
+        "the bar counts what differs from day to day, too.</figcaption></figure>"
+    )
+    if result.map is not None:
+        page.add('<figure><div class="figure-head"><h3>The error over both, and the way of the search</h3><ul class="legend">')
+        page.add('<li><span class="key dot soft"></span>candidate</li><li><span class="key after"></span>best so far</li>')
+        page.add(
+            '<li><span class="key diamond full before"></span>healthy</li></ul></div>',
+            page.figure(f"{identity}-map", figures.surface(result)),
+        )
+        page.add("<figcaption>Logarithmic; dark is small. Candidates beyond the map are not drawn.</figcaption></figure>")
     page.add("</div>")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,13 +11,14 @@ import numpy as np
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import read_json
+from ema_tools.base.interval import interval95
 from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.results import codec
 from ema_tools.results import reading as results
 from ema_tools.results.addition import Addition
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
-from ema_tools.results.identification import KEYS, IdentificationResult
+from ema_tools.results.identification import KEYS, IdentificationResult, ProfileEntry, ShapeEntry
 from ema_tools.results.identification import EstimateEntry as ResultEstimate
 from ema_tools.results.parts import Place
 from ema_tools.results.reading import result_of
@@ -31,17 +31,20 @@ BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 
 @dataclass(frozen=True)
 class ShownEstimate:
-    """One identified parameter, in its own unit; shift in % of the healthy value. `std` is NaN when the record does not determine it."""
+    """One identified parameter, in its own unit; shift in % of the healthy value. `interval`: the 95 % interval, None when the record does not determine it."""
 
     estimate: float
-    std: float
+    interval: tuple[float, float] | None
     shift_percent: float
     healthy: float
 
     @property
-    def std_percent(self) -> float:
-        """Standard error in % of the healthy value."""
-        return 100.0 * self.std / self.healthy
+    def reach_percent(self) -> tuple[float, float]:
+        """How far the interval reaches below and above the estimate, in % of the healthy value; zero, which draws nothing, where there is none."""
+        if self.interval is None:
+            return 0.0, 0.0
+        below, above = self.estimate - self.interval[0], self.interval[1] - self.estimate
+        return 100.0 * below / abs(self.healthy), 100.0 * above / abs(self.healthy)
 
 
 @dataclass(frozen=True)
@@ -53,9 +56,30 @@ class ShownSearch:
 
 
 @dataclass(frozen=True)
+class ShownProfile:
+    """The objective along one parameter, in its own unit; `limit`: below it a value lies inside the 95 % region by what the residual is."""
+
+    value: Series
+    objective: Series
+    limit: float
+
+
+@dataclass(frozen=True)
+class ShownMap:
+    """The objective over CSJ and BLK, [blk, csj], and where the search was, run by run."""
+
+    csj: Series
+    blk: Series
+    objective: Series
+    path_csj: Series
+    path_blk: Series
+    path_cost: Series
+
+
+@dataclass(frozen=True)
 class ShownIdentification:
     """A result of `ema identify`. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known,
-    `noise` names the sensor noise in the record."""
+    `noise` names the sensor noise in the record, `undetermined` says what the record does not determine."""
 
     name: str
     faults: dict[str, ShownEstimate]
@@ -72,6 +96,9 @@ class ShownIdentification:
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
+    profiles: dict[str, ShownProfile] = field(default_factory=dict)
+    map: ShownMap | None = None
+    undetermined: dict[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -162,14 +189,50 @@ def identified(found: IdentificationResult, source: str, stem: str) -> ShownIden
         curves=curves_of(found.curves, source) if found.curves is not None else None,
         provenance=found.provenance,
         left_out=left_out,
+        profiles=_profiles(found.shape, source) if found.shape is not None else {},
+        map=_map(found.shape, source) if found.shape is not None and found.shape.map is not None else None,
+        undetermined=found.undetermined,
     )
 
 
 def _estimate(one: ResultEstimate, source: str, name: str) -> ShownEstimate:
-    if one.shift_percent <= -100.0:
+    # a play of zero is one; without its healthy value there would be none to divide by
+    if one.shift_percent < -100.0 or (one.shift_percent == -100.0 and one.healthy is None):
         raise fault(source, f"{name}.shift_percent", "is not above -100")
     healthy = one.healthy if one.healthy is not None else one.estimate / (1.0 + one.shift_percent / 100.0)
-    return ShownEstimate(one.estimate, math.nan if one.std is None else one.std, one.shift_percent, healthy)
+    low, high = one.interval95
+    if low is not None and high is not None:
+        return ShownEstimate(one.estimate, (low, high), one.shift_percent, healthy)
+    # an older file states a standard error alone
+    ends = interval95(one.estimate, one.std) if one.std is not None else (None, None)
+    return ShownEstimate(
+        one.estimate, (ends[0], ends[1]) if ends[0] is not None and ends[1] is not None else None, one.shift_percent, healthy
+    )
+
+
+def _profiles(shape: ShapeEntry, source: str) -> dict[str, ShownProfile]:
+    found = {}
+    for name in FAULTS:
+        one: ProfileEntry | None = getattr(shape, name)
+        if one is not None:
+            if not 0 < len(one.value) == len(one.objective_mm2s):
+                raise fault(source, f"shape.{name}.objective_mm2s", f"has {len(one.objective_mm2s)} numbers for {len(one.value)} values")
+            found[name] = ShownProfile(np.asarray(one.value), np.asarray(one.objective_mm2s), one.limit_mm2s)
+    return found
+
+
+def _map(shape: ShapeEntry, source: str) -> ShownMap:
+    assert shape.map is not None
+    rows, across = len(shape.map.objective_mm2s), len(shape.map.csj_Nm)
+    if rows != len(shape.map.blk_mm) or any(len(row) != across for row in shape.map.objective_mm2s) or not rows or not across:
+        raise fault(source, "shape.map.objective_mm2s", "is not a number for each BLK and CSJ")
+    path = [np.asarray(shape.path.get(name, ()), dtype=np.float64) for name in FAULTS]
+    cost = np.asarray(shape.path_cost_mm2s, dtype=np.float64)
+    if any(one.size != cost.size for one in path):
+        raise fault(source, "shape.path", "has not one value for each cost")
+    return ShownMap(
+        np.asarray(shape.map.csj_Nm), np.asarray(shape.map.blk_mm), np.asarray(shape.map.objective_mm2s), path[0], path[1], cost
+    )
 
 
 def compared(found: ComparisonResult, source: str, stem: str) -> Compared:

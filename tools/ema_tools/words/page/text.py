@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ema_tools.plant.native import REASONS
+from ema_tools.words.sentences.sizes import ends_text
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # What to do about a reason for an undecided verdict, by the module's bit.
@@ -68,6 +69,11 @@ def duration(seconds: float) -> str:
 def advice(reason: str) -> str:
     """What to do about one of the module's reasons; empty when nothing is known."""
     return next((text for bit, text in _ADVICE.items() if REASONS[bit] == reason), "")
+
+
+def interval(low: float, high: float) -> str:
+    """An interval with two digits of its width, e.g. `0.297 … 0.303`."""
+    return ends_text(low, high).replace("-", "−").replace("..", "…")
 
 
 def signed(value: float, digits: int = 2) -> str:

@@ -9,6 +9,7 @@ from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
+from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.sizes import size_text
 
 _MORE = "record motor position, current and voltage too"
@@ -110,6 +111,17 @@ def _decimals(doubt_percent: float) -> int:
     if not doubt_percent > 0.0:
         return 3
     return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
+
+
+def undetermined_words(one: Undetermined) -> str:
+    """That the record does not determine a value, and why."""
+    title, unit = TITLES.get(one.name, one.name), row_of(one.name).unit
+    between = f"{one.bounds[0]:.4g} .. {one.bounds[1]:.4g} {unit}"
+    if one.why == "nothing" or one.interval is None:
+        return f"This record does not determine {title}: nothing in it moves with {title}."
+    if one.why == "flat":
+        return f"This record does not determine {title}: over all that was searched, {between}, the objective changes by no more than noise would."
+    return f"This record does not determine {title}: its 95 % interval, {one.interval[0]:.3g} .. {one.interval[1]:.3g} {unit}, is wider than what was searched, {between}."
 
 
 def table_sentence(found: TableFinding) -> str:

@@ -2,11 +2,30 @@
 
 from __future__ import annotations
 
+import math
+
+from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import row_of
+
+_DECIMALS = 6  # of a number that is written without a power of ten [layout]
+
+
+def ends_text(low: float | None, high: float | None) -> str:
+    """An interval with two digits of its width, as in `0.297 .. 0.303`; a dash where there is none."""
+    if low is None or high is None:
+        return "-"
+    width, largest = high - low, max(abs(low), abs(high))
+    if not width > 0.0:
+        return f"{low:.4g} .. {high:.4g}"
+    decimals = 1 - math.floor(math.log10(width))
+    if 0 <= decimals <= _DECIMALS:
+        return f"{low:.{decimals}f} .. {high:.{decimals}f}"
+    digits = max(2, math.floor(math.log10(largest)) + 1 + decimals)
+    return f"{low:.{digits}g} .. {high:.{digits}g}"
 
 
 def size_text(name: str, value: float, std: float | None) -> str:
-    """A value with its standard error and unit, as in `0.31 +- 0.02 Nm`."""
+    """A value with its 95 % interval and unit, as in `0.31 Nm [95 %: 0.27 .. 0.35]`."""
     unit = row_of(name).unit
-    doubt = f" +- {std:.2g}" if std is not None else ""
-    return f"{value:.4g}{doubt}{' ' + unit if unit else ''}"
+    doubt = f" [95 %: {ends_text(*interval95(value, std))}]" if std is not None and math.isfinite(std) else ""
+    return f"{value:.4g}{' ' + unit if unit else ''}{doubt}"

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
+from ema_tools.fit.detection import rate_text
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry, RodModel
@@ -19,7 +20,7 @@ from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.parts import StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.identification import table_sentence
-from ema_tools.words.sentences.sizes import size_text
+from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
 
 _PLACES = 8
@@ -74,12 +75,12 @@ def comparison(console: Console, found: ComparisonResult, actuator: str) -> None
 
 def calibration(console: Console, found: CalibrationResult) -> None:
     """What `ema calibrate` found."""
-    shown_table = table("Calibrated", "value", "unit", "before", "after", "std error", "from", text_columns=2)
+    shown_table = table("Calibrated", "value", "unit", "before", "after", "95 % interval", "from", text_columns=2)
     shown_table.columns[-1].justify = "left"
     for name, value in found.parameters.items():
         source = value.source + (", at its bound" if value.at_bound else "")
         row = row_of(name)
-        shown_table.add_row(shown(row), value.unit, number(value.before, 5), number(value.after, 5), number(value.std, 2), source)
+        shown_table.add_row(shown(row), value.unit, number(value.before, 5), number(value.after, 5), ends_text(*value.interval95), source)
     console.print(shown_table)
     for names, why in found.left_out.items():
         say(console, f"No balance for {names}: {why}.")
@@ -116,13 +117,19 @@ def own_machine(console: Console, own: OwnMachineEntry) -> None:
         for name, value in own.scatter_percent.items()
     )
     say(console, f"Its runs differ: {scatter}.")
+    for name, share in own.exceeded.items():
+        say(
+            console,
+            f"{FAULTS[name.partition('.')[2]]}: a healthy unit exceeds that in {rate_text(share)} of ground tests; "
+            f"from {number(own.found_percent[name], 2)} % on the onboard module calls 95 % of the shifts a fault.",
+        )
 
 
 def identification(console: Console, found: IdentificationResult) -> None:
     """What `ema identify` found."""
     say(console, found.sentence)
     console.print()
-    rows = table("", "fault", "unit", "healthy", "estimate", "std error", "shift", text_columns=2)
+    rows = table("", "fault", "unit", "healthy", "estimate", "95 % interval", "shift", text_columns=2)
     for name, estimate in found.estimates.items():
         title = FAULTS[name] + (" (at its bound)" if estimate.at_bound else "")
         unit = name.partition("_")[2]
@@ -131,10 +138,12 @@ def identification(console: Console, found: IdentificationResult) -> None:
             unit,
             number(estimate.healthy, 5),
             number(estimate.estimate, 5),
-            number(estimate.std, 2),
+            ends_text(*estimate.interval95),
             f"{estimate.shift_percent:+.3f} %",
         )
     console.print(rows)
+    for sentence in found.undetermined.values():
+        say(console, sentence)
     say(
         console,
         f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms",
@@ -147,7 +156,7 @@ def identification(console: Console, found: IdentificationResult) -> None:
     )
     if found.baseline is not None:
         text = ", ".join(
-            f"{FAULTS[name.partition('.')[2]]} {number(value, 5)} +- {number(found.baseline.std[name], 2)}"
+            f"{FAULTS[name.partition('.')[2]]} {number(value, 5)} (95 %: {ends_text(*found.baseline.interval95[name])})"
             for name, value in found.baseline.values.items()
         )
         say(console, f"healthy values from {found.baseline.records} healthy record{'s' if found.baseline.records > 1 else ''}: {text}")
@@ -242,7 +251,7 @@ def laps(console: Console, found: DiagnosisByLapsResult) -> None:
 
 
 def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
-    """The size of a step's effect as the last fit has it, with its standard error."""
+    """The size of a step's effect as the last fit has it, with its 95 % interval."""
     for name, size in last.parameters.items():
         if f"{step.added}." in name or name == record_of(step.added).base_value:
             return f"{row_of(name).field} {size_text(name, size.value, size.std)}"
@@ -264,10 +273,10 @@ def added(console: Console, found: Addition) -> None:
     """What `ema add` did."""
     say(console, found.sentence)
     console.print()
-    rows = table("Fitted", "value", "unit", "after", "std error", "", text_columns=2)
+    rows = table("Fitted", "value", "unit", "after", "95 % interval", "", text_columns=2)
     for name, value in found.parameters.items():
         bound = "at its bound" if value.at_bound else ""
-        rows.add_row(shown(row_of(name)), value.unit, number(value.value, 5), number(value.std, 2), bound)
+        rows.add_row(shown(row_of(name)), value.unit, number(value.value, 5), ends_text(*(value.interval95 or (None, None))), bound)
     console.print(rows)
     console.print()
     steps(console, found.steps or (), found.error.floor)

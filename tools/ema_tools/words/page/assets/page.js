@@ -29,6 +29,8 @@
       if (painted.mode && painted.mode.includes("lines")) painted.line = { ...painted.line, color: colour };
       if (painted.mode !== "lines") painted.marker = { ...painted.marker, color: colour };
       // Two more hexadecimal digits: the band lets the grid through.
+      // The valley is dark, and lines between the levels stay faint.
+      if (painted.type === "contour") { painted.colorscale = [[0, colour + "b0"], [1, colour + "10"]]; painted.line = { ...painted.line, color: css("line") }; }
       if (painted.fill) painted.fillcolor = colour + "30";
       if (painted.error_x) painted.error_x = { ...painted.error_x, color: colour };
       return painted;
