@@ -47,3 +47,119 @@ static bool ema_group_take(ema_desk_group_t* group, const ema_desk_batch_t* batc
     }
     return taken;
 }
+
+/* Lanes that nobody asked for go with the first one. */
+static void ema_group_fill(ema_desk_group_t* group)
+{
+    for (uint32_t lane = group->count; lane < EMA_LANES; ++lane) {
+        group->lanes.plant[lane] = group->lanes.plant[0];
+        group->lanes.state[lane] = group->lanes.state[0];
+    }
+}
+
+static void ema_group_show(const ema_desk_group_t* group, const ema_desk_batch_t* batch, size_t row)
+{
+    const ema_lanes_output_t* const shown = &group->lanes.row;
+    for (uint32_t lane = 0; lane < group->count; ++lane) {
+        double* const out = &batch->out[(group->run[lane] * 5U * batch->rows) + row];
+        out[0] = (double)shown->position_mm[lane];
+        out[batch->rows] = (double)shown->motor_position_mm[lane];
+        out[2U * batch->rows] = (double)shown->current_A[lane];
+        out[3U * batch->rows] = (double)shown->voltage_V[lane];
+        out[4U * batch->rows] = (double)shown->speed_mm_s[lane];
+    }
+}
+
+/* A lane that has left the finite numbers ends; what takes its place stays finite a while and is not looked at. */
+static void ema_group_end(ema_desk_group_t* group, const ema_desk_batch_t* batch, const ema_lane_t finite)
+{
+    ema_real all = EMA_R(0.0);
+    for (uint32_t lane = 0; lane < EMA_LANES; ++lane) {
+        all += finite[lane];
+    }
+    for (uint32_t lane = 0; (all < (ema_real)EMA_LANES) && (lane < EMA_LANES); ++lane) {
+        if (finite[lane] == EMA_R(0.0)) {
+            if (lane < group->count) {
+                batch->status[group->run[lane]] = (int32_t)EMA_ERR_DIVERGED;
+            }
+            ema_state_rest(&group->lanes.state[lane], &group->lanes.plant[lane]);
+            ema_lanes_return(&group->lanes, lane);
+        }
+    }
+}
+
+static void ema_group_run(ema_desk_group_t* group, const ema_desk_batch_t* batch)
+{
+    const int32_t every = group->actuator[0].options.record_every_steps;
+    bool known = true;
+    ema_lanes_start(&group->lanes);
+    for (size_t row = 0; known && (row < batch->rows); ++row) {
+        const ema_real command_mm = (ema_real)batch->command_mm[row];
+        known = ema_is_finite(command_mm);
+        for (int32_t k = 0; known && (k < every); ++k) {
+            ema_lane_t finite;
+            ema_lanes_step(&group->lanes, command_mm, finite);
+            if (k == 0) {
+                ema_group_show(group, batch, row);
+            }
+            ema_group_end(group, batch, finite);
+        }
+    }
+    for (uint32_t lane = 0; lane < group->count; ++lane) {
+        const size_t run = group->run[lane];
+        ema_lanes_leave(&group->lanes, lane, &group->lanes.state[lane]);
+        batch->unlocated_event_steps[run] = (int32_t)group->lanes.state[lane].unlocated_event_steps;
+        if (!known && (batch->status[run] == (int32_t)EMA_OK)) {
+            batch->status[run] = (int32_t)EMA_ERR_NOT_FINITE;
+        }
+    }
+}
+
+/* So few that lanes without a run cost more than runs one after the other. */
+#define EMA_LANES_WORTH 3U
+
+static void ema_group_go(ema_desk_group_t* group, const ema_desk_batch_t* batch)
+{
+    if (group->count >= EMA_LANES_WORTH) {
+        ema_group_fill(group);
+        ema_group_run(group, batch);
+    } else {
+        for (uint32_t lane = 0; lane < group->count; ++lane) {
+            const size_t run = group->run[lane];
+            batch->status[run] = ema_desk_simulate(&batch->values[run * EMA_VALUE_COUNT], batch->options,
+                                                   batch->command_mm, (int32_t)batch->rows, (double)batch->start_mm,
+                                                   &batch->out[run * 5U * batch->rows],
+                                                   &batch->unlocated_event_steps[run]);
+        }
+    }
+}
+
+int32_t ema_desk_simulate_many(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
+                               int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps,
+                               int32_t* status)
+{
+    if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)
+        || (unlocated_event_steps == NULL) || (status == NULL)) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    const ema_desk_batch_t batch = {values, options,           command_mm,            (rows > 0) ? (size_t)rows : 0U,
+                                    (ema_real)start_mm, out, unlocated_event_steps, status};
+    const size_t count = (runs > 0) ? (size_t)runs : 0U;
+    ema_desk_group_t group = {0};
+    for (size_t run = 0; run < count; ++run) {
+        status[run] = EMA_WAITS;
+        unlocated_event_steps[run] = 0;
+    }
+    for (size_t first = 0; first < count; ++first) {
+        group.count = 0U;
+        for (size_t run = first; (run < count) && (group.count < EMA_LANES); ++run) {
+            if (status[run] == EMA_WAITS) {
+                (void)ema_group_take(&group, &batch, run);
+            }
+        }
+        if (group.count > 0U) {
+            ema_group_go(&group, &batch);
+        }
+    }
+    return (int32_t)EMA_OK;
+}

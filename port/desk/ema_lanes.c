@@ -42,6 +42,9 @@ void ema_lanes_leave(const ema_lanes_t* lanes, uint32_t lane, ema_state_t* state
     state->rod_speed_mm_s = now->rod_speed_mm_s[lane];
     state->integral = now->integral[lane];
     state->output = now->output[lane];
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        state->effect_memory[k] = now->effect_memory[k][lane];
+    }
 }
 
 void ema_lanes_return(ema_lanes_t* lanes, uint32_t lane)
@@ -60,6 +63,9 @@ void ema_lanes_return(ema_lanes_t* lanes, uint32_t lane)
     now->rod_speed_mm_s[lane] = state->rod_speed_mm_s;
     now->integral[lane] = state->integral;
     now->output[lane] = state->output;
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        now->effect_memory[k][lane] = state->effect_memory[k];
+    }
 }
 
 static void ema_lanes_responses(ema_lanes_responses_t* to, const ema_responses_t* from, uint32_t lane)
@@ -89,6 +95,7 @@ void ema_lanes_start(ema_lanes_t* lanes)
     EMA_LANES_OF(torque_constant_Nm_per_A, motor)
     EMA_LANES_OF(back_emf_V_s_per_rad, motor)
     EMA_LANES_OF(torque_limit_Nm, motor)
+    EMA_LANES_OF(lead_mm, gearbox)
     EMA_LANES_OF(lead_mm_per_rad, gearbox)
     EMA_LANES_OF(loss_opposing, gearbox)
     EMA_LANES_OF(loss_aiding, gearbox)
@@ -111,6 +118,11 @@ void ema_lanes_start(ema_lanes_t* lanes)
     {
         const ema_plant_t* const plant = &lanes->plant[l];
         const ema_circuit_t* const circuit = plant->drive.current_mode ? &plant->current_loop : &plant->motor_circuit;
+        const ema_real* const held = (const ema_real*)(const void*)&plant->effects;
+        for (size_t k = 0; k < (sizeof plant->effects / sizeof *held); ++k) {
+            lanes->held[k][l] = held[k];
+        }
+        lanes->constant.algebraic[l] = circuit->algebraic ? EMA_R(1.0) : EMA_R(0.0);
         lanes->constant.rate_current[l] = circuit->rate_current;
         lanes->constant.rate_speed[l] = circuit->rate_speed;
         lanes->constant.rate_voltage[l] = circuit->rate_voltage;

@@ -11,13 +11,39 @@
 #include "ema/ema_work.h"
 
 /* Two vectors of float64 where there are four to a vector: a second one works while the first one waits. */
+#ifndef EMA_LANES
 #define EMA_LANES 8U
+#endif
 
-/* The compiler is free to work on as many lanes at once as it likes: none looks at another. */
-#define EMA_EACH_LANE for (uint32_t l = 0; l < EMA_LANES; ++l) /* EMA-D2 */
+/* No lane looks at another, so the compiler is free to work on as many at once as it can: it is told. */
+#if defined(__clang__)
+#define EMA_LANES_APART _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define EMA_LANES_APART _Pragma("GCC ivdep")
+#else
+#define EMA_LANES_APART
+#endif
+#define EMA_EACH_LANE EMA_LANES_APART for (uint32_t l = 0; l < EMA_LANES; ++l)
 
 /* One number of every lane; as a flag 1 or 0, of the numbers' own size so that it needs no conversion. */
 typedef ema_real ema_lane_t[EMA_LANES];
+
+/* Whole numbers of the same size, for what is asked of all lanes together. */
+#if EMA_REAL64
+typedef int64_t ema_lane_bit_t;
+#else
+typedef int32_t ema_lane_bit_t;
+#endif
+
+/* Effects of the user's own are the last of the list; nothing is known of what they look at. */
+enum {
+    EMA_LANES_OWN_EFFECTS = 0
+#ifdef EMA_OWN_EFFECTS
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) +1
+#include EMA_OWN_EFFECTS
+#undef EMA_EFFECT
+#endif
+};
 
 /* ema_responses_t */
 typedef struct {
@@ -56,7 +82,9 @@ typedef struct {
     ema_lane_t half_play_mm;
     ema_lane_t rod_gain;
     ema_lane_t rod_offset_mm;
-    ema_lane_t rate_current; /* of the circuit of the drive's mode */
+    ema_lane_t lead_mm;
+    ema_lane_t algebraic; /* of the circuit of the drive's mode; a flag */
+    ema_lane_t rate_current;
     ema_lane_t rate_speed;
     ema_lane_t rate_voltage;
     ema_lane_t linear_current_A;
@@ -77,6 +105,7 @@ typedef struct {
     ema_lane_t rod_speed_mm_s;
     ema_lane_t integral;
     ema_lane_t output;
+    ema_lane_t effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
 } ema_lanes_state_t;
 
 /* ema_output_t */
@@ -126,11 +155,14 @@ typedef struct {
 typedef struct {
     _Alignas(64) ema_lanes_plant_t constant;
     ema_lanes_responses_t responses[2];
+    ema_lane_t held[sizeof(ema_held_effects_t) / sizeof(ema_real)]; /* the values of ema_held_effects_t */
     ema_lanes_state_t now;
     ema_lanes_output_t row;
     ema_lanes_applied_t applied;
     ema_lanes_segment_t segment;
+    ema_lanes_point_t here; /* between its ends */
     ema_lanes_forces_t forces; /* at the point that was asked for last */
+    ema_lane_t feedback_mm;
     ema_lane_t done;           /* whether the last span was taken in one */
     uint32_t step;
     uint64_t lane_steps; /* spans of all lanes, and how many of them were left to the model's own functions */
@@ -139,6 +171,22 @@ typedef struct {
     ema_plant_t plant[EMA_LANES];
     ema_state_t state[EMA_LANES];
 } ema_lanes_t;
+
+/* Questions and choices without a branch: all sides are worked out, and flags are multiplied. */
+static inline ema_real ema_flag(bool holds)
+{
+    return holds ? EMA_R(1.0) : EMA_R(0.0);
+}
+
+static inline ema_real ema_not(ema_real flag)
+{
+    return EMA_R(1.0) - flag;
+}
+
+static inline ema_real ema_choose(ema_real flag, ema_real set, ema_real unset)
+{
+    return (flag != EMA_R(0.0)) ? set : unset;
+}
 
 /* Whether two plants differ in numbers alone: the same effects act, and the same blocks have the same form. Lanes run
  * together where this holds. */
@@ -159,6 +207,9 @@ void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point);
 
 /* Share of dry friction that the contact carries after a turn: ema_site_presliding. */
 void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, ema_lane_t share);
+
+/* Keeps that share in elastic lanes that are done. */
+void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share);
 
 /* A span of the motion with effects, or behind a late drive: ema_motion_span. */
 void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lane_t span_s);

@@ -18,18 +18,70 @@ typedef struct {
 #define EMA_LANE_RUNS(acts_at, name)                                                                                   \
     ((lanes->plant[0].active.at[acts_at] & ((ema_effect_set_t)1 << (uint32_t)EMA_EFFECT_ID_##name)) != 0U)
 
-/* Adds to `sum` what an effect makes of its values at the lanes' sites; `...` is what else it is given. */
-#define EMA_LANES_ADD(acts_at, name, values, ...)                                                                      \
+/* Adds to `sum` what an effect makes of its values at the lanes' sites; `...` is what else it is given. What the
+ * project's own effects look at is copied together lane by lane, which leaves nothing to do but to load it. */
+#define EMA_LANES_ADD(acts_at, name, ...)                                                                              \
+    if (EMA_LANE_RUNS(acts_at, name)) {                                                                                \
+        EMA_EACH_LANE                                                                                                  \
+        {                                                                                                              \
+            const ema_plant_t plant = ema_lane_plant(lanes, l);                                                        \
+            const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
+            const ema_site_t here =                                                                                    \
+                ema_lane_site(EMA_LANE_OWN(name) ? &lanes->plant[l] : &plant, site, l);                                \
+            sum[l] += ema_effect_##name(&effect, __VA_ARGS__);                                                         \
+        }                                                                                                              \
+    }
+/* A table is read where it lies. */
+#define EMA_LANES_ADD_TABLE(acts_at, name, ...)                                                                        \
     if (EMA_LANE_RUNS(acts_at, name)) {                                                                                \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
             const ema_plant_t* const plant = &lanes->plant[l];                                                         \
             const ema_site_t here = ema_lane_site(plant, site, l);                                                     \
-            sum[l] += ema_effect_##name(values, __VA_ARGS__);                                                          \
+            sum[l] += ema_effect_##name(&plant->learned->name, __VA_ARGS__);                                           \
         }                                                                                                              \
     }
-#define EMA_LANE_HELD(name) (&plant->effects.name)
-#define EMA_LANE_LEARNED(name) (&plant->learned->name)
+#define EMA_LANE_OWN(name)                                                                                             \
+    ((uint32_t)EMA_EFFECT_ID_##name >= ((uint32_t)EMA_EFFECT_COUNT - (uint32_t)EMA_LANES_OWN_EFFECTS))
+
+/* What effects look at in a plant. */
+static inline ema_plant_t ema_lane_plant(const ema_lanes_t* lanes, uint32_t l)
+{
+    const ema_lanes_plant_t* const constant = &lanes->constant;
+    const ema_plant_t plant = {
+        .drive = {.supply_V = constant->supply_V[l]},
+        .motor = {.torque_constant_Nm_per_A = constant->torque_constant_Nm_per_A[l],
+                  .back_emf_V_s_per_rad = constant->back_emf_V_s_per_rad[l],
+                  .torque_limit_Nm = constant->torque_limit_Nm[l]},
+        .gearbox = {.lead_mm = constant->lead_mm[l], .lead_mm_per_rad = constant->lead_mm_per_rad[l]},
+        .screw = {.inverse_inertia_per_kgm2 = constant->inverse_inertia_per_kgm2[l],
+                  .viscous_Nm_s_per_rad = constant->viscous_Nm_s_per_rad[l],
+                  .static_Nm = constant->static_Nm[l],
+                  .dynamic_Nm = constant->dynamic_Nm[l],
+                  .load_torque_Nm = constant->load_torque_Nm[l]},
+    };
+    return plant;
+}
+
+/* The values of an effect. */
+#define EMA_LANE_EFFECT(name)                                                                                          \
+    static inline ema_effect_##name##_t ema_lane_effect_##name(const ema_lanes_t* lanes, uint32_t l)                   \
+    {                                                                                                                  \
+        const size_t first = (size_t)offsetof(ema_held_effects_t, name) / sizeof(ema_real);                            \
+        ema_effect_##name##_t effect;                                                                                  \
+        ema_real* const value = (ema_real*)(void*)&effect;                                                             \
+        for (size_t k = 0; k < (sizeof effect / sizeof(ema_real)); ++k) {                                              \
+            value[k] = lanes->held[first + k][l];                                                                      \
+        }                                                                                                              \
+        return effect;                                                                                                 \
+    }
+#define EMA_EFFECT_AT_FRICTION(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_TORQUE(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_LOAD(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_MOTOR(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_PRESLIDING(name) EMA_LANE_EFFECT(name)
+#include "ema/ema_effects.def"
 
 static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes_site_t* site, uint32_t l)
 {
@@ -42,230 +94,215 @@ static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes
     return here;
 }
 
-static void ema_lanes_none(ema_lane_t sum)
-{
-    EMA_EACH_LANE
-    {
-        sum[l] = EMA_R(0.0);
-    }
-}
-
 static void ema_lanes_friction(const ema_lanes_t* lanes, const ema_lanes_site_t* site, const ema_lane_t level_Nm,
                                ema_lane_t sum)
 {
-    ema_lanes_none(sum);
-#define EMA_EFFECT_AT_FRICTION(name) EMA_LANES_ADD(EMA_SITE_FRICTION, name, EMA_LANE_HELD(name), &here, level_Nm[l])
+#define EMA_EFFECT_AT_FRICTION(name) EMA_LANES_ADD(EMA_SITE_FRICTION, name, &here, level_Nm[l])
 #define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
-    EMA_LANES_ADD(EMA_SITE_FRICTION, name, EMA_LANE_LEARNED(name), &here, level_Nm[l])
+    EMA_LANES_ADD_TABLE(EMA_SITE_FRICTION, name, &here, level_Nm[l])
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_torque(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-    ema_lanes_none(sum);
-#define EMA_EFFECT_AT_TORQUE(name) EMA_LANES_ADD(EMA_SITE_TORQUE, name, EMA_LANE_HELD(name), &here)
-#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_LANES_ADD(EMA_SITE_TORQUE, name, EMA_LANE_LEARNED(name), &here)
+#define EMA_EFFECT_AT_TORQUE(name) EMA_LANES_ADD(EMA_SITE_TORQUE, name, &here)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_LANES_ADD_TABLE(EMA_SITE_TORQUE, name, &here)
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_load(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-    ema_lanes_none(sum);
-#define EMA_EFFECT_AT_LOAD(name) EMA_LANES_ADD(EMA_SITE_LOAD, name, EMA_LANE_HELD(name), &here)
+#define EMA_EFFECT_AT_LOAD(name) EMA_LANES_ADD(EMA_SITE_LOAD, name, &here)
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_voltage(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-    ema_lanes_none(sum);
-#define EMA_EFFECT_AT_VOLTAGE(name) EMA_LANES_ADD(EMA_SITE_VOLTAGE, name, EMA_LANE_HELD(name), &here)
-#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_LANES_ADD(EMA_SITE_VOLTAGE, name, EMA_LANE_LEARNED(name), &here)
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_LANES_ADD(EMA_SITE_VOLTAGE, name, &here)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_LANES_ADD_TABLE(EMA_SITE_VOLTAGE, name, &here)
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_motor(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-    ema_lanes_none(sum);
-#define EMA_EFFECT_AT_MOTOR(name) EMA_LANES_ADD(EMA_SITE_MOTOR, name, EMA_LANE_HELD(name), &here)
+#define EMA_EFFECT_AT_MOTOR(name) EMA_LANES_ADD(EMA_SITE_MOTOR, name, &here)
 #include "ema/ema_effects.def"
 }
 
 void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, ema_lane_t share)
 {
-    ema_lanes_none(share);
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
     if (EMA_LANE_RUNS(EMA_SITE_PRESLIDING, name)) {                                                                    \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
-            share[l] = ema_effect_##name(&lanes->plant[l].effects.name,                                                          \
-                                       lanes->state[l].effect_memory[EMA_MEMORY_PLACE(name)], turn_rad[l]);            \
+            const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
+            share[l] = ema_effect_##name(&effect, lanes->now.effect_memory[EMA_MEMORY_PLACE(name)][l], turn_rad[l]);   \
         }                                                                                                              \
     }
 #include "ema/ema_effects.def"
 }
 
-/* Dry friction against the motion in `direction`: ema_level. */
-static void ema_lanes_level(const ema_lanes_t* lanes, const ema_lanes_site_t* site, const ema_lane_t level_Nm,
-                            const ema_lane_t load_Nm, const ema_lane_t direction, ema_lane_t total_Nm)
+void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share)
 {
-    ema_lane_t own_Nm;
-    EMA_EACH_LANE
-    {
-        const ema_screw_t screw = {.asymmetry = lanes->constant.asymmetry[l]};
-        const ema_gearbox_t gearbox = {.loss_opposing = lanes->constant.loss_opposing[l],
-                                       .loss_aiding = lanes->constant.loss_aiding[l]};
-        own_Nm[l] = ema_screw_level(&screw, level_Nm[l], direction[l]);
-        total_Nm[l] = own_Nm[l] + ema_gearbox_loss(&gearbox, load_Nm[l], direction[l]);
+#define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
+    if (EMA_LANE_RUNS(EMA_SITE_PRESLIDING, name)) {                                                                    \
+        ema_real* const memory = lanes->now.effect_memory[EMA_MEMORY_PLACE(name)];                                     \
+        EMA_EACH_LANE                                                                                                  \
+        {                                                                                                              \
+            const ema_real stretches = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_ELASTIC);                 \
+            memory[l] = ema_choose(lanes->done[l] * stretches, share[l], memory[l]);                                   \
+        }                                                                                                              \
     }
-    if (ema_acts(&lanes->plant[0], EMA_SITE_FRICTION)) {
-        ema_lane_t change_Nm;
-        ema_lanes_friction(lanes, site, own_Nm, change_Nm);
-        EMA_EACH_LANE
-        {
-            total_Nm[l] += change_Nm[l];
-        }
-    }
-    EMA_EACH_LANE
-    {
-        total_Nm[l] = ema_max(total_Nm[l], EMA_R(0.0));
-    }
+#include "ema/ema_effects.def"
 }
 
-/* Dry friction of lanes that slide, and the levels that hold those at rest. */
-static void ema_lanes_dry_friction(ema_lanes_t* lanes, const ema_lanes_site_t* site, const ema_lane_t load_Nm)
-{
-    ema_lanes_forces_t* const forces = &lanes->forces;
-    ema_lane_t own_Nm;
-    ema_lane_t direction;
-    ema_lane_t total_Nm;
-    ema_real resting = EMA_R(0.0);
-    EMA_EACH_LANE
-    {
-        const bool stuck = lanes->now.motion[l] == EMA_R(0.0);
-        own_Nm[l] = stuck ? lanes->constant.static_Nm[l] : lanes->constant.dynamic_Nm[l];
-        direction[l] = stuck ? EMA_R(1.0) : lanes->now.motion[l];
-        resting += stuck ? EMA_R(1.0) : EMA_R(0.0);
-    }
-    ema_lanes_level(lanes, site, own_Nm, load_Nm, direction, total_Nm);
-    EMA_EACH_LANE
-    {
-        const bool stuck = lanes->now.motion[l] == EMA_R(0.0);
-        const ema_real torque_Nm = forces->torque_Nm[l] + (-direction[l] * total_Nm[l]);
-        forces->torque_Nm[l] = stuck ? forces->torque_Nm[l] : torque_Nm;
-        forces->level_forward_Nm[l] = stuck ? total_Nm[l] : EMA_R(0.0);
-    }
-    if (resting > EMA_R(0.0)) {
-        EMA_EACH_LANE
-        {
-            own_Nm[l] = lanes->constant.static_Nm[l];
-            direction[l] = EMA_R(-1.0);
-        }
-        ema_lanes_level(lanes, site, own_Nm, load_Nm, direction, total_Nm);
-        EMA_EACH_LANE
-        {
-            forces->level_backward_Nm[l] = (lanes->now.motion[l] == EMA_R(0.0)) ? total_Nm[l] : EMA_R(0.0);
-        }
-    }
-}
-
-/* Torque of a contact that stretches before it slides. */
-static void ema_lanes_contact(ema_lanes_t* lanes, const ema_lanes_site_t* site, const ema_lane_t load_Nm)
-{
-    ema_lane_t turn_rad;
-    ema_lane_t share;
-    ema_lane_t direction;
-    ema_lane_t total_Nm;
-    EMA_EACH_LANE
-    {
-        turn_rad[l] = site->angle_rad[l] - lanes->now.angle_rad[l];
-    }
-    ema_lanes_presliding(lanes, turn_rad, share);
-    EMA_EACH_LANE
-    {
-        direction[l] = (share[l] < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0);
-    }
-    ema_lanes_level(lanes, site, lanes->constant.dynamic_Nm, load_Nm, direction, total_Nm);
-    EMA_EACH_LANE
-    {
-        lanes->forces.torque_Nm[l] += -share[l] * total_Nm[l];
-    }
-}
-
-/* Torque constant and back-EMF that an effect changes. */
-static void ema_lanes_motor_change(ema_lanes_t* lanes, const ema_lanes_site_t* site, const ema_lane_t speed_rad_s)
-{
-    ema_lane_t change;
-    ema_lanes_motor(lanes, site, change);
-    EMA_EACH_LANE
-    {
-        const ema_motor_t motor = {.torque_constant_Nm_per_A = lanes->constant.torque_constant_Nm_per_A[l],
-                                   .torque_limit_Nm = lanes->constant.torque_limit_Nm[l]};
-        const ema_real changed_A = (EMA_R(1.0) + change[l]) * site->current_A[l];
-        const ema_real emf_V = change[l] * lanes->constant.back_emf_V_s_per_rad[l] * speed_rad_s[l];
-        lanes->forces.torque_Nm[l] +=
-            ema_motor_torque(&motor, changed_A) - ema_motor_torque(&motor, site->current_A[l]);
-        lanes->forces.input[l] -= (lanes->applied.current_loop[l] != EMA_R(0.0)) ? EMA_R(0.0) : emf_V;
-    }
-}
-
-void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
-{
-    const ema_plant_t* const shape = &lanes->plant[0];
-    ema_lanes_forces_t* const forces = &lanes->forces;
-    ema_lanes_site_t site;
+/* What comes together at a point. */
+typedef struct {
+    ema_lane_t voltage_V; /* sums of the effects of a site */
     ema_lane_t load_Nm;
-    ema_lane_t sum;
+    ema_lane_t torque_Nm;
+    ema_lane_t change; /* of the torque constant */
+    ema_lane_t share;  /* of the dry friction that a contact carries; 1 of one that slides */
+    ema_lane_t direction;
+    ema_lane_t own_Nm; /* the screw's own dry friction against that direction, and what effects add */
+    ema_lane_t friction_Nm;
+    ema_lane_t own_backward_Nm; /* the same of lanes at rest, backward */
+    ema_lane_t backward_Nm;
+} ema_lanes_sums_t;
+
+static inline ema_real ema_lane_level(const ema_lanes_t* lanes, uint32_t l, ema_real level_Nm, ema_real direction)
+{
+    const ema_screw_t screw = {.asymmetry = lanes->constant.asymmetry[l]};
+    return ema_screw_level(&screw, level_Nm, direction);
+}
+
+/* Dry friction in all: ema_level. */
+static inline ema_real ema_lane_friction(const ema_lanes_t* lanes, uint32_t l, ema_real load_Nm, ema_real direction,
+                                         ema_real own_Nm, ema_real acts, ema_real change_Nm)
+{
+    const ema_gearbox_t gearbox = {.loss_opposing = lanes->constant.loss_opposing[l],
+                                   .loss_aiding = lanes->constant.loss_aiding[l]};
+    const ema_real plain_Nm = own_Nm + ema_gearbox_loss(&gearbox, load_Nm, direction);
+    return ema_max(ema_choose(acts, plain_Nm + change_Nm, plain_Nm), EMA_R(0.0));
+}
+
+/* The site at the point, and dry friction as the screw has it there; false when all lanes slide. */
+static bool ema_lanes_site_at(const ema_lanes_t* lanes, const ema_lanes_point_t* point, ema_lanes_site_t* site,
+                              ema_lanes_sums_t* sums)
+{
+    ema_lane_bit_t resting = 0;
     EMA_EACH_LANE
     {
         const ema_real motion = lanes->now.motion[l];
         const ema_real speed_rad_s = point->speed_rad_s[l];
-        const ema_real forward = ema_max(speed_rad_s, EMA_R(0.0));
-        const ema_real backward = ema_min(speed_rad_s, EMA_R(0.0));
-        const ema_real free = (motion == (ema_real)EMA_MOTION_ELASTIC) ? speed_rad_s : EMA_R(0.0);
-        const ema_real turned = (motion == (ema_real)EMA_MOTION_BACKWARD) ? backward : free;
-        site.speed_rad_s[l] = (motion == (ema_real)EMA_MOTION_FORWARD) ? forward : turned;
-        site.angle_rad[l] = point->angle_rad[l];
-        site.position_mm[l] = lanes->constant.lead_mm_per_rad[l] * point->angle_rad[l];
-        site.current_A[l] = point->current_A[l];
-        site.voltage_V[l] =
-            (lanes->applied.current_loop[l] != EMA_R(0.0)) ? lanes->applied.voltage_V[l] : lanes->applied.input[l];
-        forces->input[l] = lanes->applied.input[l];
-        forces->level_forward_Nm[l] = EMA_R(0.0);
-        forces->level_backward_Nm[l] = EMA_R(0.0);
-        load_Nm[l] = lanes->constant.load_torque_Nm[l];
+        const ema_real stuck = ema_flag(motion == (ema_real)EMA_MOTION_STUCK);
+        const ema_real elastic = ema_flag(motion == (ema_real)EMA_MOTION_ELASTIC);
+        const ema_real backward = ema_flag(motion == (ema_real)EMA_MOTION_BACKWARD);
+        const ema_real forward = ema_flag(motion == (ema_real)EMA_MOTION_FORWARD);
+        const ema_real free_rad_s = ema_choose(elastic, speed_rad_s, EMA_R(0.0));
+        const ema_real back_rad_s = ema_choose(backward, ema_min(speed_rad_s, EMA_R(0.0)), free_rad_s);
+        const ema_real static_Nm = lanes->constant.static_Nm[l];
+        const ema_real direction = ema_choose(stuck, EMA_R(1.0), motion);
+        const ema_real level_Nm = ema_choose(stuck, static_Nm, lanes->constant.dynamic_Nm[l]);
+        site->speed_rad_s[l] = ema_choose(forward, ema_max(speed_rad_s, EMA_R(0.0)), back_rad_s);
+        site->angle_rad[l] = point->angle_rad[l];
+        site->position_mm[l] = lanes->constant.lead_mm_per_rad[l] * point->angle_rad[l];
+        site->current_A[l] = point->current_A[l];
+        site->voltage_V[l] =
+            ema_choose(lanes->applied.current_loop[l], lanes->applied.voltage_V[l], lanes->applied.input[l]);
+        sums->voltage_V[l] = EMA_R(0.0);
+        sums->load_Nm[l] = EMA_R(0.0);
+        sums->torque_Nm[l] = EMA_R(0.0);
+        sums->change[l] = EMA_R(0.0);
+        sums->friction_Nm[l] = EMA_R(0.0);
+        sums->backward_Nm[l] = EMA_R(0.0);
+        sums->share[l] = direction;
+        sums->direction[l] = direction;
+        sums->own_Nm[l] = ema_lane_level(lanes, l, level_Nm, direction);
+        sums->own_backward_Nm[l] = ema_lane_level(lanes, l, static_Nm, EMA_R(-1.0));
+        resting |= (motion == (ema_real)EMA_MOTION_STUCK) ? 1 : 0;
     }
-    if (ema_acts(shape, EMA_SITE_VOLTAGE)) {
-        ema_lanes_voltage(lanes, &site, sum);
-        EMA_EACH_LANE
-        {
-            const ema_real input = forces->input[l] + sum[l];
-            forces->input[l] = (lanes->applied.current_loop[l] != EMA_R(0.0)) ? forces->input[l] : input;
-        }
+    return resting != 0;
+}
+
+/* The same of a contact that stretches before it slides. */
+static void ema_lanes_contact(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lanes_sums_t* sums)
+{
+    ema_lane_t turn_rad;
+    EMA_EACH_LANE
+    {
+        turn_rad[l] = site->angle_rad[l] - lanes->now.angle_rad[l];
     }
-    if (ema_acts(shape, EMA_SITE_LOAD)) {
-        ema_lanes_load(lanes, &site, sum);
-        EMA_EACH_LANE
-        {
-            load_Nm[l] += sum[l];
+    ema_lanes_presliding(lanes, turn_rad, sums->share);
+    EMA_EACH_LANE
+    {
+        const ema_real direction = ema_choose(ema_flag(sums->share[l] < EMA_R(0.0)), EMA_R(-1.0), EMA_R(1.0));
+        sums->direction[l] = direction;
+        sums->own_Nm[l] = ema_lane_level(lanes, l, lanes->constant.dynamic_Nm[l], direction);
+    }
+}
+
+static ema_real ema_lanes_acts(const ema_lanes_t* lanes, ema_effect_site_t site)
+{
+    return ema_flag(ema_acts(&lanes->plant[0], site));
+}
+
+void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
+{
+    ema_lanes_forces_t* const forces = &lanes->forces;
+    const ema_real on_voltage = ema_lanes_acts(lanes, EMA_SITE_VOLTAGE);
+    const ema_real on_load = ema_lanes_acts(lanes, EMA_SITE_LOAD);
+    const ema_real on_torque = ema_lanes_acts(lanes, EMA_SITE_TORQUE);
+    const ema_real on_motor = ema_lanes_acts(lanes, EMA_SITE_MOTOR);
+    const ema_real on_friction = ema_lanes_acts(lanes, EMA_SITE_FRICTION);
+    const ema_real slides = ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING));
+    ema_lanes_site_t site;
+    ema_lanes_sums_t sums;
+    bool resting = ema_lanes_site_at(lanes, point, &site, &sums);
+    if (slides == EMA_R(0.0)) {
+        resting = false;
+        ema_lanes_contact(lanes, &site, &sums);
+    }
+    if (on_voltage != EMA_R(0.0)) {
+        ema_lanes_voltage(lanes, &site, sums.voltage_V);
+    }
+    if (on_load != EMA_R(0.0)) {
+        ema_lanes_load(lanes, &site, sums.load_Nm);
+    }
+    if (on_torque != EMA_R(0.0)) {
+        ema_lanes_torque(lanes, &site, sums.torque_Nm);
+    }
+    if (on_motor != EMA_R(0.0)) {
+        ema_lanes_motor(lanes, &site, sums.change);
+    }
+    if (on_friction != EMA_R(0.0)) {
+        ema_lanes_friction(lanes, &site, sums.own_Nm, sums.friction_Nm);
+        if (resting) {
+            ema_lanes_friction(lanes, &site, sums.own_backward_Nm, sums.backward_Nm);
         }
     }
     EMA_EACH_LANE
     {
-        forces->torque_Nm[l] = -load_Nm[l];
-    }
-    if (ema_acts(shape, EMA_SITE_TORQUE)) {
-        ema_lanes_torque(lanes, &site, sum);
-        EMA_EACH_LANE
-        {
-            forces->torque_Nm[l] += sum[l];
-        }
-    }
-    if (ema_acts(shape, EMA_SITE_MOTOR)) {
-        ema_lanes_motor_change(lanes, &site, point->speed_rad_s);
-    }
-    if (ema_acts(shape, EMA_SITE_PRESLIDING)) {
-        ema_lanes_contact(lanes, &site, load_Nm);
-    } else {
-        ema_lanes_dry_friction(lanes, &site, load_Nm);
+        const ema_motor_t motor = {.torque_constant_Nm_per_A = lanes->constant.torque_constant_Nm_per_A[l],
+                                   .torque_limit_Nm = lanes->constant.torque_limit_Nm[l]};
+        const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK) * slides;
+        const ema_real by_voltage = ema_not(lanes->applied.current_loop[l]);
+        const ema_real own_load_Nm = lanes->constant.load_torque_Nm[l];
+        const ema_real load_Nm = ema_choose(on_load, own_load_Nm + sums.load_Nm[l], own_load_Nm);
+        const ema_real free_Nm = ema_choose(on_torque, -load_Nm + sums.torque_Nm[l], -load_Nm);
+        const ema_real changed_A = (EMA_R(1.0) + sums.change[l]) * site.current_A[l];
+        const ema_real change_Nm = ema_motor_torque(&motor, changed_A) - ema_motor_torque(&motor, site.current_A[l]);
+        const ema_real torque_Nm = ema_choose(on_motor, free_Nm + change_Nm, free_Nm);
+        const ema_real friction_Nm = ema_lane_friction(lanes, l, load_Nm, sums.direction[l], sums.own_Nm[l],
+                                                       on_friction, sums.friction_Nm[l]);
+        const ema_real backward_Nm = ema_lane_friction(lanes, l, load_Nm, EMA_R(-1.0), sums.own_backward_Nm[l],
+                                                       on_friction, sums.backward_Nm[l]);
+        const ema_real own_input = lanes->applied.input[l];
+        const ema_real input = ema_choose(on_voltage * by_voltage, own_input + sums.voltage_V[l], own_input);
+        const ema_real emf_V = sums.change[l] * lanes->constant.back_emf_V_s_per_rad[l] * point->speed_rad_s[l];
+        forces->input[l] = ema_choose(on_motor * by_voltage, input - emf_V, input);
+        forces->torque_Nm[l] = ema_choose(stuck, torque_Nm, torque_Nm + (-sums.share[l] * friction_Nm));
+        forces->level_forward_Nm[l] = ema_choose(stuck, friction_Nm, EMA_R(0.0));
+        forces->level_backward_Nm[l] = ema_choose(stuck, backward_Nm, EMA_R(0.0));
     }
 }

@@ -23,66 +23,124 @@ enum {
     EMA_DRIVEN_TORQUE_TWIST = 8
 };
 
-static inline ema_real ema_flag(bool holds)
+/* Whether a flag is set in any lane. */
+static bool ema_lanes_any(const ema_lane_t flag)
 {
-    return holds ? EMA_R(1.0) : EMA_R(0.0);
-}
-
-static ema_real ema_lanes_count(const ema_lane_t flag)
-{
-    ema_real count = EMA_R(0.0);
+    ema_lane_bit_t any = 0;
     EMA_EACH_LANE
     {
-        count += flag[l];
+        any |= (flag[l] != EMA_R(0.0)) ? 1 : 0;
     }
-    return count;
+    return any != 0;
 }
 
-/* Adds what drives by the responses in the columns `from` to `to`, in lanes where `wanted` is set. */
-static inline void ema_lanes_respond(ema_lanes_t* lanes, const ema_lanes_responses_t* responses, const ema_lane_t wanted,
-                                     uint32_t from, uint32_t to)
+/* Adds what drives by the responses in the columns `from` to `to`: ema_segment_respond. */
+static inline void ema_lane_respond(ema_lanes_t* lanes, uint32_t l, uint32_t which, uint32_t from, uint32_t to,
+                                    ema_real wanted)
+{
+    const ema_lanes_responses_t* const responses = &lanes->responses[which];
+    ema_lanes_segment_t* const segment = &lanes->segment;
+    const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK);
+    const ema_real before_A = segment->end.current_A[l];
+    const ema_real before_rad_s = segment->end.speed_rad_s[l];
+    const ema_real before_rad = segment->turn_rad[l];
+    ema_real current_A = before_A;
+    ema_real stuck_A = before_A;
+    ema_real speed_rad_s = before_rad_s;
+    ema_real turn_rad = before_rad;
+    for (uint32_t k = from; k < to; ++k) {
+        const ema_real drive = segment->driven[k][l];
+        current_A += responses->current[k][l] * drive;
+        speed_rad_s += responses->speed[k][l] * drive;
+        turn_rad += responses->angle[k][l] * drive;
+    }
+    /* torques drive nothing */
+    for (uint32_t k = (from + 1U) / 2U; k < (to / 2U); ++k) {
+        stuck_A += responses->stuck[k][l] * segment->driven[2U * k][l];
+    }
+    const ema_real moved = wanted * ema_not(stuck);
+    const ema_real end_rad = ema_choose(moved, turn_rad, before_rad);
+    segment->end.current_A[l] = ema_choose(wanted, ema_choose(stuck, stuck_A, current_A), before_A);
+    segment->end.speed_rad_s[l] = ema_choose(moved, speed_rad_s, before_rad_s);
+    segment->turn_rad[l] = end_rad;
+    segment->end.angle_rad[l] = segment->start.angle_rad[l] + end_rad;
+}
+
+/* The point of the segment at the node. */
+static inline void ema_lane_point(ema_lanes_t* lanes, uint32_t l, const ema_node_t* node)
+{
+    const ema_lanes_plant_t* const constant = &lanes->constant;
+    const ema_lanes_segment_t* const segment = &lanes->segment;
+    const ema_real gained_A = segment->end.current_A[l] - segment->start.current_A[l];
+    const ema_real gained_rad_s = segment->end.speed_rad_s[l] - segment->start.speed_rad_s[l];
+    const ema_real half_s = EMA_R(0.5) * segment->span_s[l];
+    const ema_real moving_rad_s =
+        (half_s * constant->inverse_inertia_per_kgm2[l])
+        * ((constant->viscous_Nm_s_per_rad[l] * gained_rad_s) - (constant->torque_constant_Nm_per_A[l] * gained_A)
+           - segment->driven[EMA_DRIVEN_TORQUE_RISE][l]);
+    const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK);
+    const ema_real bend_rad_s = ema_choose(stuck, EMA_R(0.0), moving_rad_s);
+    const ema_real lags_A = -half_s
+                            * ((constant->rate_current[l] * gained_A) + (constant->rate_speed[l] * gained_rad_s)
+                               + (constant->rate_voltage[l] * segment->driven[EMA_DRIVEN_INPUT_RISE][l]));
+    const ema_real bend_A = ema_choose(constant->algebraic[l], constant->rate_speed[l] * bend_rad_s, lags_A);
+    lanes->here.current_A[l] = segment->start.current_A[l] + (node->at * gained_A) + (node->bubble * bend_A);
+    lanes->here.speed_rad_s[l] =
+        segment->start.speed_rad_s[l] + (node->at * gained_rad_s) + (node->bubble * bend_rad_s);
+    lanes->here.angle_rad[l] =
+        segment->start.angle_rad[l]
+        + (segment->span_s[l]
+           * ((node->at * (segment->start.speed_rad_s[l] + (EMA_R(0.5) * node->at * gained_rad_s)))
+              + (node->turn * bend_rad_s)));
+}
+
+/* What the forces there are off an even rise. */
+typedef struct {
+    ema_real input;
+    ema_real torque_Nm;
+} ema_off_t;
+
+static inline ema_off_t ema_lane_off(const ema_lanes_t* lanes, uint32_t l, const ema_node_t* node, ema_real transmits)
+{
+    const ema_lanes_segment_t* const segment = &lanes->segment;
+    const ema_real start_Nm = segment->reaction_start_Nm[l];
+    const ema_real alone_Nm = lanes->forces.torque_Nm[l];
+    const ema_real both_Nm = alone_Nm + (start_Nm + (node->at * (segment->reaction_end_Nm[l] - start_Nm)));
+    const ema_real torque_Nm = ema_choose(transmits, both_Nm, alone_Nm);
+    const ema_off_t off = {
+        lanes->forces.input[l] - (segment->forces.input[l] + (node->at * segment->driven[EMA_DRIVEN_INPUT_RISE][l])),
+        torque_Nm - (segment->forces.torque_Nm[l] + (node->at * segment->driven[EMA_DRIVEN_TORQUE_RISE][l])),
+    };
+    return off;
+}
+
+/* A flag: ema_segment_within. */
+static inline ema_real ema_lane_within(const ema_lanes_t* lanes, uint32_t l, ema_real input, ema_real torque_Nm,
+                                       ema_real share)
+{
+    const ema_real working_Nm =
+        lanes->constant.static_Nm[l]
+        + ema_abs(lanes->constant.torque_constant_Nm_per_A[l] * lanes->segment.start.current_A[l]);
+    return ema_flag(ema_abs(torque_Nm) <= (share * working_Nm))
+           * ema_flag(ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(lanes->applied.input[l])));
+}
+
+/* Opens the segment and goes to its end under the forces at its start: ema_segment_open. */
+static void ema_lanes_open(ema_lanes_t* lanes, uint32_t which)
 {
     ema_lanes_segment_t* const segment = &lanes->segment;
     EMA_EACH_LANE
     {
-        const bool stuck = lanes->now.motion[l] == EMA_R(0.0);
-        const bool want = wanted[l] != EMA_R(0.0);
-        ema_real current_A = segment->end.current_A[l];
-        ema_real stuck_A = segment->end.current_A[l];
-        ema_real speed_rad_s = segment->end.speed_rad_s[l];
-        ema_real turn_rad = segment->turn_rad[l];
-        for (uint32_t k = from; k < to; ++k) {
-            const ema_real drive = segment->driven[k][l];
-            current_A += responses->current[k][l] * drive;
-            speed_rad_s += responses->speed[k][l] * drive;
-            turn_rad += responses->angle[k][l] * drive;
-        }
-        /* torques drive nothing */
-        for (uint32_t k = (from + 1U) / 2U; k < (to / 2U); ++k) {
-            stuck_A += responses->stuck[k][l] * segment->driven[2U * k][l];
-        }
-        current_A = stuck ? stuck_A : current_A;
-        speed_rad_s = stuck ? segment->end.speed_rad_s[l] : speed_rad_s;
-        turn_rad = stuck ? segment->turn_rad[l] : turn_rad;
-        segment->end.current_A[l] = want ? current_A : segment->end.current_A[l];
-        segment->end.speed_rad_s[l] = want ? speed_rad_s : segment->end.speed_rad_s[l];
-        segment->turn_rad[l] = want ? turn_rad : segment->turn_rad[l];
-        segment->end.angle_rad[l] = segment->start.angle_rad[l] + segment->turn_rad[l];
+        lanes->here.current_A[l] = lanes->now.current_A[l];
+        lanes->here.speed_rad_s[l] = lanes->now.speed_rad_s[l];
+        lanes->here.angle_rad[l] = lanes->now.angle_rad[l];
     }
-}
-
-static void ema_lanes_segment_open(ema_lanes_t* lanes)
-{
-    ema_lanes_segment_t* const segment = &lanes->segment;
+    ema_lanes_forces_at(lanes, &lanes->here);
     EMA_EACH_LANE
     {
         segment->start.current_A[l] = lanes->now.current_A[l];
         segment->start.speed_rad_s[l] = lanes->now.speed_rad_s[l];
         segment->start.angle_rad[l] = lanes->now.angle_rad[l];
-    }
-    ema_lanes_forces_at(lanes, &segment->start);
-    EMA_EACH_LANE
-    {
         segment->forces.input[l] = lanes->forces.input[l];
         segment->forces.torque_Nm[l] = lanes->forces.torque_Nm[l];
         segment->forces.level_forward_Nm[l] = lanes->forces.level_forward_Nm[l];
@@ -98,6 +156,7 @@ static void ema_lanes_segment_open(ema_lanes_t* lanes)
         segment->turn_rad[l] = EMA_R(0.0);
         segment->reaction_start_Nm[l] = EMA_R(0.0);
         segment->reaction_end_Nm[l] = EMA_R(0.0);
+        ema_lane_respond(lanes, l, which, 0U, 4U, EMA_R(1.0));
     }
 }
 
@@ -105,14 +164,13 @@ static void ema_lanes_segment_open(ema_lanes_t* lanes)
 static void ema_lanes_reaction(ema_lanes_t* lanes)
 {
     ema_lanes_segment_t* const segment = &lanes->segment;
-    EMA_EACH_LANE
-    {
+    for (uint32_t l = 0; l < EMA_LANES; ++l) {
         const ema_plant_t* const plant = &lanes->plant[l];
         ema_state_t* const state = &lanes->state[l];
         ema_rod_t rod;
-        state->play_mm = lanes->now.play_mm[l];
-        const ema_real end_mm = ema_screw_play_at(&plant->screw, lanes->now.play_mm[l],
-                                                  lanes->constant.lead_mm_per_rad[l] * segment->end.angle_rad[l]);
+        ema_lanes_leave(lanes, l, state);
+        const ema_real end_mm = ema_screw_play_at(&plant->screw, state->play_mm,
+                                                  plant->gearbox.lead_mm_per_rad * segment->end.angle_rad[l]);
         ema_site_transmission_trial(plant, state, end_mm, segment->span_s[l], &rod);
         segment->reaction_start_Nm[l] = rod.reaction_start_Nm;
         segment->reaction_end_Nm[l] = rod.reaction_end_Nm;
@@ -120,7 +178,8 @@ static void ema_lanes_reaction(ema_lanes_t* lanes)
     }
 }
 
-static void ema_lanes_segment_correct(ema_lanes_t* lanes)
+/* Lets the forces rise evenly to those at the predicted end, ema_segment_correct, and points to the first node. */
+static void ema_lanes_correct(ema_lanes_t* lanes, uint32_t which)
 {
     ema_lanes_segment_t* const segment = &lanes->segment;
     if (ema_acts(&lanes->plant[0], EMA_SITE_TRANSMISSION)) {
@@ -133,141 +192,96 @@ static void ema_lanes_segment_correct(ema_lanes_t* lanes)
         segment->driven[EMA_DRIVEN_TORQUE_RISE][l] =
             (lanes->forces.torque_Nm[l] + segment->reaction_end_Nm[l]) - segment->forces.torque_Nm[l];
         segment->driven[EMA_DRIVEN_INPUT_RISE][l] = lanes->forces.input[l] - segment->forces.input[l];
+        ema_lane_respond(lanes, l, which, 3U, EMA_RESPONSES_EVEN, EMA_R(1.0));
+        ema_lane_point(lanes, l, &ema_nodes[0]);
     }
 }
 
-static void ema_lanes_segment_off(ema_lanes_t* lanes, const ema_node_t* node)
-{
-    const ema_lanes_plant_t* const constant = &lanes->constant;
-    const ema_lanes_segment_t* const segment = &lanes->segment;
-    const bool algebraic = lanes->plant[0].drive.current_mode ? lanes->plant[0].current_loop.algebraic
-                                                              : lanes->plant[0].motor_circuit.algebraic;
-    const bool transmits = ema_acts(&lanes->plant[0], EMA_SITE_TRANSMISSION);
-    ema_lanes_point_t here;
-    EMA_EACH_LANE
-    {
-        const ema_real gained_A = segment->end.current_A[l] - segment->start.current_A[l];
-        const ema_real gained_rad_s = segment->end.speed_rad_s[l] - segment->start.speed_rad_s[l];
-        const ema_real half_s = EMA_R(0.5) * segment->span_s[l];
-        const ema_real moving_rad_s = (half_s * constant->inverse_inertia_per_kgm2[l])
-                                      * ((constant->viscous_Nm_s_per_rad[l] * gained_rad_s)
-                                         - (constant->torque_constant_Nm_per_A[l] * gained_A)
-                                         - segment->driven[EMA_DRIVEN_TORQUE_RISE][l]);
-        const ema_real bend_rad_s = (lanes->now.motion[l] != EMA_R(0.0)) ? moving_rad_s : EMA_R(0.0);
-        const ema_real lags_A =
-            -half_s
-            * ((constant->rate_current[l] * gained_A) + (constant->rate_speed[l] * gained_rad_s)
-               + (constant->rate_voltage[l] * segment->driven[EMA_DRIVEN_INPUT_RISE][l]));
-        const ema_real bend_A = algebraic ? (constant->rate_speed[l] * bend_rad_s) : lags_A;
-        here.current_A[l] = segment->start.current_A[l] + (node->at * gained_A) + (node->bubble * bend_A);
-        here.speed_rad_s[l] = segment->start.speed_rad_s[l] + (node->at * gained_rad_s) + (node->bubble * bend_rad_s);
-        here.angle_rad[l] =
-            segment->start.angle_rad[l]
-            + (segment->span_s[l]
-               * ((node->at * (segment->start.speed_rad_s[l] + (EMA_R(0.5) * node->at * gained_rad_s)))
-                  + (node->turn * bend_rad_s)));
-    }
-    ema_lanes_forces_at(lanes, &here);
-    EMA_EACH_LANE
-    {
-        const ema_real reaction_Nm =
-            segment->reaction_start_Nm[l]
-            + (node->at * (segment->reaction_end_Nm[l] - segment->reaction_start_Nm[l]));
-        const ema_real torque_Nm =
-            transmits ? (lanes->forces.torque_Nm[l] + reaction_Nm) : lanes->forces.torque_Nm[l];
-        lanes->forces.torque_Nm[l] =
-            torque_Nm - (segment->forces.torque_Nm[l] + (node->at * segment->driven[EMA_DRIVEN_TORQUE_RISE][l]));
-        lanes->forces.input[l] -=
-            segment->forces.input[l] + (node->at * segment->driven[EMA_DRIVEN_INPUT_RISE][l]);
-    }
-}
-
-static inline bool ema_lane_within(const ema_lanes_t* lanes, uint32_t l, ema_real input, ema_real torque_Nm,
-                                   ema_real share)
-{
-    const ema_real working_Nm =
-        lanes->constant.static_Nm[l]
-        + ema_abs(lanes->constant.torque_constant_Nm_per_A[l] * lanes->segment.start.current_A[l]);
-    const bool torque = ema_abs(torque_Nm) <= (share * working_Nm);
-    const bool voltage = ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(lanes->applied.input[l]));
-    return torque && voltage;
-}
-
-/* Looks at a third or fourth node in lanes where `looks` is set. */
-static void ema_lanes_look(ema_lanes_t* lanes, const ema_node_t* node, const ema_lane_t looks)
+/* Looks at a third or fourth node in lanes where `looks` is set, and points to the next. */
+static void ema_lanes_look(ema_lanes_t* lanes, const ema_node_t* node, const ema_node_t* next, const ema_lane_t looks,
+                           ema_real transmits)
 {
     const ema_lanes_segment_t* const segment = &lanes->segment;
-    ema_lanes_segment_off(lanes, node);
+    ema_lanes_forces_at(lanes, &lanes->here);
     EMA_EACH_LANE
     {
+        const ema_off_t off = ema_lane_off(lanes, l, node, transmits);
         const ema_real bent_Nm =
             segment->driven[EMA_DRIVEN_TORQUE_BEND][l]
             + (((EMA_R(2.0) * node->at) - EMA_R(1.0)) * segment->driven[EMA_DRIVEN_TORQUE_TWIST][l]);
-        const bool within = ema_lane_within(
-            lanes, l, lanes->forces.input[l] - (node->bubble * segment->driven[EMA_DRIVEN_INPUT_BEND][l]),
-            lanes->forces.torque_Nm[l] - (node->bubble * bent_Nm), EMA_UNRESOLVED);
-        lanes->done[l] = ((looks[l] != EMA_R(0.0)) && !within) ? EMA_R(0.0) : lanes->done[l];
+        const ema_real within =
+            ema_lane_within(lanes, l, off.input - (node->bubble * segment->driven[EMA_DRIVEN_INPUT_BEND][l]),
+                            off.torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
+        lanes->done[l] *= ema_not(looks[l] * ema_not(within));
+        ema_lane_point(lanes, l, next);
     }
 }
 
-/* Clears `done` where the effects are not resolved over the span. */
-static void ema_lanes_segment_resolve(ema_lanes_t* lanes, const ema_lanes_responses_t* responses)
+/* Clears `done` where the effects are not resolved over the span: ema_segment_resolve. */
+static void ema_lanes_resolve(ema_lanes_t* lanes, uint32_t which)
 {
     ema_lanes_segment_t* const segment = &lanes->segment;
+    const ema_real transmits = ema_flag(ema_acts(&lanes->plant[0], EMA_SITE_TRANSMISSION));
     ema_lane_t first_input;
     ema_lane_t first_Nm;
     ema_lane_t uneven;
     ema_lane_t third;
     ema_lane_t fourth;
-    ema_lanes_segment_off(lanes, &ema_nodes[0]);
+    ema_lanes_forces_at(lanes, &lanes->here);
     EMA_EACH_LANE
     {
-        const bool turns = (lanes->now.motion[l] == (ema_real)EMA_MOTION_ELASTIC)
-                           && !((segment->start.speed_rad_s[l] * segment->end.speed_rad_s[l]) > EMA_R(0.0));
-        const bool even = ema_lane_within(lanes, l, lanes->forces.input[l], lanes->forces.torque_Nm[l], EMA_UNEVEN);
-        const bool tame =
+        const ema_off_t off = ema_lane_off(lanes, l, &ema_nodes[0], transmits);
+        const ema_real turns =
+            ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_ELASTIC)
+            * ema_not(ema_flag((segment->start.speed_rad_s[l] * segment->end.speed_rad_s[l]) > EMA_R(0.0)));
+        const ema_real even = ema_lane_within(lanes, l, off.input, off.torque_Nm, EMA_UNEVEN);
+        const ema_real tame =
             ema_lane_within(lanes, l, EMA_R(0.0), segment->driven[EMA_DRIVEN_TORQUE_RISE][l], EMA_TAME);
-        const ema_real done = turns ? EMA_R(0.0) : lanes->done[l];
-        first_input[l] = lanes->forces.input[l];
-        first_Nm[l] = lanes->forces.torque_Nm[l];
+        const ema_real done = lanes->done[l] * ema_not(turns);
+        first_input[l] = off.input;
+        first_Nm[l] = off.torque_Nm;
         lanes->done[l] = done;
-        uneven[l] = (even && tame) ? EMA_R(0.0) : done;
+        uneven[l] = done * ema_not(even * tame);
+        ema_lane_point(lanes, l, &ema_nodes[1]);
     }
-    if (ema_lanes_count(uneven) > EMA_R(0.0)) {
-        ema_lanes_segment_off(lanes, &ema_nodes[1]);
+    if (ema_lanes_any(uneven)) {
+        ema_lanes_forces_at(lanes, &lanes->here);
         EMA_EACH_LANE
         {
-            const ema_real second_input = lanes->forces.input[l];
-            const ema_real second_Nm = lanes->forces.torque_Nm[l];
-            const ema_real twists_Nm = second_Nm - first_Nm[l];
-            const bool tame = ema_lane_within(lanes, l, EMA_R(0.0), twists_Nm, EMA_TAME);
-            const bool small =
-                ema_abs(second_Nm) <= (EMA_GENTLE * ema_abs(segment->driven[EMA_DRIVEN_TORQUE_RISE][l]));
-            const bool fits = ema_lane_within(lanes, l, ema_max(ema_abs(first_input[l]), ema_abs(second_input)),
-                                              EMA_LEFT_OF_BEND * second_Nm, EMA_UNRESOLVED);
-            const bool elastic = lanes->now.motion[l] == (ema_real)EMA_MOTION_ELASTIC;
-            segment->driven[EMA_DRIVEN_INPUT_BEND][l] = EMA_BEND_OF_SUM * (first_input[l] + second_input);
-            segment->driven[EMA_DRIVEN_TORQUE_BEND][l] = EMA_BEND_OF_SUM * (first_Nm[l] + second_Nm);
+            const ema_off_t off = ema_lane_off(lanes, l, &ema_nodes[1], transmits);
+            const ema_real twists_Nm = off.torque_Nm - first_Nm[l];
+            const ema_real tame = ema_lane_within(lanes, l, EMA_R(0.0), twists_Nm, EMA_TAME);
+            const ema_real gentle =
+                ema_flag(ema_abs(off.torque_Nm) <= (EMA_GENTLE * ema_abs(segment->driven[EMA_DRIVEN_TORQUE_RISE][l])))
+                * ema_lane_within(lanes, l, ema_max(ema_abs(first_input[l]), ema_abs(off.input)),
+                                  EMA_LEFT_OF_BEND * off.torque_Nm, EMA_UNRESOLVED)
+                * ema_flag(lanes->now.motion[l] != (ema_real)EMA_MOTION_ELASTIC);
+            segment->driven[EMA_DRIVEN_INPUT_BEND][l] = EMA_BEND_OF_SUM * (first_input[l] + off.input);
+            segment->driven[EMA_DRIVEN_TORQUE_BEND][l] = EMA_BEND_OF_SUM * (first_Nm[l] + off.torque_Nm);
             segment->driven[EMA_DRIVEN_TORQUE_TWIST][l] = EMA_TWIST_OF_DIFFERENCE * twists_Nm;
-            third[l] = (tame && small && fits && !elastic) ? EMA_R(0.0) : uneven[l];
-            fourth[l] = tame ? EMA_R(0.0) : uneven[l];
+            third[l] = uneven[l] * ema_not(tame * gentle);
+            fourth[l] = uneven[l] * ema_not(tame);
+            ema_lane_respond(lanes, l, which, EMA_RESPONSES_EVEN, EMA_RESPONSES, uneven[l]);
+            ema_lane_point(lanes, l, &ema_nodes[2]);
         }
-        ema_lanes_respond(lanes, responses, uneven, 6U, EMA_RESPONSES);
-        if (ema_lanes_count(third) > EMA_R(0.0)) {
-            ema_lanes_look(lanes, &ema_nodes[2], third);
-        }
-        if (ema_lanes_count(fourth) > EMA_R(0.0)) {
-            ema_lanes_look(lanes, &ema_nodes[3], fourth);
+        if (ema_lanes_any(third)) {
+            ema_lanes_look(lanes, &ema_nodes[2], &ema_nodes[3], third, transmits);
+            if (ema_lanes_any(fourth)) {
+                ema_lanes_look(lanes, &ema_nodes[3], &ema_nodes[3], fourth, transmits);
+            }
         }
     }
 }
 
-/* Clears `done` where something happens in the span; moves the others. */
-static void ema_lanes_commit(ema_lanes_t* lanes)
+/* Clears `done` where something happens in the span, and moves the other lanes to its end. */
+static void ema_lanes_move(ema_lanes_t* lanes)
 {
     const ema_lanes_plant_t* const constant = &lanes->constant;
     ema_lanes_segment_t* const segment = &lanes->segment;
     ema_lanes_state_t* const now = &lanes->now;
+    if (ema_acts(&lanes->plant[0], EMA_SITE_PRESLIDING)) {
+        ema_lanes_presliding(lanes, segment->turn_rad, lanes->here.angle_rad);
+    }
     EMA_EACH_LANE
     {
         const ema_real motion = now->motion[l];
@@ -276,35 +290,29 @@ static void ema_lanes_commit(ema_lanes_t* lanes)
         const ema_real first_Nm = segment->forces.torque_Nm[l] + (gain * segment->start.current_A[l]);
         const ema_real last_Nm =
             segment->forces.torque_Nm[l] + segment->driven[EMA_DRIVEN_TORQUE_RISE][l] + (gain * end_A);
-        const bool keeps = (motion == (ema_real)EMA_MOTION_ELASTIC)
-                           || ((motion * segment->end.speed_rad_s[l]) > EMA_R(0.0));
-        const bool moves = keeps && (segment->end.angle_rad[l] < constant->stop_upper_rad[l])
-                           && (segment->end.angle_rad[l] > constant->stop_lower_rad[l]);
-        const bool holds = (ema_max(first_Nm, last_Nm) <= segment->forces.level_forward_Nm[l])
-                           && (ema_min(first_Nm, last_Nm) >= -segment->forces.level_backward_Nm[l]);
-        const bool smooth = (ema_abs(end_A) <= constant->linear_current_A[l]) && (lanes->done[l] != EMA_R(0.0))
-                            && ((motion == EMA_R(0.0)) ? holds : moves);
-        lanes->done[l] = ema_flag(smooth);
-    }
-    if (ema_acts(&lanes->plant[0], EMA_SITE_PRESLIDING)) {
-        ema_lane_t share;
-        ema_lanes_presliding(lanes, segment->turn_rad, share);
-        for (uint32_t l = 0; l < EMA_LANES; ++l) {
-            if ((lanes->done[l] != EMA_R(0.0)) && (now->motion[l] == (ema_real)EMA_MOTION_ELASTIC)) {
-                ema_site_presliding_keep(&lanes->plant[l], lanes->state[l].effect_memory, share[l]);
-            }
-        }
-    }
-    EMA_EACH_LANE
-    {
-        const bool done = lanes->done[l] != EMA_R(0.0);
+        const ema_real end_rad_s = segment->end.speed_rad_s[l];
+        const ema_real end_rad = segment->end.angle_rad[l];
+        /* an elastic contact has no direction to keep */
+        const ema_real elastic = ema_flag(motion == (ema_real)EMA_MOTION_ELASTIC);
+        const ema_real onward = ema_choose(elastic, EMA_R(1.0), motion * end_rad_s);
+        const ema_real moves = ema_flag(onward > EMA_R(0.0)) * ema_flag(end_rad < constant->stop_upper_rad[l])
+                               * ema_flag(end_rad > constant->stop_lower_rad[l]);
+        const ema_real holds = ema_flag(ema_max(first_Nm, last_Nm) <= segment->forces.level_forward_Nm[l])
+                               * ema_flag(ema_min(first_Nm, last_Nm) >= -segment->forces.level_backward_Nm[l]);
+        const ema_real stuck = ema_flag(motion == (ema_real)EMA_MOTION_STUCK);
+        const ema_real done = lanes->done[l] * ema_flag(ema_abs(end_A) <= constant->linear_current_A[l])
+                              * ema_choose(stuck, holds, moves);
         ema_real angle_rad = now->angle_rad[l];
         ema_real low_rad = now->angle_low_rad[l];
         ema_add_compensated(&angle_rad, &low_rad, segment->turn_rad[l]);
-        now->current_A[l] = done ? segment->end.current_A[l] : now->current_A[l];
-        now->speed_rad_s[l] = done ? segment->end.speed_rad_s[l] : now->speed_rad_s[l];
-        now->angle_rad[l] = done ? angle_rad : now->angle_rad[l];
-        now->angle_low_rad[l] = done ? low_rad : now->angle_low_rad[l];
+        lanes->done[l] = done;
+        now->current_A[l] = ema_choose(done, end_A, now->current_A[l]);
+        now->speed_rad_s[l] = ema_choose(done, end_rad_s, now->speed_rad_s[l]);
+        now->angle_rad[l] = ema_choose(done, angle_rad, now->angle_rad[l]);
+        now->angle_low_rad[l] = ema_choose(done, low_rad, now->angle_low_rad[l]);
+    }
+    if (ema_acts(&lanes->plant[0], EMA_SITE_PRESLIDING)) {
+        ema_lanes_presliding_keep(lanes, lanes->here.angle_rad);
     }
 }
 
@@ -322,30 +330,23 @@ static void ema_lanes_rod(ema_lanes_t* lanes)
 }
 
 /* ema_motion_try: sets `done`. */
-static void ema_lanes_try(ema_lanes_t* lanes, const ema_lanes_responses_t* responses, bool whole)
+static void ema_lanes_try(ema_lanes_t* lanes, uint32_t which, bool whole)
 {
     const ema_plant_t* const shape = &lanes->plant[0];
     const ema_real mode = ema_flag(shape->drive.current_mode);
     EMA_EACH_LANE
     {
-        const bool linear = ema_abs(lanes->now.current_A[l]) < lanes->constant.linear_current_A[l];
-        lanes->done[l] = ema_flag(linear && (lanes->applied.current_loop[l] == mode));
+        lanes->done[l] = ema_flag(ema_abs(lanes->now.current_A[l]) < lanes->constant.linear_current_A[l])
+                         * ema_flag(lanes->applied.current_loop[l] == mode);
     }
-    ema_lanes_segment_open(lanes);
-    ema_lane_t all;
-    EMA_EACH_LANE
-    {
-        all[l] = EMA_R(1.0);
-    }
-    ema_lanes_respond(lanes, responses, all, 0U, 4U);
+    ema_lanes_open(lanes, which);
     if (ema_acts_on_motion(shape)) {
-        ema_lanes_segment_correct(lanes);
-        ema_lanes_respond(lanes, responses, all, 3U, EMA_RESPONSES_EVEN);
+        ema_lanes_correct(lanes, which);
         if (whole) {
-            ema_lanes_segment_resolve(lanes, responses);
+            ema_lanes_resolve(lanes, which);
         }
     }
-    ema_lanes_commit(lanes);
+    ema_lanes_move(lanes);
     if (ema_acts(shape, EMA_SITE_TRANSMISSION)) {
         ema_lanes_rod(lanes);
     }
@@ -355,28 +356,31 @@ static void ema_lanes_try(ema_lanes_t* lanes, const ema_lanes_responses_t* respo
 static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* span_s)
 {
     ema_work_t* const work = &lanes->work;
+    ema_lane_bit_t leaves = 0;
+    EMA_EACH_LANE
+    {
+        leaves |= (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;
+    }
     lanes->lane_steps += EMA_LANES;
-    if (ema_lanes_count(lanes->done) < (ema_real)EMA_LANES) {
-        for (uint32_t l = 0; l < EMA_LANES; ++l) {
-            if (lanes->done[l] == EMA_R(0.0)) {
-                ema_state_t* const state = &lanes->state[l];
-                const ema_plant_t* const plant = &lanes->plant[l];
-                ema_lanes_leave(lanes, l, state);
-                work->applied.input = lanes->applied.input[l];
-                work->applied.voltage_V = lanes->applied.voltage_V[l];
-                work->applied.current_loop = lanes->applied.current_loop[l] != EMA_R(0.0);
-                for (uint32_t k = 0; k < steps; ++k) {
-                    if (span_s != NULL) {
-                        ema_motion_located(plant, state, work, span_s[l]);
-                    } else if (!ema_motion_plain(plant, state, &work->applied)) {
-                        ema_motion_located(plant, state, work, plant->substep_s);
-                    } else {
-                        /* the drive has left its mode's circuit: nothing else happens */
-                    }
+    for (uint32_t l = 0; (leaves != 0) && (l < EMA_LANES); ++l) {
+        if (lanes->done[l] == EMA_R(0.0)) {
+            ema_state_t* const state = &lanes->state[l];
+            const ema_plant_t* const plant = &lanes->plant[l];
+            ema_lanes_leave(lanes, l, state);
+            work->applied.input = lanes->applied.input[l];
+            work->applied.voltage_V = lanes->applied.voltage_V[l];
+            work->applied.current_loop = lanes->applied.current_loop[l] != EMA_R(0.0);
+            for (uint32_t k = 0; k < steps; ++k) {
+                if (span_s != NULL) {
+                    ema_motion_located(plant, state, work, span_s[l]);
+                } else if (!ema_motion_plain(plant, state, &work->applied)) {
+                    ema_motion_located(plant, state, work, plant->substep_s);
+                } else {
+                    /* the drive has left its mode's circuit: nothing else happens */
                 }
-                ema_lanes_return(lanes, l);
-                ++lanes->left_spans;
             }
+            ema_lanes_return(lanes, l);
+            ++lanes->left_spans;
         }
     }
 }
@@ -394,7 +398,7 @@ void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lan
         {
             lanes->segment.span_s[l] = span_s[l];
         }
-        ema_lanes_try(lanes, &lanes->responses[responses], true);
+        ema_lanes_try(lanes, responses, true);
         ema_lanes_apart(lanes, shape->substeps, part_s);
     } else {
         const bool prepared = ema_acts_on_motion(shape) && !shape->drive.delayed;
@@ -405,7 +409,7 @@ void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lan
                 lanes->done[l] = EMA_R(0.0);
             }
             if (prepared) {
-                ema_lanes_try(lanes, &lanes->responses[0], false);
+                ema_lanes_try(lanes, 0U, false);
             }
             ema_lanes_apart(lanes, 1U, part_s);
         }
@@ -413,8 +417,9 @@ void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lan
 }
 
 /* ema_motion_plain: sets `done`. */
-static void ema_lanes_plain(ema_lanes_t* lanes, const ema_lanes_responses_t* responses)
+static void ema_lanes_plain(ema_lanes_t* lanes)
 {
+    const ema_lanes_responses_t* const responses = &lanes->responses[0];
     const ema_lanes_plant_t* const constant = &lanes->constant;
     ema_lanes_state_t* const now = &lanes->now;
     const ema_real mode = ema_flag(lanes->plant[0].drive.current_mode);
@@ -435,36 +440,41 @@ static void ema_lanes_plain(ema_lanes_t* lanes, const ema_lanes_responses_t* res
         const ema_real current_A = now->current_A[l];
         const ema_real speed_rad_s = now->speed_rad_s[l];
         const ema_real input = lanes->applied.input[l];
-        const bool stuck = now->motion[l] == EMA_R(0.0);
-        const bool forward = now->motion[l] > EMA_R(0.0);
-        const ema_real torque_Nm = forward ? constant->forward_torque_Nm[l] : constant->backward_torque_Nm[l];
+        const ema_real stuck = ema_flag(now->motion[l] == (ema_real)EMA_MOTION_STUCK);
+        const ema_real forward = ema_flag(now->motion[l] > EMA_R(0.0));
+        const ema_real torque_Nm =
+            ema_choose(forward, constant->forward_torque_Nm[l], constant->backward_torque_Nm[l]);
         const ema_real next_A = ema_response_at(&current, current_A, speed_rad_s, input, torque_Nm);
         const ema_real next_rad_s = ema_response_at(&speed, current_A, speed_rad_s, input, torque_Nm);
+        const ema_real turn_rad = ema_response_at(&angle, current_A, speed_rad_s, input, torque_Nm);
         ema_real angle_rad = now->angle_rad[l];
         ema_real low_rad = now->angle_low_rad[l];
-        ema_add_compensated(&angle_rad, &low_rad, ema_response_at(&angle, current_A, speed_rad_s, input, torque_Nm));
+        ema_add_compensated(&angle_rad, &low_rad, turn_rad);
         const ema_real stuck_A = (responses->stuck[0][l] * current_A) + (responses->stuck[1][l] * input);
         const ema_real stuck_Nm = constant->torque_constant_Nm_per_A[l] * stuck_A;
-        const ema_real end_A = stuck ? stuck_A : next_A;
-        const bool moves = ((forward ? next_rad_s : -next_rad_s) > EMA_R(0.0))
-                           && (angle_rad < constant->stop_upper_rad[l]) && (angle_rad > constant->stop_lower_rad[l]);
-        const bool holds = (stuck_Nm <= constant->hold_upper_Nm[l]) && (stuck_Nm >= constant->hold_lower_Nm[l]);
-        const bool plain = (lanes->applied.current_loop[l] == mode)
-                           && (ema_abs(current_A) < constant->linear_current_A[l])
-                           && (ema_abs(end_A) <= constant->linear_current_A[l]) && (stuck ? holds : moves);
-        const bool moved = plain && !stuck;
-        lanes->done[l] = ema_flag(plain);
-        now->current_A[l] = plain ? end_A : current_A;
-        now->speed_rad_s[l] = moved ? next_rad_s : speed_rad_s;
-        now->angle_rad[l] = moved ? angle_rad : now->angle_rad[l];
-        now->angle_low_rad[l] = moved ? low_rad : now->angle_low_rad[l];
+        const ema_real end_A = ema_choose(stuck, stuck_A, next_A);
+        const ema_real onward_rad_s = ema_choose(forward, next_rad_s, -next_rad_s);
+        const ema_real moves = ema_flag(onward_rad_s > EMA_R(0.0)) * ema_flag(angle_rad < constant->stop_upper_rad[l])
+                               * ema_flag(angle_rad > constant->stop_lower_rad[l]);
+        const ema_real holds = ema_flag(stuck_Nm <= constant->hold_upper_Nm[l])
+                               * ema_flag(stuck_Nm >= constant->hold_lower_Nm[l]);
+        const ema_real plain = ema_flag(lanes->applied.current_loop[l] == mode)
+                               * ema_flag(ema_abs(current_A) < constant->linear_current_A[l])
+                               * ema_flag(ema_abs(end_A) <= constant->linear_current_A[l])
+                               * ema_choose(stuck, holds, moves);
+        const ema_real moved = plain * ema_not(stuck);
+        lanes->done[l] = plain;
+        now->current_A[l] = ema_choose(plain, end_A, current_A);
+        now->speed_rad_s[l] = ema_choose(moved, next_rad_s, speed_rad_s);
+        now->angle_rad[l] = ema_choose(moved, angle_rad, now->angle_rad[l]);
+        now->angle_low_rad[l] = ema_choose(moved, low_rad, now->angle_low_rad[l]);
     }
 }
 
 void ema_lanes_motion_plain(ema_lanes_t* lanes)
 {
     for (uint32_t k = 0; k < lanes->plant[0].substeps; ++k) {
-        ema_lanes_plain(lanes, &lanes->responses[0]);
+        ema_lanes_plain(lanes);
         ema_lanes_apart(lanes, 1U, NULL);
     }
 }
