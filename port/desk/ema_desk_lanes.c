@@ -5,6 +5,9 @@
 #include "ema_math.h"
 #include "ema_prepare.h"
 
+/* Rows that are kept before each lane's go to its own place: a few lines of memory in one go. */
+#define EMA_ROWS_KEPT 64U
+
 /* What one call is given. */
 typedef struct {
     const double* values;
@@ -21,6 +24,7 @@ typedef struct {
 typedef struct {
     ema_lanes_t lanes;
     ema_actuator_t actuator[EMA_LANES];
+    ema_lanes_output_t shown[EMA_ROWS_KEPT];
     size_t run[EMA_LANES];
     uint32_t count;
 } ema_desk_group_t;
@@ -57,28 +61,33 @@ static void ema_group_fill(ema_desk_group_t* group)
     }
 }
 
-static void ema_group_show(const ema_desk_group_t* group, const ema_desk_batch_t* batch, size_t row)
+/* One signal of a lane from the rows that are kept, to its place behind the `first` rows. */
+static void ema_group_signal(const ema_lane_t* signal, uint32_t lane, size_t kept, double* out)
 {
-    const ema_lanes_output_t* const shown = &group->lanes.row;
+    const size_t stride = sizeof(ema_lanes_output_t) / sizeof(ema_lane_t);
+    for (size_t row = 0; row < kept; ++row) {
+        out[row] = (double)signal[row * stride][lane];
+    }
+}
+
+static void ema_group_show(const ema_desk_group_t* group, const ema_desk_batch_t* batch, size_t first, size_t kept)
+{
+    const ema_lanes_output_t* const shown = group->shown;
     for (uint32_t lane = 0; lane < group->count; ++lane) {
-        double* const out = &batch->out[(group->run[lane] * 5U * batch->rows) + row];
-        out[0] = (double)shown->position_mm[lane];
-        out[batch->rows] = (double)shown->motor_position_mm[lane];
-        out[2U * batch->rows] = (double)shown->current_A[lane];
-        out[3U * batch->rows] = (double)shown->voltage_V[lane];
-        out[4U * batch->rows] = (double)shown->speed_mm_s[lane];
+        double* const out = &batch->out[(group->run[lane] * 5U * batch->rows) + first];
+        ema_group_signal(&shown->position_mm, lane, kept, out);
+        ema_group_signal(&shown->motor_position_mm, lane, kept, &out[batch->rows]);
+        ema_group_signal(&shown->current_A, lane, kept, &out[2U * batch->rows]);
+        ema_group_signal(&shown->voltage_V, lane, kept, &out[3U * batch->rows]);
+        ema_group_signal(&shown->speed_mm_s, lane, kept, &out[4U * batch->rows]);
     }
 }
 
 /* A lane that has left the finite numbers ends; what takes its place stays finite a while and is not looked at. */
-static void ema_group_end(ema_desk_group_t* group, const ema_desk_batch_t* batch, const ema_lane_t finite)
+static void ema_group_end(ema_desk_group_t* group, const ema_desk_batch_t* batch)
 {
-    ema_real all = EMA_R(0.0);
     for (uint32_t lane = 0; lane < EMA_LANES; ++lane) {
-        all += finite[lane];
-    }
-    for (uint32_t lane = 0; (all < (ema_real)EMA_LANES) && (lane < EMA_LANES); ++lane) {
-        if (finite[lane] == EMA_R(0.0)) {
+        if (!ema_lanes_finite(&group->lanes, lane)) {
             if (lane < group->count) {
                 batch->status[group->run[lane]] = (int32_t)EMA_ERR_DIVERGED;
             }
@@ -91,23 +100,31 @@ static void ema_group_end(ema_desk_group_t* group, const ema_desk_batch_t* batch
 static void ema_group_run(ema_desk_group_t* group, const ema_desk_batch_t* batch)
 {
     const int32_t every = group->actuator[0].options.record_every_steps;
+    size_t kept = 0U;
+    size_t row = 0U;
     bool known = true;
     ema_lanes_start(&group->lanes);
-    for (size_t row = 0; known && (row < batch->rows); ++row) {
+    while (known && (row < batch->rows)) {
         const ema_real command_mm = (ema_real)batch->command_mm[row];
         known = ema_is_finite(command_mm);
         for (int32_t k = 0; known && (k < every); ++k) {
-            ema_lane_t finite;
-            ema_lanes_step(&group->lanes, command_mm, finite);
+            const bool finite = ema_lanes_step(&group->lanes, command_mm);
             if (k == 0) {
-                ema_group_show(group, batch, row);
+                group->shown[kept] = group->lanes.row;
             }
-            ema_group_end(group, batch, finite);
+            if (!finite) {
+                ema_group_end(group, batch);
+            }
+        }
+        ++row;
+        ++kept;
+        if ((kept == EMA_ROWS_KEPT) || (row == batch->rows)) {
+            ema_group_show(group, batch, row - kept, kept);
+            kept = 0U;
         }
     }
     for (uint32_t lane = 0; lane < group->count; ++lane) {
         const size_t run = group->run[lane];
-        ema_lanes_leave(&group->lanes, lane, &group->lanes.state[lane]);
         batch->unlocated_event_steps[run] = (int32_t)group->lanes.state[lane].unlocated_event_steps;
         if (!known && (batch->status[run] == (int32_t)EMA_OK)) {
             batch->status[run] = (int32_t)EMA_ERR_NOT_FINITE;

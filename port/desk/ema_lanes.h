@@ -152,6 +152,15 @@ typedef struct {
     ema_lane_t reaction_end_Nm;
 } ema_lanes_segment_t;
 
+/* ema_rod_t, and the memory of the effects there. */
+typedef struct {
+    ema_lane_t rod_mm;
+    ema_lane_t rod_speed_mm_s;
+    ema_lane_t reaction_start_Nm;
+    ema_lane_t reaction_end_Nm;
+    ema_lane_t effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
+} ema_lanes_rod_t;
+
 typedef struct {
     _Alignas(64) ema_lanes_plant_t constant;
     ema_lanes_responses_t responses[2];
@@ -188,6 +197,19 @@ static inline ema_real ema_choose(ema_real flag, ema_real set, ema_real unset)
     return (flag != EMA_R(0.0)) ? set : unset;
 }
 
+/* Output of the play for the motor position `input_mm`, and the side in contact: ema_screw_play. */
+static inline void ema_lane_play(const ema_lanes_t* lanes, uint32_t l, ema_real input_mm, ema_real* play_mm,
+                                 ema_real* side)
+{
+    const ema_real half_mm = lanes->constant.half_play_mm[l];
+    const ema_real before_mm = lanes->now.play_mm[l];
+    const ema_real gap_mm = input_mm - before_mm;
+    const ema_real ahead = ema_flag(gap_mm > half_mm);
+    const ema_real behind = ema_flag(gap_mm < -half_mm);
+    *play_mm = ema_choose(ahead, input_mm - half_mm, ema_choose(behind, input_mm + half_mm, before_mm));
+    *side = ema_choose(ahead, EMA_R(1.0), ema_choose(behind, EMA_R(-1.0), EMA_R(0.0)));
+}
+
 /* Whether two plants differ in numbers alone: the same effects act, and the same blocks have the same form. Lanes run
  * together where this holds. */
 bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other);
@@ -195,8 +217,11 @@ bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other);
 /* Starts the lanes at their plants and states, which are set before. */
 void ema_lanes_start(ema_lanes_t* lanes);
 
-/* One model step of every lane: ema_model_step. `row` is what it shows; `finite` is set where the state still is. */
-void ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm, ema_lane_t finite);
+/* One model step of every lane, ema_model_step; `row` is what it shows. False when one has left the finite numbers. */
+bool ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm);
+
+/* Whether this one has not. */
+bool ema_lanes_finite(const ema_lanes_t* lanes, uint32_t lane);
 
 /* One lane between the numbers side by side and its own state. */
 void ema_lanes_leave(const ema_lanes_t* lanes, uint32_t lane, ema_state_t* state);
@@ -207,6 +232,10 @@ void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point);
 
 /* Share of dry friction that the contact carries after a turn: ema_site_presliding. */
 void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, ema_lane_t share);
+
+/* What lies behind the play, whose output goes from `play_mm` of the state to `play_end_mm` over the segment's span:
+ * ema_site_transmission. */
+void ema_lanes_transmission(const ema_lanes_t* lanes, const ema_lane_t play_end_mm, ema_lanes_rod_t* rod);
 
 /* Keeps that share in elastic lanes that are done. */
 void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share);

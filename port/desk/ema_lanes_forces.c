@@ -81,6 +81,7 @@ static inline ema_plant_t ema_lane_plant(const ema_lanes_t* lanes, uint32_t l)
 #define EMA_EFFECT_AT_VOLTAGE(name) EMA_LANE_EFFECT(name)
 #define EMA_EFFECT_AT_MOTOR(name) EMA_LANE_EFFECT(name)
 #define EMA_EFFECT_AT_PRESLIDING(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_TRANSMISSION(name) EMA_LANE_EFFECT(name)
 #include "ema/ema_effects.def"
 
 static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes_site_t* site, uint32_t l)
@@ -139,6 +140,54 @@ void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, e
             share[l] = ema_effect_##name(&effect, lanes->now.effect_memory[EMA_MEMORY_PLACE(name)][l], turn_rad[l]);   \
         }                                                                                                              \
     }
+#include "ema/ema_effects.def"
+}
+
+void ema_lanes_transmission(const ema_lanes_t* lanes, const ema_lane_t play_end_mm, ema_lanes_rod_t* rod)
+{
+    const ema_lanes_state_t* const now = &lanes->now;
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        EMA_EACH_LANE
+        {
+            rod->effect_memory[k][l] = now->effect_memory[k][l];
+        }
+    }
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    EMA_LANES_BEHIND_##site(name, memory)
+#define EMA_EFFECT_KEEPS(name, keeps)                                                                                  \
+    if (EMA_LANE_RUNS(EMA_SITE_TRANSMISSION, name)) {                                                                  \
+        EMA_EACH_LANE                                                                                                  \
+        {                                                                                                              \
+            const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
+            const ema_transmission_t step = {now->play_mm[l], play_end_mm[l], lanes->segment.span_s[l],                \
+                                             lanes->constant.lead_mm_per_rad[l]};                                      \
+            ema_real memory[(keeps) + 1];                                                                              \
+            for (size_t k = 0; k < (size_t)(keeps); ++k) {                                                             \
+                memory[k] = now->effect_memory[EMA_MEMORY_PLACE(name) + k][l];                                         \
+            }                                                                                                          \
+            const ema_rod_t behind = ema_effect_##name(&effect, &step, memory);                                        \
+            for (size_t k = 0; k < (size_t)(keeps); ++k) {                                                             \
+                rod->effect_memory[EMA_MEMORY_PLACE(name) + k][l] = memory[k];                                         \
+            }                                                                                                          \
+            rod->rod_mm[l] = behind.rod_mm;                                                                            \
+            rod->rod_speed_mm_s[l] = behind.rod_speed_mm_s;                                                            \
+            rod->reaction_start_Nm[l] = behind.reaction_start_Nm;                                                      \
+            rod->reaction_end_Nm[l] = behind.reaction_end_Nm;                                                          \
+        }                                                                                                              \
+    }
+#define EMA_LANES_BEHIND_TRANSMISSION(name, memory) EMA_EFFECT_KEEPS(name, memory)
+#define EMA_LANES_BEHIND_PARAMETER(name, memory)
+#define EMA_LANES_BEHIND_FRICTION(name, memory)
+#define EMA_LANES_BEHIND_TORQUE(name, memory)
+#define EMA_LANES_BEHIND_LOAD(name, memory)
+#define EMA_LANES_BEHIND_VOLTAGE(name, memory)
+#define EMA_LANES_BEHIND_MOTOR(name, memory)
+#define EMA_LANES_BEHIND_PRESLIDING(name, memory)
+#define EMA_LANES_BEHIND_READING(name, memory)
+#define EMA_LANES_BEHIND_FRICTION_TABLE(name, memory)
+#define EMA_LANES_BEHIND_TORQUE_TABLE(name, memory)
+#define EMA_LANES_BEHIND_VOLTAGE_TABLE(name, memory)
+#define EMA_LANES_BEHIND_READING_TABLE(name, memory)
 #include "ema/ema_effects.def"
 }
 

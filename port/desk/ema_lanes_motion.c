@@ -160,21 +160,29 @@ static void ema_lanes_open(ema_lanes_t* lanes, uint32_t which)
     }
 }
 
+/* Where the play's output goes as the shaft goes to `angle_rad`. */
+static void ema_lanes_play(const ema_lanes_t* lanes, const ema_lane_t angle_rad, ema_lane_t end_mm, ema_lane_t side)
+{
+    EMA_EACH_LANE
+    {
+        ema_lane_play(lanes, l, lanes->constant.lead_mm_per_rad[l] * angle_rad[l], &end_mm[l], &side[l]);
+    }
+}
+
 /* What lies behind the play, tried over the span. */
 static void ema_lanes_reaction(ema_lanes_t* lanes)
 {
     ema_lanes_segment_t* const segment = &lanes->segment;
-    for (uint32_t l = 0; l < EMA_LANES; ++l) {
-        const ema_plant_t* const plant = &lanes->plant[l];
-        ema_state_t* const state = &lanes->state[l];
-        ema_rod_t rod;
-        ema_lanes_leave(lanes, l, state);
-        const ema_real end_mm = ema_screw_play_at(&plant->screw, state->play_mm,
-                                                  plant->gearbox.lead_mm_per_rad * segment->end.angle_rad[l]);
-        ema_site_transmission_trial(plant, state, end_mm, segment->span_s[l], &rod);
-        segment->reaction_start_Nm[l] = rod.reaction_start_Nm;
-        segment->reaction_end_Nm[l] = rod.reaction_end_Nm;
-        segment->forces.torque_Nm[l] += rod.reaction_start_Nm;
+    ema_lanes_rod_t rod;
+    ema_lane_t end_mm;
+    ema_lane_t side;
+    ema_lanes_play(lanes, segment->end.angle_rad, end_mm, side);
+    ema_lanes_transmission(lanes, end_mm, &rod);
+    EMA_EACH_LANE
+    {
+        segment->reaction_start_Nm[l] = rod.reaction_start_Nm[l];
+        segment->reaction_end_Nm[l] = rod.reaction_end_Nm[l];
+        segment->forces.torque_Nm[l] += rod.reaction_start_Nm[l];
     }
 }
 
@@ -317,15 +325,27 @@ static void ema_lanes_move(ema_lanes_t* lanes)
 }
 
 /* ema_motion_rod in lanes that are done. */
-static void ema_lanes_rod(ema_lanes_t* lanes)
+static void ema_lanes_follow_play(ema_lanes_t* lanes)
 {
-    for (uint32_t l = 0; l < EMA_LANES; ++l) {
-        if (lanes->done[l] != EMA_R(0.0)) {
-            ema_state_t* const state = &lanes->state[l];
-            ema_lanes_leave(lanes, l, state);
-            ema_motion_rod(&lanes->plant[l], state, &lanes->work, state->play_mm, lanes->segment.span_s[l]);
-            ema_lanes_return(lanes, l);
+    ema_lanes_state_t* const now = &lanes->now;
+    ema_lanes_rod_t rod;
+    ema_lane_t end_mm;
+    ema_lane_t side;
+    ema_lanes_play(lanes, now->angle_rad, end_mm, side);
+    ema_lanes_transmission(lanes, end_mm, &rod);
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+        EMA_EACH_LANE
+        {
+            now->effect_memory[k][l] = ema_choose(lanes->done[l], rod.effect_memory[k][l], now->effect_memory[k][l]);
         }
+    }
+    EMA_EACH_LANE
+    {
+        const ema_real done = lanes->done[l];
+        now->play_mm[l] = ema_choose(done, end_mm[l], now->play_mm[l]);
+        now->play_side[l] = ema_choose(done, side[l], now->play_side[l]);
+        now->rod_mm[l] = ema_choose(done, rod.rod_mm[l], now->rod_mm[l]);
+        now->rod_speed_mm_s[l] = ema_choose(done, rod.rod_speed_mm_s[l], now->rod_speed_mm_s[l]);
     }
 }
 
@@ -348,7 +368,7 @@ static void ema_lanes_try(ema_lanes_t* lanes, uint32_t which, bool whole)
     }
     ema_lanes_move(lanes);
     if (ema_acts(shape, EMA_SITE_TRANSMISSION)) {
-        ema_lanes_rod(lanes);
+        ema_lanes_follow_play(lanes);
     }
 }
 

@@ -26,8 +26,13 @@ static void ema_lanes_read(ema_lanes_t* lanes)
     }
     if (ema_acts_on_reading(&lanes->plant[0])) {
         for (uint32_t l = 0; l < EMA_LANES; ++l) {
-            ema_lanes_leave(lanes, l, &lanes->state[l]);
-            row->position_mm[l] += ema_site_seen(&lanes->plant[l], &lanes->state[l]);
+            ema_state_t* const state = &lanes->state[l];
+            state->current_A = now->current_A[l];
+            state->speed_rad_s = now->speed_rad_s[l];
+            state->angle_rad = now->angle_rad[l];
+            state->motor_mm = now->motor_mm[l];
+            state->rod_mm = now->rod_mm[l];
+            row->position_mm[l] += ema_site_seen(&lanes->plant[l], state);
         }
     }
 }
@@ -118,7 +123,9 @@ static void ema_lanes_late(ema_lanes_t* lanes)
 {
     for (uint32_t l = 0; l < EMA_LANES; ++l) {
         const ema_real voltage_V = lanes->row.voltage_V[l];
-        ema_lanes_leave(lanes, l, &lanes->state[l]);
+        lanes->state[l].step = lanes->step;
+        lanes->state[l].current_A = lanes->now.current_A[l];
+        lanes->state[l].speed_rad_s = lanes->now.speed_rad_s[l];
         ema_delayed_output(&lanes->plant[l], &lanes->state[l], &lanes->work, lanes->now.output[l]);
         ema_lane_applied(lanes, l, &lanes->work.applied);
         lanes->row.voltage_V[l] = voltage_V;
@@ -140,7 +147,9 @@ static void ema_lanes_late_motion(ema_lanes_t* lanes)
         ema_lanes_motion_span(lanes, 0U, first_s);
         for (uint32_t l = 0; l < EMA_LANES; ++l) {
             ema_drive_output_t applied;
-            ema_lanes_leave(lanes, l, &lanes->state[l]);
+            lanes->state[l].step = lanes->step;
+            lanes->state[l].current_A = lanes->now.current_A[l];
+            lanes->state[l].speed_rad_s = lanes->now.speed_rad_s[l];
             ema_drive_late(&lanes->plant[l], &lanes->state[l], lanes->plant[l].drive.delay_steps, &applied);
             lanes->applied.input[l] = applied.input;
             lanes->applied.voltage_V[l] = applied.voltage_V;
@@ -159,22 +168,27 @@ static void ema_lanes_arrive(ema_lanes_t* lanes)
     const ema_real transmits = ema_flag(ema_acts(&lanes->plant[0], EMA_SITE_TRANSMISSION));
     EMA_EACH_LANE
     {
-        const ema_real half_mm = constant->half_play_mm[l];
         const ema_real motor_mm =
             (constant->lead_mm_per_rad[l] * now->angle_rad[l]) + (constant->lead_mm_per_rad[l] * now->angle_low_rad[l]);
-        const ema_real play_mm = now->play_mm[l];
-        const ema_real gap_mm = motor_mm - play_mm;
-        const ema_real ahead = ema_flag(gap_mm > half_mm);
-        const ema_real behind = ema_flag(gap_mm < -half_mm);
-        const ema_real end_mm = ema_choose(ahead, motor_mm - half_mm, ema_choose(behind, motor_mm + half_mm, play_mm));
+        ema_real play_mm;
+        ema_real side;
+        ema_lane_play(lanes, l, motor_mm, &play_mm, &side);
         now->motor_mm[l] = motor_mm;
-        now->play_side[l] = ema_choose(ahead, EMA_R(1.0), ema_choose(behind, EMA_R(-1.0), EMA_R(0.0)));
-        now->play_mm[l] = end_mm;
-        now->rod_mm[l] = ema_choose(transmits, now->rod_mm[l], end_mm);
+        now->play_side[l] = side;
+        now->play_mm[l] = play_mm;
+        now->rod_mm[l] = ema_choose(transmits, now->rod_mm[l], play_mm);
     }
 }
 
-void ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm, ema_lane_t finite)
+bool ema_lanes_finite(const ema_lanes_t* lanes, uint32_t lane)
+{
+    const ema_lanes_state_t* const now = &lanes->now;
+    return ema_is_finite(now->current_A[lane]) && ema_is_finite(now->speed_rad_s[lane])
+           && ema_is_finite(now->motor_mm[lane]) && ema_is_finite(now->rod_mm[lane])
+           && ema_is_finite(now->integral[lane]);
+}
+
+bool ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm)
 {
     const ema_plant_t* const shape = &lanes->plant[0];
     const ema_lanes_state_t* const now = &lanes->now;
@@ -202,10 +216,14 @@ void ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm, ema_lane_t finite)
     }
     ema_lanes_arrive(lanes);
     ++lanes->step;
+    ema_lane_bit_t lost = 0;
     EMA_EACH_LANE
     {
-        finite[l] = ema_flag(ema_is_finite(now->current_A[l])) * ema_flag(ema_is_finite(now->speed_rad_s[l]))
-                    * ema_flag(ema_is_finite(now->motor_mm[l])) * ema_flag(ema_is_finite(now->rod_mm[l]))
-                    * ema_flag(ema_is_finite(now->integral[l]));
+        /* zeros, unless one of them is none */
+        const ema_real zero = (now->current_A[l] - now->current_A[l]) + (now->speed_rad_s[l] - now->speed_rad_s[l])
+                              + (now->motor_mm[l] - now->motor_mm[l]) + (now->rod_mm[l] - now->rod_mm[l])
+                              + (now->integral[l] - now->integral[l]);
+        lost |= (zero == EMA_R(0.0)) ? 0 : 1;
     }
+    return lost == 0;
 }
