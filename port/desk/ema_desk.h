@@ -62,13 +62,6 @@ int32_t ema_desk_check(const double* values, const int32_t* options, int32_t* of
 int32_t ema_desk_simulate(const double* values, const int32_t* options, const double* command_mm, int32_t rows,
                           double start_mm, double* out, int32_t* unlocated_event_steps);
 
-/* The same for `runs` actuators, `values` and `out` one after the other, all with the same options, command and start:
- * the very bits of one after the other, in a share of the time where they differ in size alone. Each has its own
- * status, and its count of steps with more events than are located. Memory: 60 kB of stack. */
-int32_t ema_desk_simulate_many(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
-                               int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps,
-                               int32_t* status);
-
 /* Samples a command at `rows` steps of `step_s`: kind as ema_command_kind_t; numbers = amplitude_mm, start_hz, end_hz,
  * duration_s, share, count, time_s. */
 int32_t ema_desk_command(int32_t kind, const double* numbers, double step_s, int32_t rows, double* command_mm);

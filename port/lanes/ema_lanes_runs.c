@@ -1,12 +1,13 @@
 /* Many actuators under one command: as many side by side as have the same shape. */
-#include "ema_desk.h"
+#include "ema_lanes_runs.h"
+
+#include <stddef.h>
+
+#include "ema/ema_model.h"
 #include "ema_desk_actuator.h"
 #include "ema_lanes.h"
 #include "ema_math.h"
 #include "ema_prepare.h"
-
-/* Rows that are kept before each lane's go to its own place: a few lines of memory in one go. */
-#define EMA_ROWS_KEPT 64U
 
 /* What one call is given. */
 typedef struct {
@@ -18,21 +19,22 @@ typedef struct {
     double* out;
     int32_t* unlocated_event_steps;
     int32_t* status;
-} ema_desk_batch_t;
+    int64_t* left;
+} ema_batch_t;
 
 /* Lanes that run together, and which of the batch they are. */
 typedef struct {
     ema_lanes_t lanes;
     ema_actuator_t actuator[EMA_LANES];
-    ema_lanes_output_t shown[EMA_ROWS_KEPT];
     size_t run[EMA_LANES];
     uint32_t count;
-} ema_desk_group_t;
+    ema_model_t alone; /* of a run that finds no company */
+} ema_group_t;
 
 #define EMA_WAITS INT32_MIN
 
 /* Takes run `run` into the next lane; false where it does not fit beside those that are there. */
-static bool ema_group_take(ema_desk_group_t* group, const ema_desk_batch_t* batch, size_t run)
+static bool ema_group_take(ema_group_t* group, const ema_batch_t* batch, size_t run)
 {
     const uint32_t lane = group->count;
     ema_lanes_t* const lanes = &group->lanes;
@@ -53,7 +55,7 @@ static bool ema_group_take(ema_desk_group_t* group, const ema_desk_batch_t* batc
 }
 
 /* Lanes that nobody asked for go with the first one. */
-static void ema_group_fill(ema_desk_group_t* group)
+static void ema_group_fill(ema_group_t* group)
 {
     for (uint32_t lane = group->count; lane < EMA_LANES; ++lane) {
         group->lanes.plant[lane] = group->lanes.plant[0];
@@ -70,9 +72,9 @@ static void ema_group_signal(const ema_lane_t* signal, uint32_t lane, size_t kep
     }
 }
 
-static void ema_group_show(const ema_desk_group_t* group, const ema_desk_batch_t* batch, size_t first, size_t kept)
+static void ema_group_show(const ema_group_t* group, const ema_batch_t* batch, size_t first, size_t kept)
 {
-    const ema_lanes_output_t* const shown = group->shown;
+    const ema_lanes_output_t* const shown = group->lanes.rows;
     for (uint32_t lane = 0; lane < group->count; ++lane) {
         double* const out = &batch->out[(group->run[lane] * 5U * batch->rows) + first];
         ema_group_signal(&shown->position_mm, lane, kept, out);
@@ -84,7 +86,7 @@ static void ema_group_show(const ema_desk_group_t* group, const ema_desk_batch_t
 }
 
 /* A lane that has left the finite numbers ends; what takes its place stays finite a while and is not looked at. */
-static void ema_group_end(ema_desk_group_t* group, const ema_desk_batch_t* batch)
+static void ema_group_end(ema_group_t* group, const ema_batch_t* batch)
 {
     for (uint32_t lane = 0; lane < EMA_LANES; ++lane) {
         if (!ema_lanes_finite(&group->lanes, lane)) {
@@ -97,7 +99,7 @@ static void ema_group_end(ema_desk_group_t* group, const ema_desk_batch_t* batch
     }
 }
 
-static void ema_group_run(ema_desk_group_t* group, const ema_desk_batch_t* batch)
+static void ema_group_run(ema_group_t* group, const ema_batch_t* batch)
 {
     const int32_t every = group->actuator[0].options.record_every_steps;
     size_t kept = 0U;
@@ -108,21 +110,22 @@ static void ema_group_run(ema_desk_group_t* group, const ema_desk_batch_t* batch
         const ema_real command_mm = (ema_real)batch->command_mm[row];
         known = ema_is_finite(command_mm);
         for (int32_t k = 0; known && (k < every); ++k) {
+            /* what is between the recorded rows goes behind the last of them, where nobody looks */
+            group->lanes.row = &group->lanes.rows[(k == 0) ? kept : EMA_LANES_ROWS];
             const bool finite = ema_lanes_step(&group->lanes, command_mm);
-            if (k == 0) {
-                group->shown[kept] = group->lanes.row;
-            }
             if (!finite) {
                 ema_group_end(group, batch);
             }
         }
         ++row;
         ++kept;
-        if ((kept == EMA_ROWS_KEPT) || (row == batch->rows)) {
+        if ((kept == EMA_LANES_ROWS) || (row == batch->rows)) {
             ema_group_show(group, batch, row - kept, kept);
             kept = 0U;
         }
     }
+    batch->left[0] += (int64_t)group->lanes.lane_spans;
+    batch->left[1] += (int64_t)group->lanes.left_spans;
     for (uint32_t lane = 0; lane < group->count; ++lane) {
         const size_t run = group->run[lane];
         batch->unlocated_event_steps[run] = (int32_t)group->lanes.state[lane].unlocated_event_steps;
@@ -135,34 +138,79 @@ static void ema_group_run(ema_desk_group_t* group, const ema_desk_batch_t* batch
 /* So few that lanes without a run cost more than runs one after the other. */
 #define EMA_LANES_WORTH 3U
 
-static void ema_group_go(ema_desk_group_t* group, const ema_desk_batch_t* batch)
+/* One run on its own. */
+static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t lane)
+{
+    const size_t run = group->run[lane];
+    const int32_t every = group->actuator[lane].options.record_every_steps;
+    double* const out = &batch->out[run * 5U * batch->rows];
+    ema_model_t* const model = &group->alone;
+    ema_status_t status = ema_model_init(model, &group->actuator[lane], batch->start_mm);
+    for (size_t row = 0; (status == EMA_OK) && (row < batch->rows); ++row) {
+        for (int32_t k = 0; (status == EMA_OK) && (k < every); ++k) {
+            ema_output_t output = {0};
+            status = ema_model_step(model, (ema_real)batch->command_mm[row], &output);
+            if (k == 0) {
+                out[row] = (double)output.position_mm;
+                out[batch->rows + row] = (double)output.motor_position_mm;
+                out[(2U * batch->rows) + row] = (double)output.current_A;
+                out[(3U * batch->rows) + row] = (double)output.voltage_V;
+                out[(4U * batch->rows) + row] = (double)output.speed_mm_s;
+            }
+        }
+    }
+    batch->status[run] = (int32_t)status;
+    batch->unlocated_event_steps[run] = (int32_t)model->state.unlocated_event_steps;
+}
+
+static void ema_group_go(ema_group_t* group, const ema_batch_t* batch)
 {
     if (group->count >= EMA_LANES_WORTH) {
         ema_group_fill(group);
         ema_group_run(group, batch);
     } else {
         for (uint32_t lane = 0; lane < group->count; ++lane) {
-            const size_t run = group->run[lane];
-            batch->status[run] = ema_desk_simulate(&batch->values[run * EMA_VALUE_COUNT], batch->options,
-                                                   batch->command_mm, (int32_t)batch->rows, (double)batch->start_mm,
-                                                   &batch->out[run * 5U * batch->rows],
-                                                   &batch->unlocated_event_steps[run]);
+            ema_run_alone(group, batch, lane);
         }
     }
 }
 
-int32_t ema_desk_simulate_many(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
-                               int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps,
-                               int32_t* status)
+int32_t ema_lanes_count(void)
+{
+    return (int32_t)EMA_LANES;
+}
+
+int32_t ema_lanes_bits(void)
+{
+    return (int32_t)(8U * sizeof(ema_real));
+}
+
+int32_t ema_lanes_value_count(void)
+{
+    return (int32_t)EMA_VALUE_COUNT;
+}
+
+int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
+                           int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps, int32_t* status,
+                           int64_t* left)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)
-        || (unlocated_event_steps == NULL) || (status == NULL)) {
+        || (unlocated_event_steps == NULL) || (status == NULL) || (left == NULL)) {
         return (int32_t)EMA_ERR_NULL;
     }
-    const ema_desk_batch_t batch = {values, options,           command_mm,            (rows > 0) ? (size_t)rows : 0U,
-                                    (ema_real)start_mm, out, unlocated_event_steps, status};
     const size_t count = (runs > 0) ? (size_t)runs : 0U;
-    ema_desk_group_t group = {0};
+    const ema_batch_t batch = {.values = values,
+                                    .options = options,
+                                    .command_mm = command_mm,
+                                    .rows = (rows > 0) ? (size_t)rows : 0U,
+                                    .start_mm = (ema_real)start_mm,
+                                    .out = out,
+                                    .unlocated_event_steps = unlocated_event_steps,
+                                    .status = status,
+                                    .left = left};
+    ema_group_t group = {0};
+    left[0] = 0;
+    left[1] = 0;
     for (size_t run = 0; run < count; ++run) {
         status[run] = EMA_WAITS;
         unlocated_event_steps[run] = 0;
@@ -174,9 +222,7 @@ int32_t ema_desk_simulate_many(const double* values, const int32_t* options, int
                 (void)ema_group_take(&group, &batch, run);
             }
         }
-        if (group.count > 0U) {
-            ema_group_go(&group, &batch);
-        }
+        ema_group_go(&group, &batch);
     }
     return (int32_t)EMA_OK;
 }

@@ -381,7 +381,7 @@ static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* 
     {
         leaves |= (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;
     }
-    lanes->lane_steps += EMA_LANES;
+    lanes->lane_spans += EMA_LANES;
     for (uint32_t l = 0; (leaves != 0) && (l < EMA_LANES); ++l) {
         if (lanes->done[l] == EMA_R(0.0)) {
             ema_state_t* const state = &lanes->state[l];

@@ -10,7 +10,7 @@
 /* What the sensors read, and what the rod does. */
 static void ema_lanes_read(ema_lanes_t* lanes)
 {
-    ema_lanes_output_t* const row = &lanes->row;
+    ema_lanes_output_t* const row = lanes->row;
     const ema_lanes_state_t* const now = &lanes->now;
     const ema_real transmits = ema_flag(ema_acts(&lanes->plant[0], EMA_SITE_TRANSMISSION));
     EMA_EACH_LANE
@@ -41,7 +41,7 @@ static void ema_lanes_read(ema_lanes_t* lanes)
 static const ema_real* ema_lanes_feedback(ema_lanes_t* lanes)
 {
     const ema_encoder_t* const shape = &lanes->plant[0].encoder;
-    const ema_real* const position_mm = shape->at_rod ? lanes->row.position_mm : lanes->row.motor_position_mm;
+    const ema_real* const position_mm = shape->at_rod ? lanes->row->position_mm : lanes->row->motor_position_mm;
     for (uint32_t l = 0; !shape->plain && (l < EMA_LANES); ++l) {
         lanes->state[l].step = lanes->step;
         lanes->feedback_mm[l] = ema_encoder_general(&lanes->plant[l].encoder, &lanes->state[l], position_mm[l]);
@@ -54,7 +54,7 @@ static inline void ema_lane_applied(ema_lanes_t* lanes, uint32_t l, const ema_dr
     lanes->applied.input[l] = applied->input;
     lanes->applied.voltage_V[l] = applied->voltage_V;
     lanes->applied.current_loop[l] = applied->current_loop ? EMA_R(1.0) : EMA_R(0.0);
-    lanes->row.voltage_V[l] = applied->voltage_V;
+    lanes->row->voltage_V[l] = applied->voltage_V;
 }
 
 /* ema_pid_step and ema_drive_step in their plain forms: proportional and integral action, a share of the bus voltage.
@@ -122,13 +122,13 @@ static void ema_lanes_follow(ema_lanes_t* lanes)
 static void ema_lanes_late(ema_lanes_t* lanes)
 {
     for (uint32_t l = 0; l < EMA_LANES; ++l) {
-        const ema_real voltage_V = lanes->row.voltage_V[l];
+        const ema_real voltage_V = lanes->row->voltage_V[l];
         lanes->state[l].step = lanes->step;
         lanes->state[l].current_A = lanes->now.current_A[l];
         lanes->state[l].speed_rad_s = lanes->now.speed_rad_s[l];
         ema_delayed_output(&lanes->plant[l], &lanes->state[l], &lanes->work, lanes->now.output[l]);
         ema_lane_applied(lanes, l, &lanes->work.applied);
-        lanes->row.voltage_V[l] = voltage_V;
+        lanes->row->voltage_V[l] = voltage_V;
     }
 }
 
@@ -205,7 +205,7 @@ bool ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm)
     ema_lanes_follow(lanes);
     EMA_EACH_LANE
     {
-        lanes->row.current_A[l] = now->current_A[l];
+        lanes->row->current_A[l] = now->current_A[l];
     }
     if (shape->drive.delayed) {
         ema_lanes_late_motion(lanes);

@@ -15,6 +15,9 @@
 #define EMA_LANES 8U
 #endif
 
+/* Rows that are kept together before each lane's go to a place of their own. */
+#define EMA_LANES_ROWS 64U
+
 /* No lane looks at another, so the compiler is free to work on as many at once as it can: it is told. */
 #if defined(__clang__)
 #define EMA_LANES_APART _Pragma("clang loop vectorize(assume_safety)")
@@ -166,7 +169,8 @@ typedef struct {
     ema_lanes_responses_t responses[2];
     ema_lane_t held[sizeof(ema_held_effects_t) / sizeof(ema_real)]; /* the values of ema_held_effects_t */
     ema_lanes_state_t now;
-    ema_lanes_output_t row;
+    ema_lanes_output_t rows[EMA_LANES_ROWS + 1U];
+    ema_lanes_output_t* row; /* where the next step shows itself: one of them */
     ema_lanes_applied_t applied;
     ema_lanes_segment_t segment;
     ema_lanes_point_t here; /* between its ends */
@@ -174,7 +178,7 @@ typedef struct {
     ema_lane_t feedback_mm;
     ema_lane_t done;           /* whether the last span was taken in one */
     uint32_t step;
-    uint64_t lane_steps; /* spans of all lanes, and how many of them were left to the model's own functions */
+    uint64_t lane_spans; /* spans of all lanes, and how many of them were left to the model's own functions */
     uint64_t left_spans;
     ema_work_t work; /* of the lanes that leave, one after the other */
     ema_plant_t plant[EMA_LANES];
@@ -217,7 +221,7 @@ bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other);
 /* Starts the lanes at their plants and states, which are set before. */
 void ema_lanes_start(ema_lanes_t* lanes);
 
-/* One model step of every lane, ema_model_step; `row` is what it shows. False when one has left the finite numbers. */
+/* One model step of every lane, ema_model_step; what it shows goes to `row`. False when one has left the finite numbers. */
 bool ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm);
 
 /* Whether this one has not. */

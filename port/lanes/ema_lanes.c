@@ -132,7 +132,8 @@ void ema_lanes_start(ema_lanes_t* lanes)
         ema_lanes_responses(&lanes->responses[1], &plant->responses[1], l);
         ema_lanes_return(lanes, l);
     }
+    lanes->row = &lanes->rows[0];
     lanes->step = 0U;
-    lanes->lane_steps = 0U;
+    lanes->lane_spans = 0U;
     lanes->left_spans = 0U;
 }
