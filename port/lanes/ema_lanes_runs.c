@@ -190,6 +190,15 @@ int32_t ema_lanes_value_count(void)
     return (int32_t)EMA_VALUE_COUNT;
 }
 
+int32_t ema_lanes_avx2(void)
+{
+#if defined(__GNUC__) && defined(__x86_64__)
+    return (__builtin_cpu_supports("avx2") != 0) ? 1 : 0;
+#else
+    return 0;
+#endif
+}
+
 int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
                            int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps, int32_t* status,
                            int64_t* left)

@@ -9,6 +9,9 @@ int32_t ema_lanes_count(void);
 int32_t ema_lanes_bits(void);
 int32_t ema_lanes_value_count(void);
 
+/* 1 where the processor has AVX2, so that the libraries that are built for it can be loaded. */
+int32_t ema_lanes_avx2(void);
+
 /* Simulates `rows` recorded rows for each of `runs` actuators, all with the same options, command and start. `values`
  * are the actuators one after the other, `out` their results one after the other, each as ema_desk_simulate writes it:
  * the very bits of one run after the other. What is cheaper together runs together: actuators in which the same effects
