@@ -128,6 +128,8 @@ void ema_lanes_start(ema_lanes_t* lanes)
         lanes->constant.rate_voltage[l] = circuit->rate_voltage;
         lanes->constant.linear_current_A[l] = plant->linear_current_A;
         lanes->constant.step_s[l] = plant->step_s;
+        lanes->substep_s[l] = plant->substep_s;
+        lanes->asked[l] = EMA_R(1.0);
         ema_lanes_responses(&lanes->responses[0], &plant->responses[0], l);
         ema_lanes_responses(&lanes->responses[1], &plant->responses[1], l);
         ema_lanes_return(lanes, l);

@@ -142,6 +142,19 @@ typedef struct {
     ema_lane_t level_backward_Nm;
 } ema_lanes_forces_t;
 
+/* Places in `driven`: those of ema_response_t. */
+enum {
+    EMA_DRIVEN_CURRENT = 0,
+    EMA_DRIVEN_SPEED = 1,
+    EMA_DRIVEN_INPUT = 2,
+    EMA_DRIVEN_TORQUE = 3,
+    EMA_DRIVEN_INPUT_RISE = 4,
+    EMA_DRIVEN_TORQUE_RISE = 5,
+    EMA_DRIVEN_INPUT_BEND = 6,
+    EMA_DRIVEN_TORQUE_BEND = 7,
+    EMA_DRIVEN_TORQUE_TWIST = 8
+};
+
 /* A span of the motion without events: ema_segment_t, and what of ema_span_t it takes. `driven` stands in the order of
  * ema_response_t. */
 typedef struct {
@@ -176,6 +189,8 @@ typedef struct {
     ema_lanes_point_t here; /* between its ends */
     ema_lanes_forces_t forces; /* at the point that was asked for last */
     ema_lane_t feedback_mm;
+    ema_lane_t substep_s;
+    ema_lane_t asked; /* which lanes the next span is for: all, but where some of them go on apart */
     ema_lane_t done;           /* whether the last span was taken in one */
     uint32_t step;
     uint64_t lane_spans; /* spans of all lanes, and how many of them were left to the model's own functions */
@@ -246,6 +261,13 @@ void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share);
 
 /* A span of the motion with effects, or behind a late drive: ema_motion_span. */
 void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lane_t span_s);
+
+/* The forces at the start of the segment: ema_segment_open. */
+void ema_lanes_segment_open(ema_lanes_t* lanes);
+
+/* An integration step with its events in the lanes that are asked: ema_motion_events. Sets `done` where it could be
+ * taken; the other lanes are left as they were. */
+void ema_lanes_events(ema_lanes_t* lanes, const ema_real* span_s);
 
 /* A model step without effects: ema_motion_step. */
 void ema_lanes_motion_plain(ema_lanes_t* lanes);

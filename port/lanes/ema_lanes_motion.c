@@ -10,19 +10,6 @@
 #include "ema_resolve.h"
 #include "ema_screw.h"
 
-/* Places in `driven`: those of ema_response_t. */
-enum {
-    EMA_DRIVEN_CURRENT = 0,
-    EMA_DRIVEN_SPEED = 1,
-    EMA_DRIVEN_INPUT = 2,
-    EMA_DRIVEN_TORQUE = 3,
-    EMA_DRIVEN_INPUT_RISE = 4,
-    EMA_DRIVEN_TORQUE_RISE = 5,
-    EMA_DRIVEN_INPUT_BEND = 6,
-    EMA_DRIVEN_TORQUE_BEND = 7,
-    EMA_DRIVEN_TORQUE_TWIST = 8
-};
-
 /* Whether a flag is set in any lane. */
 static bool ema_lanes_any(const ema_lane_t flag)
 {
@@ -125,10 +112,9 @@ static inline ema_real ema_lane_within(const ema_lanes_t* lanes, uint32_t l, ema
            * ema_flag(ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(lanes->applied.input[l])));
 }
 
-/* Opens the segment and goes to its end under the forces at its start: ema_segment_open. */
-static void ema_lanes_open(ema_lanes_t* lanes, uint32_t which)
+/* The forces where the lanes are. */
+static void ema_lanes_forces_now(ema_lanes_t* lanes)
 {
-    ema_lanes_segment_t* const segment = &lanes->segment;
     EMA_EACH_LANE
     {
         lanes->here.current_A[l] = lanes->now.current_A[l];
@@ -136,26 +122,47 @@ static void ema_lanes_open(ema_lanes_t* lanes, uint32_t which)
         lanes->here.angle_rad[l] = lanes->now.angle_rad[l];
     }
     ema_lanes_forces_at(lanes, &lanes->here);
+}
+
+static inline void ema_lane_segment_open(ema_lanes_t* lanes, uint32_t l)
+{
+    ema_lanes_segment_t* const segment = &lanes->segment;
+    segment->start.current_A[l] = lanes->now.current_A[l];
+    segment->start.speed_rad_s[l] = lanes->now.speed_rad_s[l];
+    segment->start.angle_rad[l] = lanes->now.angle_rad[l];
+    segment->forces.input[l] = lanes->forces.input[l];
+    segment->forces.torque_Nm[l] = lanes->forces.torque_Nm[l];
+    segment->forces.level_forward_Nm[l] = lanes->forces.level_forward_Nm[l];
+    segment->forces.level_backward_Nm[l] = lanes->forces.level_backward_Nm[l];
+    segment->driven[EMA_DRIVEN_CURRENT][l] = segment->start.current_A[l];
+    segment->driven[EMA_DRIVEN_SPEED][l] = segment->start.speed_rad_s[l];
+    segment->driven[EMA_DRIVEN_INPUT][l] = segment->forces.input[l];
+    segment->driven[EMA_DRIVEN_TORQUE][l] = segment->forces.torque_Nm[l];
+    segment->driven[EMA_DRIVEN_INPUT_RISE][l] = EMA_R(0.0);
+    segment->driven[EMA_DRIVEN_TORQUE_RISE][l] = EMA_R(0.0);
+    segment->end.current_A[l] = EMA_R(0.0);
+    segment->end.speed_rad_s[l] = EMA_R(0.0);
+    segment->turn_rad[l] = EMA_R(0.0);
+    segment->reaction_start_Nm[l] = EMA_R(0.0);
+    segment->reaction_end_Nm[l] = EMA_R(0.0);
+}
+
+void ema_lanes_segment_open(ema_lanes_t* lanes)
+{
+    ema_lanes_forces_now(lanes);
     EMA_EACH_LANE
     {
-        segment->start.current_A[l] = lanes->now.current_A[l];
-        segment->start.speed_rad_s[l] = lanes->now.speed_rad_s[l];
-        segment->start.angle_rad[l] = lanes->now.angle_rad[l];
-        segment->forces.input[l] = lanes->forces.input[l];
-        segment->forces.torque_Nm[l] = lanes->forces.torque_Nm[l];
-        segment->forces.level_forward_Nm[l] = lanes->forces.level_forward_Nm[l];
-        segment->forces.level_backward_Nm[l] = lanes->forces.level_backward_Nm[l];
-        segment->driven[EMA_DRIVEN_CURRENT][l] = segment->start.current_A[l];
-        segment->driven[EMA_DRIVEN_SPEED][l] = segment->start.speed_rad_s[l];
-        segment->driven[EMA_DRIVEN_INPUT][l] = segment->forces.input[l];
-        segment->driven[EMA_DRIVEN_TORQUE][l] = segment->forces.torque_Nm[l];
-        segment->driven[EMA_DRIVEN_INPUT_RISE][l] = EMA_R(0.0);
-        segment->driven[EMA_DRIVEN_TORQUE_RISE][l] = EMA_R(0.0);
-        segment->end.current_A[l] = EMA_R(0.0);
-        segment->end.speed_rad_s[l] = EMA_R(0.0);
-        segment->turn_rad[l] = EMA_R(0.0);
-        segment->reaction_start_Nm[l] = EMA_R(0.0);
-        segment->reaction_end_Nm[l] = EMA_R(0.0);
+        ema_lane_segment_open(lanes, l);
+    }
+}
+
+/* Opens the segment and goes to its end under the forces at its start. */
+static void ema_lanes_open(ema_lanes_t* lanes, uint32_t which)
+{
+    ema_lanes_forces_now(lanes);
+    EMA_EACH_LANE
+    {
+        ema_lane_segment_open(lanes, l);
         ema_lane_respond(lanes, l, which, 0U, 4U, EMA_R(1.0));
     }
 }
@@ -356,7 +363,8 @@ static void ema_lanes_try(ema_lanes_t* lanes, uint32_t which, bool whole)
     const ema_real mode = ema_flag(shape->drive.current_mode);
     EMA_EACH_LANE
     {
-        lanes->done[l] = ema_flag(ema_abs(lanes->now.current_A[l]) < lanes->constant.linear_current_A[l])
+        lanes->done[l] = lanes->asked[l]
+                         * ema_flag(ema_abs(lanes->now.current_A[l]) < lanes->constant.linear_current_A[l])
                          * ema_flag(lanes->applied.current_loop[l] == mode);
     }
     ema_lanes_open(lanes, which);
@@ -372,35 +380,100 @@ static void ema_lanes_try(ema_lanes_t* lanes, uint32_t which, bool whole)
     }
 }
 
-/* Lanes that are not done go through `steps` integration steps of the model's own: of `span_s`, or without effects. */
-static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* span_s)
+/* So few that going on alone costs less than taking the others along. */
+#define EMA_LANES_TOGETHER 3
+
+/* Whether events are found in several lanes at once. */
+static bool ema_lanes_share_events(const ema_lanes_t* lanes)
+{
+    const ema_plant_t* const shape = &lanes->plant[0];
+    return !ema_acts(shape, EMA_SITE_PRESLIDING) && !ema_acts(shape, EMA_SITE_TRANSMISSION)
+           && !shape->motor_circuit.algebraic && !shape->drive.current_mode;
+}
+
+/* A lane goes through `steps` integration steps by the model's own functions: of `span_s`, or without effects. */
+static void ema_lanes_alone(ema_lanes_t* lanes, uint32_t lane, uint32_t steps, const ema_real* span_s)
 {
     ema_work_t* const work = &lanes->work;
-    ema_lane_bit_t leaves = 0;
+    ema_state_t* const state = &lanes->state[lane];
+    const ema_plant_t* const plant = &lanes->plant[lane];
+    ema_lanes_leave(lanes, lane, state);
+    work->applied.input = lanes->applied.input[lane];
+    work->applied.voltage_V = lanes->applied.voltage_V[lane];
+    work->applied.current_loop = lanes->applied.current_loop[lane] != EMA_R(0.0);
+    for (uint32_t k = 0; k < steps; ++k) {
+        if (span_s != NULL) {
+            ema_motion_located(plant, state, work, span_s[lane]);
+        } else if (!ema_motion_plain(plant, state, &work->applied)) {
+            ema_motion_located(plant, state, work, plant->substep_s);
+        } else {
+            /* the drive has left its mode's circuit: nothing else happens */
+        }
+    }
+    ema_lanes_return(lanes, lane);
+    ++lanes->left_spans;
+}
+
+/* The same in the lanes that are asked and not done. */
+static void ema_lanes_alone_each(ema_lanes_t* lanes, uint32_t steps, const ema_real* span_s)
+{
+    for (uint32_t l = 0; l < EMA_LANES; ++l) {
+        if ((lanes->asked[l] != EMA_R(0.0)) && (lanes->done[l] == EMA_R(0.0))) {
+            ema_lanes_alone(lanes, l, steps, span_s);
+        }
+    }
+}
+
+/* Lanes that are not done go through `steps` integration steps, of `span_s` or without effects. With `tried` the step,
+ * of which there is one, has been tried. */
+static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* span_s, bool tried)
+{
+    const ema_plant_t* const shape = &lanes->plant[0];
+    const ema_real* const part_s = (span_s != NULL) ? span_s : lanes->substep_s;
+    const bool tries = ema_acts_on_motion(shape) && !shape->drive.delayed && !tried;
+    int32_t leaves = 0;
+    ema_lane_bit_t any = 0;
+    lanes->lane_spans += EMA_LANES;
     EMA_EACH_LANE
     {
-        leaves |= (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;
+        any |= (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;
     }
-    lanes->lane_spans += EMA_LANES;
-    for (uint32_t l = 0; (leaves != 0) && (l < EMA_LANES); ++l) {
-        if (lanes->done[l] == EMA_R(0.0)) {
-            ema_state_t* const state = &lanes->state[l];
-            const ema_plant_t* const plant = &lanes->plant[l];
-            ema_lanes_leave(lanes, l, state);
-            work->applied.input = lanes->applied.input[l];
-            work->applied.voltage_V = lanes->applied.voltage_V[l];
-            work->applied.current_loop = lanes->applied.current_loop[l] != EMA_R(0.0);
-            for (uint32_t k = 0; k < steps; ++k) {
-                if (span_s != NULL) {
-                    ema_motion_located(plant, state, work, span_s[l]);
-                } else if (!ema_motion_plain(plant, state, &work->applied)) {
-                    ema_motion_located(plant, state, work, plant->substep_s);
-                } else {
-                    /* the drive has left its mode's circuit: nothing else happens */
-                }
+    if (any == 0) {
+        return;
+    }
+    for (uint32_t l = 0; l < EMA_LANES; ++l) {
+        leaves += (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;
+    }
+    if ((leaves < EMA_LANES_TOGETHER) || !ema_lanes_share_events(lanes)) {
+        ema_lanes_alone_each(lanes, steps, span_s);
+    } else {
+        ema_lane_t leave;
+        EMA_EACH_LANE
+        {
+            leave[l] = ema_not(lanes->done[l]);
+        }
+        for (uint32_t k = 0; k < steps; ++k) {
+            EMA_EACH_LANE
+            {
+                lanes->asked[l] = leave[l];
+                lanes->done[l] = EMA_R(0.0);
+                lanes->segment.span_s[l] = part_s[l];
             }
-            ema_lanes_return(lanes, l);
-            ++lanes->left_spans;
+            if (tries) {
+                ema_lanes_try(lanes, 0U, false);
+            }
+            EMA_EACH_LANE
+            {
+                lanes->asked[l] = leave[l] * ema_not(lanes->done[l]);
+            }
+            if (ema_lanes_any(lanes->asked)) {
+                ema_lanes_events(lanes, part_s);
+                ema_lanes_alone_each(lanes, 1U, span_s);
+            }
+        }
+        EMA_EACH_LANE
+        {
+            lanes->asked[l] = EMA_R(1.0);
         }
     }
 }
@@ -419,7 +492,7 @@ void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lan
             lanes->segment.span_s[l] = span_s[l];
         }
         ema_lanes_try(lanes, responses, true);
-        ema_lanes_apart(lanes, shape->substeps, part_s);
+        ema_lanes_apart(lanes, shape->substeps, part_s, false);
     } else {
         const bool prepared = ema_acts_on_motion(shape) && !shape->drive.delayed;
         for (uint32_t k = 0; k < shape->substeps; ++k) {
@@ -431,7 +504,7 @@ void ema_lanes_motion_span(ema_lanes_t* lanes, uint32_t responses, const ema_lan
             if (prepared) {
                 ema_lanes_try(lanes, 0U, false);
             }
-            ema_lanes_apart(lanes, 1U, part_s);
+            ema_lanes_apart(lanes, 1U, part_s, prepared);
         }
     }
 }
@@ -495,6 +568,6 @@ void ema_lanes_motion_plain(ema_lanes_t* lanes)
 {
     for (uint32_t k = 0; k < lanes->plant[0].substeps; ++k) {
         ema_lanes_plain(lanes);
-        ema_lanes_apart(lanes, 1U, NULL);
+        ema_lanes_apart(lanes, 1U, NULL, false);
     }
 }
