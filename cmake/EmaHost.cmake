@@ -37,7 +37,7 @@ set(ema_lanes_flags "")
 # Loops over lanes have no branch as they are written. The compiler leaves them so where it may not move work behind a question, nor guess at its answer;
 # copies stay vectors, which a call in other widths would make the next read wait for; and what an effect works out is seen from the loop.
 foreach(flag -fno-semantic-interposition -ftree-loop-vectorize -fno-trapping-math -fno-tree-loop-distribute-patterns -fno-unswitch-loops -fno-tree-sink -fno-thread-jumps
-             --param=max-inline-insns-auto=400 --param=inline-unit-growth=400 --param=large-function-growth=1000)
+             --param=max-inline-insns-auto=400 --param=max-inline-insns-single=2000 --param=inline-unit-growth=400 --param=large-function-growth=1000)
     string(MAKE_C_IDENTIFIER "EMA_HAS${flag}" ema_has)
     check_c_compiler_flag(${flag} ${ema_has})
     if(${ema_has})

@@ -31,6 +31,19 @@ typedef struct {
             sum[l] += ema_effect_##name(&effect, __VA_ARGS__);                                                         \
         }                                                                                                              \
     }
+#define EMA_LANE_PLACE(name) ((size_t)offsetof(ema_held_effects_t, name) / sizeof(ema_real))
+#define EMA_LANE_VALUES(name) (sizeof(ema_effect_##name##_t) / sizeof(ema_real))
+/* The same for dry friction, with the effect's last value known. */
+#define EMA_LANES_ADD_SHAPED(name, shape)                                                                              \
+    EMA_EACH_LANE                                                                                                      \
+    {                                                                                                                  \
+        const ema_plant_t plant = ema_lane_plant(lanes, l);                                                            \
+        ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                               \
+        ema_real* const value = (ema_real*)(void*)&effect;                                                             \
+        const ema_site_t here = ema_lane_site(EMA_LANE_OWN(name) ? &lanes->plant[l] : &plant, site, l);                \
+        value[EMA_LANE_VALUES(name) - 1U] = (shape);                                                                   \
+        sum[l] += ema_effect_##name(&effect, &here, level_Nm[l]);                                                      \
+    }
 /* A table is read where it lies. */
 #define EMA_LANES_ADD_TABLE(acts_at, name, ...)                                                                        \
     if (EMA_LANE_RUNS(acts_at, name)) {                                                                                \
@@ -67,11 +80,10 @@ static inline ema_plant_t ema_lane_plant(const ema_lanes_t* lanes, uint32_t l)
 #define EMA_LANE_EFFECT(name)                                                                                          \
     static inline ema_effect_##name##_t ema_lane_effect_##name(const ema_lanes_t* lanes, uint32_t l)                   \
     {                                                                                                                  \
-        const size_t first = (size_t)offsetof(ema_held_effects_t, name) / sizeof(ema_real);                            \
         ema_effect_##name##_t effect;                                                                                  \
         ema_real* const value = (ema_real*)(void*)&effect;                                                             \
-        for (size_t k = 0; k < (sizeof effect / sizeof(ema_real)); ++k) {                                              \
-            value[k] = lanes->held[first + k][l];                                                                      \
+        for (size_t k = 0; k < EMA_LANE_VALUES(name); ++k) {                                                           \
+            value[k] = lanes->held[EMA_LANE_PLACE(name) + k][l];                                                       \
         }                                                                                                              \
         return effect;                                                                                                 \
     }
@@ -95,10 +107,32 @@ static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes
     return here;
 }
 
+/* Whether all lanes have this value. */
+static bool ema_lanes_are(const ema_real* values, ema_real value)
+{
+    ema_lane_bit_t other = 0;
+    EMA_EACH_LANE
+    {
+        other |= (values[l] == value) ? 0 : 1;
+    }
+    return other == 0;
+}
+
 static void ema_lanes_friction(const ema_lanes_t* lanes, const ema_lanes_site_t* site, const ema_lane_t level_Nm,
                                ema_lane_t sum)
 {
-#define EMA_EFFECT_AT_FRICTION(name) EMA_LANES_ADD(EMA_SITE_FRICTION, name, &here, level_Nm[l])
+/* A shape that all lanes have in common, 1 or 2, is given as such: of the ways that it chooses between one remains. */
+#define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
+    if (EMA_LANE_RUNS(EMA_SITE_FRICTION, name)) {                                                                      \
+        const ema_real* const last = lanes->held[EMA_LANE_PLACE(name) + EMA_LANE_VALUES(name) - 1U];                   \
+        if ((EMA_LANE_VALUES(name) > 2U) && ema_lanes_are(last, EMA_R(1.0))) {                                         \
+            EMA_LANES_ADD_SHAPED(name, EMA_R(1.0))                                                                     \
+        } else if ((EMA_LANE_VALUES(name) > 2U) && ema_lanes_are(last, EMA_R(2.0))) {                                  \
+            EMA_LANES_ADD_SHAPED(name, EMA_R(2.0))                                                                     \
+        } else {                                                                                                       \
+            EMA_LANES_ADD(EMA_SITE_FRICTION, name, &here, level_Nm[l])                                                 \
+        }                                                                                                              \
+    }
 #define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
     EMA_LANES_ADD_TABLE(EMA_SITE_FRICTION, name, &here, level_Nm[l])
 #include "ema/ema_effects.def"
@@ -208,15 +242,13 @@ void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share)
 /* What comes together at a point. */
 typedef struct {
     ema_lane_t voltage_V; /* sums of the effects of a site */
-    ema_lane_t load_Nm;
+    ema_lane_t load_Nm; /* in the end of all loads */
     ema_lane_t torque_Nm;
     ema_lane_t change; /* of the torque constant */
     ema_lane_t share;  /* of the dry friction that a contact carries; 1 of one that slides */
     ema_lane_t direction;
     ema_lane_t own_Nm; /* the screw's own dry friction against that direction, and what effects add */
     ema_lane_t friction_Nm;
-    ema_lane_t own_backward_Nm; /* the same of lanes at rest, backward */
-    ema_lane_t backward_Nm;
 } ema_lanes_sums_t;
 
 static inline ema_real ema_lane_level(const ema_lanes_t* lanes, uint32_t l, ema_real level_Nm, ema_real direction)
@@ -264,11 +296,9 @@ static bool ema_lanes_site_at(const ema_lanes_t* lanes, const ema_lanes_point_t*
         sums->torque_Nm[l] = EMA_R(0.0);
         sums->change[l] = EMA_R(0.0);
         sums->friction_Nm[l] = EMA_R(0.0);
-        sums->backward_Nm[l] = EMA_R(0.0);
         sums->share[l] = direction;
         sums->direction[l] = direction;
         sums->own_Nm[l] = ema_lane_level(lanes, l, level_Nm, direction);
-        sums->own_backward_Nm[l] = ema_lane_level(lanes, l, static_Nm, EMA_R(-1.0));
         resting |= (motion == (ema_real)EMA_MOTION_STUCK) ? 1 : 0;
     }
     return resting != 0;
@@ -296,62 +326,113 @@ static ema_real ema_lanes_acts(const ema_lanes_t* lanes, ema_effect_site_t site)
     return ema_flag(ema_acts(&lanes->plant[0], site));
 }
 
-void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
+/* At which sites something acts, as flags; and whether dry friction slides, or stretches a contact. */
+typedef struct {
+    ema_real voltage;
+    ema_real load;
+    ema_real torque;
+    ema_real motor;
+    ema_real friction;
+    ema_real slides;
+} ema_lanes_on_t;
+
+/* What holds lanes at rest against going backward. */
+static void ema_lanes_backward(ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lanes_sums_t* sums,
+                               ema_lanes_on_t on)
+{
+    ema_lane_t own_Nm;
+    EMA_EACH_LANE
+    {
+        own_Nm[l] = ema_lane_level(lanes, l, lanes->constant.static_Nm[l], EMA_R(-1.0));
+        sums->friction_Nm[l] = EMA_R(0.0);
+    }
+    if (on.friction != EMA_R(0.0)) {
+        ema_lanes_friction(lanes, site, own_Nm, sums->friction_Nm);
+    }
+    EMA_EACH_LANE
+    {
+        const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK);
+        const ema_real backward_Nm = ema_lane_friction(lanes, l, sums->load_Nm[l], EMA_R(-1.0), own_Nm[l], on.friction,
+                                                       sums->friction_Nm[l]);
+        lanes->forces.level_backward_Nm[l] = ema_choose(stuck, backward_Nm, EMA_R(0.0));
+    }
+}
+
+/* All together. Inlined, so that what does not act is not there where the flags are known. */
+static inline void ema_lanes_total(ema_lanes_t* lanes, const ema_lanes_point_t* point, const ema_lanes_site_t* site,
+                                   ema_lanes_sums_t* sums, ema_lanes_on_t on)
 {
     ema_lanes_forces_t* const forces = &lanes->forces;
-    const ema_real on_voltage = ema_lanes_acts(lanes, EMA_SITE_VOLTAGE);
-    const ema_real on_load = ema_lanes_acts(lanes, EMA_SITE_LOAD);
-    const ema_real on_torque = ema_lanes_acts(lanes, EMA_SITE_TORQUE);
-    const ema_real on_motor = ema_lanes_acts(lanes, EMA_SITE_MOTOR);
-    const ema_real on_friction = ema_lanes_acts(lanes, EMA_SITE_FRICTION);
-    const ema_real slides = ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING));
-    ema_lanes_site_t site;
-    ema_lanes_sums_t sums;
-    bool resting = ema_lanes_site_at(lanes, point, &site, &sums);
-    if (slides == EMA_R(0.0)) {
-        resting = false;
-        ema_lanes_contact(lanes, &site, &sums);
-    }
-    if (on_voltage != EMA_R(0.0)) {
-        ema_lanes_voltage(lanes, &site, sums.voltage_V);
-    }
-    if (on_load != EMA_R(0.0)) {
-        ema_lanes_load(lanes, &site, sums.load_Nm);
-    }
-    if (on_torque != EMA_R(0.0)) {
-        ema_lanes_torque(lanes, &site, sums.torque_Nm);
-    }
-    if (on_motor != EMA_R(0.0)) {
-        ema_lanes_motor(lanes, &site, sums.change);
-    }
-    if (on_friction != EMA_R(0.0)) {
-        ema_lanes_friction(lanes, &site, sums.own_Nm, sums.friction_Nm);
-        if (resting) {
-            ema_lanes_friction(lanes, &site, sums.own_backward_Nm, sums.backward_Nm);
-        }
-    }
     EMA_EACH_LANE
     {
         const ema_motor_t motor = {.torque_constant_Nm_per_A = lanes->constant.torque_constant_Nm_per_A[l],
                                    .torque_limit_Nm = lanes->constant.torque_limit_Nm[l]};
-        const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK) * slides;
+        const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK) * on.slides;
         const ema_real by_voltage = ema_not(lanes->applied.current_loop[l]);
         const ema_real own_load_Nm = lanes->constant.load_torque_Nm[l];
-        const ema_real load_Nm = ema_choose(on_load, own_load_Nm + sums.load_Nm[l], own_load_Nm);
-        const ema_real free_Nm = ema_choose(on_torque, -load_Nm + sums.torque_Nm[l], -load_Nm);
-        const ema_real changed_A = (EMA_R(1.0) + sums.change[l]) * site.current_A[l];
-        const ema_real change_Nm = ema_motor_torque(&motor, changed_A) - ema_motor_torque(&motor, site.current_A[l]);
-        const ema_real torque_Nm = ema_choose(on_motor, free_Nm + change_Nm, free_Nm);
-        const ema_real friction_Nm = ema_lane_friction(lanes, l, load_Nm, sums.direction[l], sums.own_Nm[l],
-                                                       on_friction, sums.friction_Nm[l]);
-        const ema_real backward_Nm = ema_lane_friction(lanes, l, load_Nm, EMA_R(-1.0), sums.own_backward_Nm[l],
-                                                       on_friction, sums.backward_Nm[l]);
+        const ema_real load_Nm = ema_choose(on.load, own_load_Nm + sums->load_Nm[l], own_load_Nm);
+        const ema_real free_Nm = ema_choose(on.torque, -load_Nm + sums->torque_Nm[l], -load_Nm);
+        const ema_real changed_A = (EMA_R(1.0) + sums->change[l]) * site->current_A[l];
+        const ema_real change_Nm = ema_motor_torque(&motor, changed_A) - ema_motor_torque(&motor, site->current_A[l]);
+        const ema_real torque_Nm = ema_choose(on.motor, free_Nm + change_Nm, free_Nm);
+        const ema_real friction_Nm = ema_lane_friction(lanes, l, load_Nm, sums->direction[l], sums->own_Nm[l],
+                                                       on.friction, sums->friction_Nm[l]);
         const ema_real own_input = lanes->applied.input[l];
-        const ema_real input = ema_choose(on_voltage * by_voltage, own_input + sums.voltage_V[l], own_input);
-        const ema_real emf_V = sums.change[l] * lanes->constant.back_emf_V_s_per_rad[l] * point->speed_rad_s[l];
-        forces->input[l] = ema_choose(on_motor * by_voltage, input - emf_V, input);
-        forces->torque_Nm[l] = ema_choose(stuck, torque_Nm, torque_Nm + (-sums.share[l] * friction_Nm));
+        const ema_real input = ema_choose(on.voltage * by_voltage, own_input + sums->voltage_V[l], own_input);
+        const ema_real emf_V = sums->change[l] * lanes->constant.back_emf_V_s_per_rad[l] * point->speed_rad_s[l];
+        forces->input[l] = ema_choose(on.motor * by_voltage, input - emf_V, input);
+        forces->torque_Nm[l] = ema_choose(stuck, torque_Nm, torque_Nm + (-sums->share[l] * friction_Nm));
         forces->level_forward_Nm[l] = ema_choose(stuck, friction_Nm, EMA_R(0.0));
-        forces->level_backward_Nm[l] = ema_choose(stuck, backward_Nm, EMA_R(0.0));
+        forces->level_backward_Nm[l] = EMA_R(0.0);
+        sums->load_Nm[l] = load_Nm;
+    }
+}
+
+void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
+{
+    const ema_lanes_on_t on = {ema_lanes_acts(lanes, EMA_SITE_VOLTAGE),  ema_lanes_acts(lanes, EMA_SITE_LOAD),
+                               ema_lanes_acts(lanes, EMA_SITE_TORQUE),   ema_lanes_acts(lanes, EMA_SITE_MOTOR),
+                               ema_lanes_acts(lanes, EMA_SITE_FRICTION), ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING))};
+    const ema_real alone = on.voltage + on.load + on.torque + on.motor + on.friction + ema_not(on.slides);
+    ema_lanes_site_t site;
+    ema_lanes_sums_t sums;
+    bool resting = ema_lanes_site_at(lanes, point, &site, &sums);
+    if (on.slides == EMA_R(0.0)) {
+        resting = false;
+        ema_lanes_contact(lanes, &site, &sums);
+    }
+    if (on.voltage != EMA_R(0.0)) {
+        ema_lanes_voltage(lanes, &site, sums.voltage_V);
+    }
+    if (on.load != EMA_R(0.0)) {
+        ema_lanes_load(lanes, &site, sums.load_Nm);
+    }
+    if (on.torque != EMA_R(0.0)) {
+        ema_lanes_torque(lanes, &site, sums.torque_Nm);
+    }
+    if (on.motor != EMA_R(0.0)) {
+        ema_lanes_motor(lanes, &site, sums.change);
+    }
+    if (on.friction != EMA_R(0.0)) {
+        ema_lanes_friction(lanes, &site, sums.own_Nm, sums.friction_Nm);
+    }
+    /* one effect at a time is what the tools ask for most */
+    if (alone > EMA_R(1.0)) {
+        ema_lanes_total(lanes, point, &site, &sums, on);
+    } else if (on.voltage != EMA_R(0.0)) {
+        ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.voltage = EMA_R(1.0), .slides = EMA_R(1.0)});
+    } else if (on.load != EMA_R(0.0)) {
+        ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.load = EMA_R(1.0), .slides = EMA_R(1.0)});
+    } else if (on.torque != EMA_R(0.0)) {
+        ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.torque = EMA_R(1.0), .slides = EMA_R(1.0)});
+    } else if (on.motor != EMA_R(0.0)) {
+        ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.motor = EMA_R(1.0), .slides = EMA_R(1.0)});
+    } else if (on.friction != EMA_R(0.0)) {
+        ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.friction = EMA_R(1.0), .slides = EMA_R(1.0)});
+    } else {
+        ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.slides = on.slides});
+    }
+    if (resting) {
+        ema_lanes_backward(lanes, &site, &sums, on);
     }
 }

@@ -384,9 +384,8 @@ static void ema_lanes_try(ema_lanes_t* lanes, uint32_t which, bool whole)
 #define EMA_LANES_TOGETHER 3
 
 /* Whether events are found in several lanes at once. */
-static bool ema_lanes_share_events(const ema_lanes_t* lanes)
+static bool ema_lanes_share_events(const ema_plant_t* shape)
 {
-    const ema_plant_t* const shape = &lanes->plant[0];
     return !ema_acts(shape, EMA_SITE_PRESLIDING) && !ema_acts(shape, EMA_SITE_TRANSMISSION)
            && !shape->motor_circuit.algebraic && !shape->drive.current_mode;
 }
@@ -431,6 +430,7 @@ static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* 
     const ema_plant_t* const shape = &lanes->plant[0];
     const ema_real* const part_s = (span_s != NULL) ? span_s : lanes->substep_s;
     const bool tries = ema_acts_on_motion(shape) && !shape->drive.delayed && !tried;
+    const bool shares = ema_lanes_share_events(shape);
     int32_t leaves = 0;
     ema_lane_bit_t any = 0;
     lanes->lane_spans += EMA_LANES;
@@ -444,7 +444,7 @@ static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* 
     for (uint32_t l = 0; l < EMA_LANES; ++l) {
         leaves += (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;
     }
-    if ((leaves < EMA_LANES_TOGETHER) || !ema_lanes_share_events(lanes)) {
+    if ((leaves < EMA_LANES_TOGETHER) || !(shares || tries)) {
         ema_lanes_alone_each(lanes, steps, span_s);
     } else {
         ema_lane_t leave;
@@ -467,7 +467,13 @@ static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* 
                 lanes->asked[l] = leave[l] * ema_not(lanes->done[l]);
             }
             if (ema_lanes_any(lanes->asked)) {
-                ema_lanes_events(lanes, part_s);
+                EMA_EACH_LANE
+                {
+                    lanes->done[l] = EMA_R(0.0);
+                }
+                if (shares) {
+                    ema_lanes_events(lanes, part_s);
+                }
                 ema_lanes_alone_each(lanes, 1U, span_s);
             }
         }
