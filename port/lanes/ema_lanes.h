@@ -186,12 +186,12 @@ typedef struct {
     ema_lanes_output_t* row; /* where the next step shows itself: one of them */
     ema_lanes_applied_t applied;
     ema_lanes_segment_t segment;
-    ema_lanes_point_t here; /* between its ends */
+    ema_lanes_point_t here;    /* between its ends */
     ema_lanes_forces_t forces; /* at the point that was asked for last */
     ema_lane_t feedback_mm;
     ema_lane_t substep_s;
     ema_lane_t asked; /* which lanes the next span is for: all, but where some of them go on apart */
-    ema_lane_t done;           /* whether the last span was taken in one */
+    ema_lane_t done;  /* whether the last span was taken in one */
     uint32_t step;
     uint64_t lane_spans; /* spans of all lanes, and how many of them were left to the model's own functions */
     uint64_t left_spans;
@@ -236,7 +236,8 @@ bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other);
 /* Starts the lanes at their plants and states, which are set before. */
 void ema_lanes_start(ema_lanes_t* lanes);
 
-/* One model step of every lane, ema_model_step; what it shows goes to `row`. False when one has left the finite numbers. */
+/* One model step of every lane, ema_model_step; what it shows goes to `row`. False when one has left the finite
+ * numbers. */
 bool ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm);
 
 /* Whether this one has not. */

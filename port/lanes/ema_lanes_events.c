@@ -226,8 +226,8 @@ static void ema_lanes_event_find(ema_lanes_t* lanes, ema_lanes_series_t* series,
         const ema_real forward_Nm = segment->forces.level_forward_Nm[l];
         const ema_real backward_Nm = segment->forces.level_backward_Nm[l];
         const ema_real end_rad = segment->end.angle_rad[l];
-        const ema_real stops = ema_flag(end_rad >= constant->stop_upper_rad[l])
-                               + ema_flag(end_rad <= constant->stop_lower_rad[l]);
+        const ema_real stops =
+            ema_flag(end_rad >= constant->stop_upper_rad[l]) + ema_flag(end_rad <= constant->stop_lower_rad[l]);
         ema_real ahead;
         ema_real behind;
         ema_real later_ahead;
@@ -317,8 +317,8 @@ static void ema_lanes_rest(ema_lanes_t* lanes, const ema_lane_t rests, ema_lane_
         const ema_real torque_Nm = lanes->forces.torque_Nm[l] + ema_motor_torque(&motor, now->current_A[l]);
         ema_real forward;
         ema_real backward;
-        ema_lane_break_away(lanes, l, torque_Nm, lanes->forces.level_forward_Nm[l],
-                            lanes->forces.level_backward_Nm[l], &forward, &backward);
+        ema_lane_break_away(lanes, l, torque_Nm, lanes->forces.level_forward_Nm[l], lanes->forces.level_backward_Nm[l],
+                            &forward, &backward);
         now->motion[l] = ema_choose(rests[l], forward - backward, now->motion[l]);
     }
 }

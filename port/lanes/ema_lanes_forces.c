@@ -26,8 +26,7 @@ typedef struct {
         {                                                                                                              \
             const ema_plant_t plant = ema_lane_plant(lanes, l);                                                        \
             const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
-            const ema_site_t here =                                                                                    \
-                ema_lane_site(EMA_LANE_OWN(name) ? &lanes->plant[l] : &plant, site, l);                                \
+            const ema_site_t here = ema_lane_site(EMA_LANE_OWN(name) ? &lanes->plant[l] : &plant, site, l);            \
             sum[l] += ema_effect_##name(&effect, __VA_ARGS__);                                                         \
         }                                                                                                              \
     }
@@ -98,12 +97,8 @@ static inline ema_plant_t ema_lane_plant(const ema_lanes_t* lanes, uint32_t l)
 
 static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes_site_t* site, uint32_t l)
 {
-    const ema_site_t here = {plant,
-                             site->speed_rad_s[l],
-                             site->angle_rad[l],
-                             site->position_mm[l],
-                             site->current_A[l],
-                             site->voltage_V[l]};
+    const ema_site_t here = {
+        plant, site->speed_rad_s[l], site->angle_rad[l], site->position_mm[l], site->current_A[l], site->voltage_V[l]};
     return here;
 }
 
@@ -133,8 +128,7 @@ static void ema_lanes_friction(const ema_lanes_t* lanes, const ema_lanes_site_t*
             EMA_LANES_ADD(EMA_SITE_FRICTION, name, &here, level_Nm[l])                                                 \
         }                                                                                                              \
     }
-#define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
-    EMA_LANES_ADD_TABLE(EMA_SITE_FRICTION, name, &here, level_Nm[l])
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_LANES_ADD_TABLE(EMA_SITE_FRICTION, name, &here, level_Nm[l])
 #include "ema/ema_effects.def"
 }
 
@@ -242,7 +236,7 @@ void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share)
 /* What comes together at a point. */
 typedef struct {
     ema_lane_t voltage_V; /* sums of the effects of a site */
-    ema_lane_t load_Nm; /* in the end of all loads */
+    ema_lane_t load_Nm;   /* in the end of all loads */
     ema_lane_t torque_Nm;
     ema_lane_t change; /* of the torque constant */
     ema_lane_t share;  /* of the dry friction that a contact carries; 1 of one that slides */
@@ -352,8 +346,8 @@ static void ema_lanes_backward(ema_lanes_t* lanes, const ema_lanes_site_t* site,
     EMA_EACH_LANE
     {
         const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK);
-        const ema_real backward_Nm = ema_lane_friction(lanes, l, sums->load_Nm[l], EMA_R(-1.0), own_Nm[l], on.friction,
-                                                       sums->friction_Nm[l]);
+        const ema_real backward_Nm =
+            ema_lane_friction(lanes, l, sums->load_Nm[l], EMA_R(-1.0), own_Nm[l], on.friction, sums->friction_Nm[l]);
         lanes->forces.level_backward_Nm[l] = ema_choose(stuck, backward_Nm, EMA_R(0.0));
     }
 }
@@ -390,9 +384,10 @@ static inline void ema_lanes_total(ema_lanes_t* lanes, const ema_lanes_point_t* 
 
 void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
 {
-    const ema_lanes_on_t on = {ema_lanes_acts(lanes, EMA_SITE_VOLTAGE),  ema_lanes_acts(lanes, EMA_SITE_LOAD),
-                               ema_lanes_acts(lanes, EMA_SITE_TORQUE),   ema_lanes_acts(lanes, EMA_SITE_MOTOR),
-                               ema_lanes_acts(lanes, EMA_SITE_FRICTION), ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING))};
+    const ema_lanes_on_t on = {
+        ema_lanes_acts(lanes, EMA_SITE_VOLTAGE),  ema_lanes_acts(lanes, EMA_SITE_LOAD),
+        ema_lanes_acts(lanes, EMA_SITE_TORQUE),   ema_lanes_acts(lanes, EMA_SITE_MOTOR),
+        ema_lanes_acts(lanes, EMA_SITE_FRICTION), ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING))};
     const ema_real alone = on.voltage + on.load + on.torque + on.motor + on.friction + ema_not(on.slides);
     ema_lanes_site_t site;
     ema_lanes_sums_t sums;

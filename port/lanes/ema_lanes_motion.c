@@ -1,6 +1,6 @@
-/* A span of the motion for all lanes at once, by the prepared responses: what ema_motion.c and ema_forces.c do under the
- * same names. Where nothing else is said, a lane that fails on its way is worked on to the end all the same: its numbers
- * are thrown away. */
+/* A span of the motion for all lanes at once, by the prepared responses: what ema_motion.c and ema_forces.c do under
+ * the same names. Where nothing else is said, a lane that fails on its way is worked on to the end all the same: its
+ * numbers are thrown away. */
 #include <stddef.h>
 
 #include "ema_effect_sites.h"
@@ -541,8 +541,7 @@ static void ema_lanes_plain(ema_lanes_t* lanes)
         const ema_real input = lanes->applied.input[l];
         const ema_real stuck = ema_flag(now->motion[l] == (ema_real)EMA_MOTION_STUCK);
         const ema_real forward = ema_flag(now->motion[l] > EMA_R(0.0));
-        const ema_real torque_Nm =
-            ema_choose(forward, constant->forward_torque_Nm[l], constant->backward_torque_Nm[l]);
+        const ema_real torque_Nm = ema_choose(forward, constant->forward_torque_Nm[l], constant->backward_torque_Nm[l]);
         const ema_real next_A = ema_response_at(&current, current_A, speed_rad_s, input, torque_Nm);
         const ema_real next_rad_s = ema_response_at(&speed, current_A, speed_rad_s, input, torque_Nm);
         const ema_real turn_rad = ema_response_at(&angle, current_A, speed_rad_s, input, torque_Nm);
@@ -555,8 +554,8 @@ static void ema_lanes_plain(ema_lanes_t* lanes)
         const ema_real onward_rad_s = ema_choose(forward, next_rad_s, -next_rad_s);
         const ema_real moves = ema_flag(onward_rad_s > EMA_R(0.0)) * ema_flag(angle_rad < constant->stop_upper_rad[l])
                                * ema_flag(angle_rad > constant->stop_lower_rad[l]);
-        const ema_real holds = ema_flag(stuck_Nm <= constant->hold_upper_Nm[l])
-                               * ema_flag(stuck_Nm >= constant->hold_lower_Nm[l]);
+        const ema_real holds =
+            ema_flag(stuck_Nm <= constant->hold_upper_Nm[l]) * ema_flag(stuck_Nm >= constant->hold_lower_Nm[l]);
         const ema_real plain = ema_flag(lanes->applied.current_loop[l] == mode)
                                * ema_flag(ema_abs(current_A) < constant->linear_current_A[l])
                                * ema_flag(ema_abs(end_A) <= constant->linear_current_A[l])

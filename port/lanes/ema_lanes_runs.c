@@ -209,14 +209,14 @@ int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t
     }
     const size_t count = (runs > 0) ? (size_t)runs : 0U;
     const ema_batch_t batch = {.values = values,
-                                    .options = options,
-                                    .command_mm = command_mm,
-                                    .rows = (rows > 0) ? (size_t)rows : 0U,
-                                    .start_mm = (ema_real)start_mm,
-                                    .out = out,
-                                    .unlocated_event_steps = unlocated_event_steps,
-                                    .status = status,
-                                    .left = left};
+                               .options = options,
+                               .command_mm = command_mm,
+                               .rows = (rows > 0) ? (size_t)rows : 0U,
+                               .start_mm = (ema_real)start_mm,
+                               .out = out,
+                               .unlocated_event_steps = unlocated_event_steps,
+                               .status = status,
+                               .left = left};
     ema_group_t group = {0};
     left[0] = 0;
     left[1] = 0;

@@ -102,8 +102,12 @@ def test_every_form_of_the_blocks(form: str, kind: str) -> None:
     assert_same_bits(spread_over(FORMS[form], 4), command(kind))
 
 
-@pytest.mark.parametrize("effect", ["stribeck_friction", "presliding", "transmission_compliance", "source_resistance", "torque_ripple", "learned_torque"])
-@pytest.mark.parametrize("form", ["stops", "a limit of the current", "a late drive", "a current loop short of voltage", "no inductance", "substeps"])
+@pytest.mark.parametrize(
+    "effect", ["stribeck_friction", "presliding", "transmission_compliance", "source_resistance", "torque_ripple", "learned_torque"]
+)
+@pytest.mark.parametrize(
+    "form", ["stops", "a limit of the current", "a late drive", "a current loop short of voltage", "no inductance", "substeps"]
+)
 def test_effects_beside_events(form: str, effect: str) -> None:
     assert_same_bits(spread_over({**costed_changes()[effect], **FORMS[form]}, 3), command("rests"))
 
@@ -162,7 +166,11 @@ def test_a_command_that_is_no_number_is_refused_for_all() -> None:
 
 @pytest.mark.parametrize("bits", [32, 64])
 def test_every_build_has_the_same_bits(bits: int) -> None:
-    changes = {name: value for effect in ("stribeck_friction", "jam_spot", "inverter_dead_time") for name, value in costed_changes()[effect].items()}
+    changes = {
+        name: value
+        for effect in ("stribeck_friction", "jam_spot", "inverter_dead_time")
+        for name, value in costed_changes()[effect].items()
+    }
     values, options = rows_of(spread_over(changes, 6))
     best = lanes(bits)
     assert best is not None

@@ -54,7 +54,9 @@ def _rows(changes: Mapping[str, float], runs: int) -> tuple[Reals, NDArray[np.in
     for k in range(runs):
         moved = {name: reference[name] * (1.0 + STEP * (k + 1)) for name in ("screw.csj_Nm", "screw.inertia_kgm2")}
         size = dict(list(changes.items())[:1])
-        values, options = reference_actuator().changed({**moved, **changes, **{name: value * (1.0 - STEP * k) for name, value in size.items()}}).arrays()
+        values, options = (
+            reference_actuator().changed({**moved, **changes, **{name: value * (1.0 - STEP * k) for name, value in size.items()}}).arrays()
+        )
         found.append(values)
     return np.array(found), options
 
@@ -99,7 +101,15 @@ def main() -> None:
     assert beside is not None
     title = f"float{chosen.bits}, {chosen.runs} runs, {beside.path.name}, {beside.count} lanes; goal: {GOAL_PLAIN:g} times without effects, {GOAL_EFFECT:g} with"
     table = Table(title=title)
-    for heading in ("effect", "single, ns per step", "in lanes, ns per step", "times as fast", "left the lanes", "same bits", "meets the goal"):
+    for heading in (
+        "effect",
+        "single, ns per step",
+        "in lanes, ns per step",
+        "times as fast",
+        "left the lanes",
+        "same bits",
+        "meets the goal",
+    ):
         table.add_column(heading, justify="left" if heading == "effect" else "right")
     for saving in savings:
         goal = GOAL_PLAIN if saving.effect == "none" else GOAL_EFFECT

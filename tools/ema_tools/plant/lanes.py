@@ -6,7 +6,6 @@ one after the other.
 
 from __future__ import annotations
 
-import ctypes
 import functools
 from ctypes import POINTER, c_double, c_int32, c_int64
 from dataclasses import dataclass, field
@@ -19,7 +18,7 @@ from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import LibraryError
 from ema_tools.library.definitions import load_definitions, named_library, open_library
 
-SIGNALS = 5  # that a run shows
+SIGNALS = 5  # that a run shows: those of the C module's rows [layout]
 
 
 @dataclass(frozen=True)

@@ -435,9 +435,7 @@ class Library:
         self._raise_on(status, "simulate", values, options)
         return Simulation(out[0], out[1], out[2], out[3], out[4], unlocated_event_steps.value)
 
-    def simulate_many(
-        self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0
-    ) -> list[Simulation | InputError]:
+    def simulate_many(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0) -> list[Simulation | InputError]:
         """`simulate` for each row of `values` [runs, values] with the same options: the same bits, in a share of the time where the runs differ in size alone.
 
         In the place of a run that the model refuses stands the error that `simulate` raises. Raises LibraryError when the libraries are of different builds.
@@ -449,7 +447,9 @@ class Library:
             return [self._tried(row, options, command, start_mm) for row in rows]
         runs = beside.simulate(rows, options, command, start_mm)
         return [
-            Simulation(*out, int(unlocated)) if status == 0 else self._refusal(int(status), "simulate", row, options)
+            Simulation(out[0], out[1], out[2], out[3], out[4], int(unlocated))
+            if status == 0
+            else self._refusal(int(status), "simulate", row, options)
             for row, out, status, unlocated in zip(rows, runs.out, runs.status, runs.unlocated_event_steps, strict=True)
         ]
 
