@@ -10,10 +10,8 @@
 
 #include "ema/ema_work.h"
 
-/* Two vectors of float64 where there are four to a vector: a second one works while the first one waits. */
-#ifndef EMA_LANES
-#define EMA_LANES 8U
-#endif
+/* Two vectors of float32, four of float64, where a vector has 32 bytes: some work while others wait. */
+#define EMA_LANES 16U
 
 /* Rows that are kept together before each lane's go to a place of their own. */
 #define EMA_LANES_ROWS 64U

@@ -136,7 +136,7 @@ static void ema_group_run(ema_group_t* group, const ema_batch_t* batch)
 }
 
 /* So few that lanes without a run cost more than runs one after the other. */
-#define EMA_LANES_WORTH 3U
+#define EMA_LANES_WORTH (EMA_LANES / 3U)
 
 /* One run on its own. */
 static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t lane)

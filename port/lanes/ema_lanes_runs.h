@@ -18,7 +18,7 @@ int32_t ema_lanes_avx2(void);
  * act and the same blocks have the same form; they may stand in any order. `status` is an ema_status_t for each; where
  * it is not EMA_OK what `out` holds of the run means nothing. `unlocated_event_steps` counts steps with more events
  * than are located. `left` counts, over all runs together, [0] the spans of the motion of all lanes and [1] those of
- * them that went through the model's own functions. Memory: about 150 kB of stack. EMA_ERR_NULL, or EMA_OK. */
+ * them that went through the model's own functions. Memory: about 200 kB of stack. EMA_ERR_NULL, or EMA_OK. */
 int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
                            int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps, int32_t* status,
                            int64_t* left);
