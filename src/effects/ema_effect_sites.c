@@ -14,17 +14,6 @@ _Static_assert((size_t)EMA_EFFECT_COUNT <= (8U * sizeof(ema_effect_set_t)), "a s
  * compiled. */
 #define EMA_RUNS(set, name) ((EMA_HAS_##name != 0) && (((set) & EMA_BIT(name)) != 0U))
 
-/* The places of effects with state, one after the other. */
-typedef struct {
-/* EMA-D1 */
-#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1];
-#include "ema/ema_effects.def"
-} ema_memory_shape_t;
-
-/* EMA-D2 */
-#define EMA_MEMORY_PLACE(name)                                                                                         \
-    (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_EFFECT_ID_##name)
-
 /* A learned table lies where the configuration does. */
 #define EMA_LEARNED(plant, name) (&(plant)->learned->name)
 

@@ -4,6 +4,8 @@
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
 
+#include <stddef.h>
+
 #include "ema/ema_work.h"
 #include "ema_effect_rows.h"
 #include "ema_site.h"
@@ -33,6 +35,17 @@
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_EFFECT_AT_READING_TABLE(name) EMA_EFFECT_AT_READING(name)
 #include "ema/ema_effects.def"
+
+/* The places of effects with state, one after the other. */
+typedef struct {
+/* EMA-D1 */
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) ema_real name[(memory) + 1];
+#include "ema/ema_effects.def"
+} ema_memory_shape_t;
+
+/* EMA-D2 */
+#define EMA_MEMORY_PLACE(name)                                                                                         \
+    (((size_t)offsetof(ema_memory_shape_t, name) / sizeof(ema_real)) - (size_t)EMA_EFFECT_ID_##name)
 
 /* Before the run: what those at site PARAMETER make of the parameters. */
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);

@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 
 from ema_tools.base.arrays import Complexes, Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.parallel import each
+from ema_tools.base.parallel import each, workers
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit import nuisance as spreads
@@ -46,9 +46,27 @@ def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str
     return np.array([getattr(run, name) for name in channels])
 
 
+def simulate_side_by_side(
+    actuators: Sequence[Actuator], record: Record, channels: Sequence[str], start_mm: float
+) -> list[Reals | InputError]:
+    """`simulate_channels` for actuators with the same options, the same bits; the error in the place of one that the model refuses."""
+    arrays = [actuator.arrays() for actuator in actuators]
+    runs = library(32).simulate_many(np.array([values for values, _ in arrays]), arrays[0][1], record.command_mm, start_mm)
+    return [run if isinstance(run, InputError) else np.array([getattr(run, name) for name in channels]) for run in runs]
+
+
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
     """The record's signals, [channels, rows]."""
     return np.array([record.recorded(name) for name in channels])
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where to take the model: effects at `changes`, spread values at `deviations` [spread]; what comes of it counts per `size`."""
+
+    changes: Mapping[str, float]
+    deviations: Reals
+    size: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -99,6 +117,25 @@ class Evidence:
         """Signals [channels, rows] of the model with effects at `changes` and its spread values at `deviations` [spread] of their spread."""
         values = {**spreads.moved(self.actuator, self.spread, deviations), **changes}
         return simulate_channels(self.actuator.changed(values), self.record, self.channels, self.start_mm)
+
+    def whitened(self, asked: Sequence[Step], base: Reals) -> list[Reals]:
+        """What each of several steps makes beyond `base` [channels, rows], over its size and whitened, [n] each; side by side, a share of them on each core.
+
+        Raises InputError where the model refuses one.
+        """
+
+        def share(part: Sequence[Step]) -> list[Reals]:
+            moved = [self.actuator.changed({**spreads.moved(self.actuator, self.spread, one.deviations), **one.changes}) for one in part]
+            found = []
+            for one, run in zip(part, simulate_side_by_side(moved, self.record, self.channels, self.start_mm), strict=True):
+                if isinstance(run, InputError):
+                    raise run
+                found.append(self.whiten((run - base) / one.size))
+            return found
+
+        size = max(1, -(-len(asked) // workers()))
+        parts = [asked[first : first + size] for first in range(0, len(asked), size)]
+        return [one for found in each(share, parts) for one in found]
 
 
 @dataclass(frozen=True)
@@ -215,6 +252,13 @@ class View:
         """As `signature`, for products alone. Raises InputError when the model refuses the changes."""
         vector = self.moved(changes)
         return Sensitivity(vector, self.shared(vector), self)
+
+    def sensitivities(self, asked: Sequence[Mapping[str, float]]) -> list[Sensitivity]:
+        """`sensitivity` of several changes, side by side. Raises InputError when the model refuses one of them."""
+        own, none = self.deviations[: len(self.evidence.spread)], np.zeros(self.deviations.size)
+        moved = self.evidence.whitened([Step({**self.values, **changes}, own) for changes in asked], self.base)
+        vectors = [np.concatenate([one, none]) for one in moved]
+        return [Sensitivity(vector, self.shared(vector), self) for vector in vectors]
 
     def shared(self, vector: Reals) -> Reals:
         """Parts of a vector [n] along the directions that are taken off, [k]."""
@@ -339,14 +383,15 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
     """The evidence linear at a place."""
     own = place.at[: len(evidence.spread)]
 
-    def moved(k: int) -> Reals:
+    def toward(k: int) -> Step:
         one = evidence.spread[k]
         step = DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
         near = own.copy()
         near[k] += step
-        return evidence.whiten((evidence.simulate(values, near) - place.base) / step)
+        return Step(values, near, step)
 
-    columns = [*each(moved, list(range(own.size))), *map(evidence.whiten, evidence.additive)]
+    moved = evidence.whitened([toward(k) for k in range(own.size)], place.base)
+    columns = [*moved, *map(evidence.whiten, evidence.additive)]
     rows = place.plain.size - place.at.size
     directions = np.vstack([np.column_stack(columns) if columns else np.empty((rows, 0)), -np.eye(place.at.size)])
     return _along(evidence, values, place, _Directions.of(directions))

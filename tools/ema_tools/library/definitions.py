@@ -232,14 +232,18 @@ def library_folder() -> Path:
     return Path(named) if named else Path(__file__).resolve().parents[3] / "build" / "lib"
 
 
+def named_library(name: str) -> Path:
+    """Where the shared library called `name` is, or would be."""
+    file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
+    return library_folder() / file
+
+
 def library_path(bits: int) -> Path:
     """The shared library of one precision. Raises LibraryError when it is absent."""
-    name = f"ema_desk{bits}"
-    file = {"win32": f"{name}.dll", "darwin": f"lib{name}.dylib"}.get(sys.platform, f"lib{name}.so")
-    path = library_folder() / file
+    path = named_library(f"ema_desk{bits}")
     if not path.is_file():
         raise LibraryError(
-            f"{file}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
+            f"{path.name}: not in {path.parent}: build the project (cmake --workflow --preset demo) or point EMA_LIBRARY_DIR at the libraries"
         )
     return path
 

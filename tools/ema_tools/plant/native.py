@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, LibraryError
 from ema_tools.library.definitions import library_path, load_definitions, open_library, read_definitions
+from ema_tools.plant.lanes import lanes
 
 IDENTIFIED_MAX = 4
 DIMENSION_MAX = 8
@@ -449,13 +450,15 @@ class Library:
         return str(self._lib.ema_desk_status_text(status).decode())
 
     def _raise_on(self, status: int, doing: str, values: Reals, options: Integers) -> None:
-        if status == 0:
-            return
+        if status != 0:
+            raise self._refusal(status, doing, values, options)
+
+    def _refusal(self, status: int, doing: str, values: Reals, options: Integers) -> InputError:
         offender = c_int32(-1)
         if self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(offender)) != 0:
             name = next((name for name, place in load_definitions().ids.items() if place == offender.value), "the actuator")
-            raise InputError(f"{doing}: {name}: {self.status_text(status)}: correct it in the actuator")
-        raise InputError(f"{doing}: {self.status_text(status)}: correct the actuator or the record")
+            return InputError(f"{doing}: {name}: {self.status_text(status)}: correct it in the actuator")
+        return InputError(f"{doing}: {self.status_text(status)}: correct the actuator or the record")
 
     def check(self, values: Reals, options: Integers) -> None:
         """Raises InputError that names the value which this build of the module refuses."""
@@ -482,6 +485,30 @@ class Library:
         )
         self._raise_on(status, "simulate", values, options)
         return Simulation(out[0], out[1], out[2], out[3], out[4], unlocated_event_steps.value)
+
+    def simulate_many(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0) -> list[Simulation | InputError]:
+        """`simulate` for each row of `values` [runs, values] with the same options: the same bits, in a share of the time where the runs differ in size alone.
+
+        In the place of a run that the model refuses stands the error that `simulate` raises. Raises LibraryError when the libraries are of different builds.
+        """
+        command = np.ascontiguousarray(command_mm, dtype=np.float64)
+        rows = np.ascontiguousarray(values, dtype=np.float64)
+        beside = lanes(self.bits)
+        if beside is None:
+            return [self._tried(row, options, command, start_mm) for row in rows]
+        runs = beside.simulate(rows, options, command, start_mm)
+        return [
+            Simulation(out[0], out[1], out[2], out[3], out[4], int(unlocated))
+            if status == 0
+            else self._refusal(int(status), "simulate", row, options)
+            for row, out, status, unlocated in zip(rows, runs.out, runs.status, runs.unlocated_event_steps, strict=True)
+        ]
+
+    def _tried(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float) -> Simulation | InputError:
+        try:
+            return self.simulate(values, options, command_mm, start_mm)
+        except InputError as error:
+            return error
 
     def command(self, kind: str, numbers: dict[str, float], step_s: float, rows: int) -> Reals:
         """Samples [rows] of the command `kind` (of COMMAND_KINDS) at multiples of `step_s`; `numbers` by COMMAND_NUMBERS.

@@ -147,7 +147,7 @@ def _by_simulation(effect: Effect, periodic: PeriodicTorque, view: View) -> list
     first = periodic.simulated_at * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
     amplitude, periods, turn = (f"effects.{name}" for name in (effect.size.name, f"{effect.name}.periods", f"{effect.name}.phase_rad"))
     tasks = [(float(number), float(phase)) for number in periodic.periods for phase in _SIMULATED_PHASES]
-    shown = each(lambda task: view.sensitivity({amplitude: first, periods: task[0], turn: task[1]}), tasks)
+    shown = view.sensitivities([{amplitude: first, periods: number, turn: phase} for number, phase in tasks])
     count = len(_SIMULATED_PHASES)
     found = []
     for place, number in enumerate(periodic.periods):

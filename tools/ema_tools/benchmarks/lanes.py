@@ -1,0 +1,129 @@
+"""What runs side by side save: time of a model step in them beside one of the single model, per effect, in one run.
+
+Run `python -m ema_tools.benchmarks.lanes [--bits 32|64] [--runs N]`. Every effect stands alone in the reference actuator as in `benchmarks.effects`; the runs differ in dry
+friction, inertia and the size of the effect by a small step each, as candidates and derivatives do. Times are the shortest of several, single and many measured in turns, of the
+processor's time so that neighbours on the machine count less. Spans that left the lanes are a share of all spans of the motion.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from ema_tools.benchmarks.effects import CHIRP, ROWS, STEP_S, costed_changes
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.plant.lanes import lanes
+from ema_tools.plant.native import OUTPUTS, Simulation, library
+
+Reals = NDArray[np.float64]
+
+GOAL_PLAIN = 4.0
+GOAL_EFFECT = 3.0
+REPEATS = 7
+STEP = 0.002  # from one run to the next, of a value
+
+
+@dataclass(frozen=True)
+class Saving:
+    """Time of a model step of one run in ns, alone and in lanes, whether all bits are the same, and the share of spans that left the lanes."""
+
+    effect: str
+    single_ns: float
+    lanes_ns: float
+    same: bool
+    left: float
+
+    @property
+    def ratio(self) -> float:
+        """How many times as fast."""
+        return self.single_ns / self.lanes_ns
+
+
+def _rows(changes: Mapping[str, float], runs: int) -> tuple[Reals, NDArray[np.int32]]:
+    reference = reference_actuator().values
+    found = []
+    options = reference_actuator().arrays()[1]
+    for k in range(runs):
+        moved = {name: reference[name] * (1.0 + STEP * (k + 1)) for name in ("screw.csj_Nm", "screw.inertia_kgm2")}
+        size = dict(list(changes.items())[:1])
+        values, options = (
+            reference_actuator().changed({**moved, **changes, **{name: value * (1.0 - STEP * k) for name, value in size.items()}}).arrays()
+        )
+        found.append(values)
+    return np.array(found), options
+
+
+def _same(one: Simulation, many: object) -> bool:
+    return isinstance(many, Simulation) and all(getattr(one, name).tobytes() == getattr(many, name).tobytes() for name in OUTPUTS)
+
+
+def measure(bits: int, runs: int) -> list[Saving]:
+    """A row without effects, and one for each effect."""
+    module, beside = library(bits), lanes(bits)
+    if beside is None:
+        raise SystemExit("the project was built without ema_lanes: build it again")
+    command_mm = module.command("chirp", CHIRP, STEP_S, ROWS)
+    found = []
+    for effect, changes in {"none": {}, **costed_changes()}.items():
+        values, options = _rows(changes, runs)
+        single_s = lanes_s = math.inf
+        left = 0.0
+        for _ in range(REPEATS):
+            start_s = time.process_time()
+            alone = [module.simulate(row, options, command_mm) for row in values]
+            middle_s = time.process_time()
+            together = beside.simulate(values, options, command_mm, 0.0)
+            lanes_s = min(lanes_s, time.process_time() - middle_s)
+            single_s = min(single_s, middle_s - start_s)
+            left = together.left / max(together.spans, 1)
+        same = all(_same(one, many) for one, many in zip(alone, module.simulate_many(values, options, command_mm), strict=True))
+        per_step = 1e9 / (ROWS * runs)
+        found.append(Saving(effect, per_step * single_s, per_step * lanes_s, same, left))
+    return found
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bits", type=int, choices=(32, 64), default=64)
+    parser.add_argument("--runs", type=int, default=32)
+    chosen = parser.parse_args()
+    savings = measure(chosen.bits, chosen.runs)
+    beside = lanes(chosen.bits)
+    assert beside is not None
+    title = f"float{chosen.bits}, {chosen.runs} runs, {beside.path.name}, {beside.count} lanes; goal: {GOAL_PLAIN:g} times without effects, {GOAL_EFFECT:g} with"
+    table = Table(title=title)
+    for heading in (
+        "effect",
+        "single, ns per step",
+        "in lanes, ns per step",
+        "times as fast",
+        "left the lanes",
+        "same bits",
+        "meets the goal",
+    ):
+        table.add_column(heading, justify="left" if heading == "effect" else "right")
+    for saving in savings:
+        goal = GOAL_PLAIN if saving.effect == "none" else GOAL_EFFECT
+        table.add_row(
+            saving.effect,
+            f"{saving.single_ns:.1f}",
+            f"{saving.lanes_ns:.1f}",
+            f"{saving.ratio:.2f}",
+            f"{100.0 * saving.left:.2f} %",
+            "yes" if saving.same else "no",
+            "yes" if saving.ratio >= goal else "no",
+        )
+    Console(width=150).print(table)
+
+
+if __name__ == "__main__":
+    main()

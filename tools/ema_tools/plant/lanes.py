@@ -1,0 +1,87 @@
+"""Many runs at once: the shared libraries `ema_lanes32` and `ema_lanes64` of `port/lanes`, which work on several actuators side by side.
+
+Of each there may be a second build for processors with AVX2, which is taken where the processor has it; the bits are the same in all of them, and those of runs
+one after the other.
+"""
+
+from __future__ import annotations
+
+import functools
+from ctypes import POINTER, c_double, c_int32, c_int64
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ema_tools.base.arrays import Integers, Reals
+from ema_tools.base.errors import LibraryError
+from ema_tools.library.definitions import load_definitions, named_library, open_library
+
+SIGNALS = 5  # that a run shows: those of the C module's rows [layout]
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What `runs` made: `out` [runs, 5, rows], of each its `status` and its count of steps with more events than are located, [runs].
+
+    `spans` of the motion went through the lanes, `left` of them through the model's own functions.
+    """
+
+    out: Reals
+    status: NDArray[np.int32]
+    unlocated_event_steps: NDArray[np.int32]
+    spans: int = field(default=0)
+    left: int = field(default=0)
+
+
+class Lanes:
+    """One build of one precision. Safe to use from several threads: no call keeps state."""
+
+    def __init__(self, name: str, bits: int) -> None:
+        """Load the library called `name`. Raises LibraryError when it cannot be loaded, or was built from other lists."""
+        self.path = named_library(name)
+        self._lib: Any = open_library(self.path)
+        real, whole = POINTER(c_double), POINTER(c_int32)
+        try:
+            self._lib.ema_lanes_simulate.argtypes = [
+                real, whole, c_int32, real, c_int32, c_double, real, whole, whole, POINTER(c_int64),
+            ]  # fmt: skip
+            built = (self._lib.ema_lanes_bits(), self._lib.ema_lanes_value_count())
+            self.count = int(self._lib.ema_lanes_count())
+            self.avx2 = bool(self._lib.ema_lanes_avx2())
+        except AttributeError as error:
+            raise LibraryError(f"{self.path.name}: {error}: build the project again") from None
+        if built != (bits, len(load_definitions().reals) + len(load_definitions().effect_values)):
+            raise LibraryError(f"{self.path.name}: built for {built[0]} bits and {built[1]} values: build the project again")
+
+    def simulate(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float) -> Runs:
+        """The runs of actuators `values` [runs, values] with the same options under `command_mm` [rows]."""
+        runs, rows = len(values), command_mm.size
+        out = np.empty((runs, SIGNALS, rows))
+        status, unlocated = np.zeros(runs, dtype=np.int32), np.zeros(runs, dtype=np.int32)
+        left = np.zeros(2, dtype=np.int64)
+        whole = POINTER(c_int32)
+        self._lib.ema_lanes_simulate(
+            values.ctypes.data_as(POINTER(c_double)),
+            options.ctypes.data_as(whole),
+            runs,
+            command_mm.ctypes.data_as(POINTER(c_double)),
+            rows,
+            float(start_mm),
+            out.ctypes.data_as(POINTER(c_double)),
+            unlocated.ctypes.data_as(whole),
+            status.ctypes.data_as(whole),
+            left.ctypes.data_as(POINTER(c_int64)),
+        )
+        return Runs(out, status, unlocated, int(left[0]), int(left[1]))
+
+
+@functools.cache
+def lanes(bits: int) -> Lanes | None:
+    """The build that fits this processor, loaded once; None where the project was built without. Raises LibraryError when it is of another build."""
+    if not named_library(f"ema_lanes{bits}").is_file():
+        return None
+    plain = Lanes(f"ema_lanes{bits}", bits)
+    wide = f"ema_lanes{bits}_avx2"
+    return Lanes(wide, bits) if plain.avx2 and named_library(wide).is_file() else plain

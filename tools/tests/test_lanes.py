@@ -1,0 +1,197 @@
+"""Many runs side by side have the bits of runs one after the other: every effect, command, kind of event and form of the blocks."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pytest
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError, LibraryError
+from ema_tools.benchmarks.effects import costed_changes
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.library.definitions import load_definitions, named_library
+from ema_tools.plant.lanes import Lanes, lanes
+from ema_tools.plant.native import OUTPUTS, Simulation, library
+
+STEP_S = 1e-3
+ROWS = 3000
+EFFECTS = tuple(effect.name for effect in load_definitions().effects)
+_CHIRP = {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 8.0, "duration_s": 3.0}
+
+# What brings runs to the events of the motion, and the blocks to their other forms.
+FORMS: Mapping[str, Mapping[str, float]] = {
+    "as it is": {},
+    "stops": {"screw.travel_mm": 1.4},
+    "a limit of the current": {"drive.current_limit_A": 2.0, "motor.torque_limit_Nm": 0.18},
+    "a limit of the torque": {"motor.torque_limit_Nm": 0.16},
+    "a late drive": {"drive.output_delay_s": 2.4e-3},
+    "a drive that is late by whole steps": {"drive.output_delay_s": 2e-3},
+    "a late and coarse sensor": {"encoder.delay_s": 1.3e-3, "encoder.resolution_mm": 0.002, "encoder.side": 1},
+    "derivative action": {"control.kd_s_per_m": 2.0, "control.average_speed": 1},
+    "a cascade": {
+        "control.structure": 1, "control.position_gain_per_s": 40.0, "control.speed_gain_s_per_m": 20.0, "control.speed_integral_per_m": 50.0,
+    },
+    "control at every third step": {"control.every_steps": 3},
+    "a current loop": {"drive.mode": 1, "drive.current_scale_A": 10.0, "drive.current_loop_s": 5e-4},
+    "a current loop short of voltage": {"drive.mode": 1, "drive.current_scale_A": 30.0, "drive.current_loop_s": 5e-4, "drive.supply_V": 3.0},
+    "an ideal current loop": {"drive.mode": 1, "drive.current_scale_A": 10.0, "drive.current_loop_s": 0.0, "drive.current_limit_A": 4.0},
+    "no inductance": {"motor.inductance_H": 0.0},
+    "substeps": {"timing.substeps": 3},
+    "rows apart": {"timing.record_every_steps": 4},
+    "no play, dynamic friction": {"screw.blk_mm": 0.0, "screw.dynamic_ratio": 0.6, "screw.load_torque_Nm": 0.05, "gearbox.efficiency": 0.8},
+}  # fmt: skip
+
+
+@functools.cache
+def command(kind: str) -> Reals:
+    if kind == "rests":
+        wave = library().command("triangle", {"amplitude_mm": 1.5, "start_hz": 1.0, "end_hz": 1.0, "duration_s": 3.0}, STEP_S, ROWS)
+        return np.where((np.arange(ROWS) // 400) % 2 == 0, wave, np.round(wave))
+    if kind == "steps":
+        return np.where((np.arange(ROWS) // 700) % 2 == 0, 0.0, 1.8)
+    return library().command("chirp", _CHIRP, STEP_S, ROWS)
+
+
+def rows_of(changes: Sequence[Mapping[str, float]]) -> tuple[Reals, np.ndarray]:
+    actuators = [reference_actuator().changed(change).arrays() for change in changes]
+    assert all(np.array_equal(options, actuators[0][1]) for _, options in actuators)
+    return np.array([values for values, _ in actuators]), actuators[0][1]
+
+
+def spread_over(changes: Mapping[str, float], runs: int) -> list[dict[str, float]]:
+    """Runs that differ in size: friction, inertia and play by a few per cent, what is changed by a share of its change."""
+    reference = reference_actuator().values
+    sizes = [name for name in changes if name.endswith(tuple(f"{e.name}.{e.parameters[0].field}" for e in load_definitions().effects))]
+    return [
+        {
+            "screw.csj_Nm": reference["screw.csj_Nm"] * (1.0 + 0.02 * k),
+            "screw.inertia_kgm2": reference["screw.inertia_kgm2"] * (1.0 + 0.01 * (k % 3)),
+            **changes,
+            **{name: changes[name] * (1.0 + 0.3 * k / runs) for name in sizes},
+        }
+        for k in range(runs)
+    ]  # fmt: skip
+
+
+def assert_same_bits(changes: Sequence[Mapping[str, float]], command_mm: Reals, bits: int = 64, start_mm: float = 0.0) -> None:
+    values, options = rows_of(changes)
+    together = library(bits).simulate_many(values, options, command_mm, start_mm)
+    for row, many in zip(values, together, strict=True):
+        assert isinstance(many, Simulation)
+        one = library(bits).simulate(row, options, command_mm, start_mm)
+        for name in OUTPUTS:
+            assert getattr(one, name).tobytes() == getattr(many, name).tobytes(), name
+        assert one.unlocated_event_steps == many.unlocated_event_steps
+
+
+@pytest.mark.parametrize("bits", [32, 64])
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_every_effect_at_two_sizes(effect: str, bits: int) -> None:
+    changes = costed_changes()[effect]
+    size = next(iter(changes))
+    assert_same_bits(spread_over(changes, 7), command("chirp"), bits)
+    assert_same_bits(spread_over({**changes, size: 0.4 * changes[size]}, 5), command("rests"), bits)
+
+
+@pytest.mark.parametrize("kind", ["chirp", "rests", "steps"])
+@pytest.mark.parametrize("form", FORMS)
+def test_every_form_of_the_blocks(form: str, kind: str) -> None:
+    assert_same_bits(spread_over(FORMS[form], 6), command(kind))
+
+
+@pytest.mark.parametrize(
+    "effect", ["stribeck_friction", "presliding", "transmission_compliance", "source_resistance", "torque_ripple", "learned_torque"]
+)
+@pytest.mark.parametrize(
+    "form", ["stops", "a limit of the current", "a late drive", "a current loop short of voltage", "no inductance", "substeps"]
+)
+def test_effects_beside_events(form: str, effect: str) -> None:
+    assert_same_bits(spread_over({**costed_changes()[effect], **FORMS[form]}, 5), command("rests"))
+
+
+@pytest.mark.parametrize("bits", [32, 64])
+def test_all_effects_together(bits: int) -> None:
+    together = {name: value for changes in costed_changes().values() for name, value in changes.items()}
+    assert_same_bits(spread_over(together, 6), command("chirp"), bits, start_mm=0.7)
+
+
+@pytest.mark.parametrize("runs", [1, 4, 5, 15, 16, 17, 37])
+def test_any_number_of_runs(runs: int) -> None:
+    assert_same_bits(spread_over({}, runs), command("chirp"))
+
+
+def test_runs_of_different_shapes_find_their_own_company() -> None:
+    dead_time = costed_changes()["inverter_dead_time"]
+    mixed = [
+        change
+        for pair in zip(spread_over({}, 6), spread_over(dead_time, 6), spread_over(FORMS["a late drive"], 6), strict=True)
+        for change in pair
+    ]
+    assert_same_bits(mixed, command("chirp"))
+
+
+def test_a_run_that_is_refused_or_diverges_leaves_the_others_alone() -> None:
+    # back-calculation that swings up, as far as the module allows it
+    changes = spread_over({}, 9)
+    values, options = rows_of(changes)
+    ids = load_definitions().ids
+    values[1, ids["screw.csj_Nm"]] = np.nan
+    values[3, ids["screw.inertia_kgm2"]] = -1.0
+    values[4, ids["control.kp_per_m"]] = 1e308
+    together = library().simulate_many(values, options, command("chirp"))
+    for row, many in zip(values, together, strict=True):
+        try:
+            one = library().simulate(row, options, command("chirp"))
+        except InputError as error:
+            assert isinstance(many, InputError)
+            assert str(many) == str(error)
+        else:
+            assert isinstance(many, Simulation)
+            assert np.array_equal(one.current_A, many.current_A)
+    assert [isinstance(many, InputError) for many in together][:4] == [False, True, False, True]
+
+
+def test_a_command_that_is_no_number_is_refused_for_all() -> None:
+    values, options = rows_of(spread_over({}, 6))
+    broken = command("chirp").copy()
+    broken[50] = np.nan
+    refused = library().simulate_many(values, options, broken)
+    with pytest.raises(InputError) as single:
+        library().simulate(values[0], options, broken)
+    assert [str(error) for error in refused] == [str(single.value)] * 6
+
+
+@pytest.mark.parametrize("bits", [32, 64])
+def test_every_build_has_the_same_bits(bits: int) -> None:
+    changes = {
+        name: value
+        for effect in ("stribeck_friction", "jam_spot", "inverter_dead_time")
+        for name, value in costed_changes()[effect].items()
+    }
+    values, options = rows_of(spread_over(changes, 6))
+    best = lanes(bits)
+    assert best is not None
+    plain = Lanes(f"ema_lanes{bits}", bits)
+    first, second = (build.simulate(values, options, command("chirp"), 0.0) for build in (best, plain))
+    assert first.out.tobytes() == second.out.tobytes()
+    assert not np.any(first.status)
+    # most spans go through the lanes, some do not
+    assert 0.0 < first.left < 0.1 * first.spans
+
+
+def test_a_build_of_another_kind_is_refused() -> None:
+    assert named_library("ema_lanes64").is_file()
+    with pytest.raises(LibraryError, match="built for 64 bits"):
+        Lanes("ema_lanes64", 32)
+
+
+def test_without_the_lanes_runs_go_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ema_tools.plant.native.lanes", lambda bits: None)
+    values, options = rows_of(spread_over({}, 2))
+    values[1, load_definitions().ids["screw.csj_Nm"]] = np.nan
+    good, bad = library().simulate_many(values, options, command("chirp"))
+    assert isinstance(good, Simulation)
+    assert isinstance(bad, InputError)
