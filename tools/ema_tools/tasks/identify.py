@@ -163,7 +163,7 @@ def _check_healthy(actuator: Actuator, healthy: Sequence[Record]) -> None:
     """Raises InputError, naming the file, for a healthy record of which nothing can be concluded."""
     for other, why in zip(healthy, each(lambda one: blocked(actuator, one), healthy), strict=True):
         if why:
-            raise InputError(f"{other.file}: {why}")
+            raise InputError(f"{other.file}: cannot serve as a healthy record: {why}")
 
 
 def identify(
