@@ -211,6 +211,24 @@ def test_without_repeats_an_effect_in_a_narrow_valley_is_named() -> None:
     assert found.effects[0].values["effects.viscous_rise.rise"] == pytest.approx(1.5, abs=0.5)
 
 
+def test_changes_side_by_side_are_seen_as_one_after_the_other() -> None:
+    """A view's sensitivities are those of each change alone, bit for bit; a change that the model refuses ends them as it ends one."""
+    actuator = reference_actuator()
+    evidence = gather(actuator, simulate_record(actuator, make_command("chirp", actuator)).with_noise({"position_mm": 0.002}, 4))
+    here = view(evidence, {})
+    changes = [{"effects.cogging_torque.amplitude_Nm": 0.004, "effects.cogging_torque.periods": float(4 + k)} for k in range(12)]
+    for change, many in zip(changes, here.sensitivities(changes), strict=True):
+        one = here.sensitivity(change)
+        assert one.vector.tobytes() == many.vector.tobytes()
+        assert one.shared.tobytes() == many.shared.tobytes()
+    for refused in ({"screw.inertia_kgm2": 1e-9}, {"effects.cogging_torque.amplitude_Nm": 1e9}):
+        with pytest.raises(InputError) as alone:
+            here.sensitivity(refused)
+        with pytest.raises(InputError) as beside:
+            here.sensitivities([*changes, refused])
+        assert str(alone.value) == str(beside.value)
+
+
 def test_where_the_model_takes_no_other_value_the_last_view_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     """A unit at the edge of what the model takes ends the fit, not the command."""
     actuator = reference_actuator()
