@@ -139,7 +139,7 @@ def test_add_writes_the_keys_that_programs_read(done: Path) -> None:
     assert found["actuator"] == str(done / "a.toml")
     assert set(found["error"]) >= ERROR_KEYS
     size = found["parameters"]["effects.winding_heating.rise_degC"]
-    assert set(size) == {"value", "std", "unit", "at_bound"}
+    assert set(size) == {"value", "std", "interval95", "unit", "at_bound"}
     assert abs(size["value"] - 60.0) < 4.0 * size["std"] and size["at_bound"] is False and size["unit"] == "degC"
     assert found["recommended"] is True
     machine = read_actuator(done / "a.toml")

@@ -69,7 +69,7 @@ def warnings_of(setting: Setting) -> list[str]:
 
 def _keeping(best: list[float]) -> Progress:
     """Keeps the best cost after every model run."""
-    return lambda _run, _cost, yet: best.append(yet)
+    return lambda _run, _cost, yet, _tried: best.append(yet)
 
 
 def perform(setting: Setting) -> dict[str, Any]:
