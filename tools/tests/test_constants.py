@@ -15,7 +15,7 @@ from ema_tools.benchmarks.constants.changing import scaled
 from ema_tools.benchmarks.constants.document import written
 from ema_tools.benchmarks.constants.listing import Constant, constants, constants_in, unused, without_reason
 from ema_tools.benchmarks.constants.replay import outline
-from ema_tools.benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, sources_of, words, write_swept
+from ema_tools.benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, renewed, sources_of, words, write_swept
 from ema_tools.benchmarks.frozen import CASES as FROZEN_CASES
 
 SOURCE = '''
@@ -161,8 +161,20 @@ def test_rows_are_kept_for_the_same_value_and_the_same_sources(tmp_path: Path) -
     assert again.answers(ONE, 2.0) and not again.answers(other, 2.0)
     again.sources = "another"
     write_swept(path, again)
-    with pytest.raises(InputError, match="measured with other sources than today's: give another file with -o, or delete it"):
+    with pytest.raises(InputError, match="measured with other sources than today's: --sweep looks which of its rows still hold"):
         read_swept(path)
+
+
+def test_rows_of_other_sources_hold_where_the_plain_answer_is_what_it_was() -> None:
+    rows = swept_rows()
+    for name in ("a", "b"):
+        rows.keep(ONE, 2.0, name, answer("unknown", 2.0))
+    rows.sources = "another"
+    today = {name: dict(one) for name, one in rows.cases.items()}
+    today["a"] = {**today["a"], **answer("missing", 1.01, "x")}
+    found = renewed(rows, today)
+    assert found.sources == sources_of() and list(found.answers(ONE, 2.0)) == ["b"]
+    assert (rows.count, found.count) == (2, 1)
 
 
 def test_an_answer_is_told_by_its_verdict_its_first_name_and_what_is_accepted() -> None:

@@ -41,6 +41,7 @@ CASES = (
 )
 # A case is given up at so many times its usual seconds, and not before the least.
 _PATIENCE, _PATIENCE_LEAST_S = 10.0, 120.0
+_SHOWN_ERROR = 5e-4  # a smaller change of the error that is left is not told
 # What lies outside: it reads no constant of the diagnosis, or is not part of an answer.
 _APART = ("benchmarks", "vectors", "words", "reference")
 
@@ -58,6 +59,11 @@ class Swept:
         return tuple(
             name for name, one in self.cases.items() if "." in key.partition(":")[2] or key in one["read"] or key in one["imported"]
         )
+
+    @property
+    def count(self) -> int:
+        """Answers that the rows hold."""
+        return sum(len(answers) for row in self.rows.values() for answers in row.values() if isinstance(answers, dict))
 
     def answers(self, one: Constant, factor: float) -> dict[str, Any]:
         """Answers by case with a constant times a factor; of another value of it none."""
@@ -82,15 +88,36 @@ def sources_of(package: Path = PACKAGE) -> str:
     return found.hexdigest()[:16]
 
 
+def _of_file(path: Path) -> Swept:
+    return Swept(**json.loads(path.read_text(encoding="utf-8"))) if path.exists() else Swept(sources_of())
+
+
 def read_swept(path: Path) -> Swept:
     """The file's rows, none where it is absent. Raises InputError where it was made with other sources."""
-    sources = sources_of()
-    if not path.exists():
-        return Swept(sources)
-    found = Swept(**json.loads(path.read_text(encoding="utf-8")))
-    if found.sources != sources:
-        raise InputError(f"{path}: measured with other sources than today's: give another file with -o, or delete it to begin anew")
+    found = _of_file(path)
+    if found.sources != sources_of():
+        raise InputError(f"{path}: measured with other sources than today's: --sweep looks which of its rows still hold, and goes on")
     return found
+
+
+def renewed(before: Swept, cases: Mapping[str, dict[str, Any]]) -> Swept:
+    """Rows of an earlier state of the sources beside today's plain answers `cases`: they hold for the cases whose plain answer is what it was."""
+    same = {name for name, one in cases.items() if name in before.cases and _same(before.cases[name]["outline"], one["outline"])}
+    found = Swept(sources_of(), dict(cases))
+    for key, row in before.rows.items():
+        kept = {factor: {name: one for name, one in row.get(factor, {}).items() if name in same} for factor in map(str, FACTORS)}
+        if any(kept.values()):
+            found.rows[key] = {"value": row["value"], **{factor: one for factor, one in kept.items() if one}}
+    return found
+
+
+def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether two outlines say the same, to what the table shows of the error."""
+    if any(one[name] != other[name] for name in ("verdict", "first", "accepted")):
+        return False
+    if not one["error"] or not other["error"]:
+        return bool(one["error"] == other["error"])
+    return bool(abs(one["error"] / other["error"] - 1.0) < _SHOWN_ERROR)
 
 
 def write_swept(path: Path, swept: Swept) -> None:
@@ -189,8 +216,9 @@ def _watched(process: subprocess.Popen[str], seconds: float, late: threading.Eve
 
 def sweep(chosen: Sequence[Constant], names: Sequence[str], path: Path, records: Path, workers: int, told: Callable[[str], None]) -> Swept:
     """Replays the cases that read each of the chosen constants, with it halved and doubled, one process on each of so many cores; `told` hears how it goes, line by line."""
-    swept = read_swept(path)
-    folders = recorded(names, records, told)
+    before = _of_file(path)
+    swept = before if before.sources == sources_of() else Swept(sources_of())
+    folders = recorded(list(names) if swept is before else sorted({*names, *before.cases}), records, told)
     cores: queue.Queue[int | None] = queue.Queue()
     usable: list[int | None] = list(sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else [None] * workers)
     for place in range(workers):
@@ -211,14 +239,16 @@ def sweep(chosen: Sequence[Constant], names: Sequence[str], path: Path, records:
                 raise InputError(f"{name}: {row['broken']}: run it by python -m ema_tools.benchmarks.frozen --only and mend that first")
             with lock:
                 swept.cases[row.pop("case")] = row
-                write_swept(path, swept)
+                # what an earlier state measured stays in the file until it is known what of it holds
+                if swept is before:
+                    write_swept(path, swept)
             told(f"{name}: {row['seconds']:.1f} s, reads {len(row['read'])} constants")
 
         on_a_core(lambda core: run(Job({name: folders[name]}, core=core), {}, keep, ended))
 
     def changed(one: Constant, factor: float) -> None:
         done = swept.answers(one, factor)
-        wanted = {name: folders[name] for name in swept.reached(one.key) if name in folders and name not in done}
+        wanted = {name: folders[name] for name in swept.reached(one.key) if name in names and name in folders and name not in done}
         if not wanted:
             return
 
@@ -236,6 +266,10 @@ def sweep(chosen: Sequence[Constant], names: Sequence[str], path: Path, records:
 
     with ThreadPoolExecutor(workers) as pool:
         _all((pool.submit(plain, name) for name in folders if name not in swept.cases), ended)
+        if swept is not before:
+            swept.rows = renewed(before, swept.cases).rows
+            told(f"the sources have changed: {swept.count} of {before.count} answers still hold")
+            write_swept(path, swept)
         _all((pool.submit(changed, one, factor) for one in chosen for factor in FACTORS), ended)
     return swept
 
@@ -299,6 +333,6 @@ def words(found: Moved) -> str:
         )
         if count
     ]
-    if found.error >= 5e-4:
+    if found.error >= _SHOWN_ERROR:
         parts.append(f"error {100.0 * found.error:.2g} %")
     return f"{', '.join(parts) or 'nothing'} of {found.cases}"

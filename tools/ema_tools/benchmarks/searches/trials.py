@@ -94,7 +94,9 @@ def _session(given: Problem, trial: Trial) -> dict[str, Any]:
         start=tuple(objective.inside(_start(trial))),
         seed=trial.start + 1,
     )
-    answer = library(32).identify(values, options, objective.command_mm, channels, settings, lambda _run, _cost, yet: best.append(yet))
+    answer = library(32).identify(
+        values, options, objective.command_mm, channels, settings, lambda _run, _cost, yet, _tried: best.append(yet)
+    )
     there = np.flatnonzero(np.array(best) <= given.lowest.cost + given.level)
     off = (np.array([one.estimate for one in answer.identified]) - given.lowest.theta) / objective.scale
     return {
