@@ -21,7 +21,8 @@ bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other)
                  && (one->motor_circuit.algebraic == other->motor_circuit.algebraic)
                  && (one->current_loop.algebraic == other->current_loop.algebraic);
     for (uint32_t site = 0; site < EMA_SITE_COUNT; ++site) {
-        alike = alike && (one->active.at[site] == other->active.at[site]);
+        /* what acts before the run has become numbers of the plant */
+        alike = alike && ((site == (uint32_t)EMA_SITE_PARAMETER) || (one->active.at[site] == other->active.at[site]));
     }
     return alike;
 }

@@ -190,6 +190,7 @@ typedef struct {
     ema_lane_t substep_s;
     ema_lane_t asked; /* which lanes the next span is for: all, but where some of them go on apart */
     ema_lane_t done;  /* whether the last span was taken in one */
+    uint32_t count; /* lanes with a run: the first of them; the others do what the first does */
     uint32_t step;
     uint64_t lane_spans; /* spans of all lanes, and how many of them were left to the model's own functions */
     uint64_t left_spans;
@@ -227,8 +228,8 @@ static inline void ema_lane_play(const ema_lanes_t* lanes, uint32_t l, ema_real 
     *side = ema_choose(ahead, EMA_R(1.0), ema_choose(behind, EMA_R(-1.0), EMA_R(0.0)));
 }
 
-/* Whether two plants differ in numbers alone: the same effects act, and the same blocks have the same form. Lanes run
- * together where this holds. */
+/* Whether two plants differ in numbers alone: the same effects act during the run, and the same blocks have the same
+ * form. Lanes run together where this holds. */
 bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other);
 
 /* Starts the lanes at their plants and states, which are set before. */

@@ -413,12 +413,17 @@ static void ema_lanes_alone(ema_lanes_t* lanes, uint32_t lane, uint32_t steps, c
     ++lanes->left_spans;
 }
 
-/* The same in the lanes that are asked and not done. */
+/* The same in the lanes that are asked and not done. Those without a run, which go with the first, need not go again. */
 static void ema_lanes_alone_each(ema_lanes_t* lanes, uint32_t steps, const ema_real* span_s)
 {
     for (uint32_t l = 0; l < EMA_LANES; ++l) {
         if ((lanes->asked[l] != EMA_R(0.0)) && (lanes->done[l] == EMA_R(0.0))) {
-            ema_lanes_alone(lanes, l, steps, span_s);
+            if (l < lanes->count) {
+                ema_lanes_alone(lanes, l, steps, span_s);
+            } else {
+                lanes->state[l] = lanes->state[0];
+                ema_lanes_return(lanes, l);
+            }
         }
     }
 }
@@ -433,7 +438,7 @@ static void ema_lanes_apart(ema_lanes_t* lanes, uint32_t steps, const ema_real* 
     const bool shares = ema_lanes_share_events(shape);
     int32_t leaves = 0;
     ema_lane_bit_t any = 0;
-    lanes->lane_spans += EMA_LANES;
+    lanes->lane_spans += lanes->count;
     EMA_EACH_LANE
     {
         any |= (lanes->done[l] == EMA_R(0.0)) ? 1 : 0;

@@ -27,7 +27,6 @@ typedef struct {
     ema_lanes_t lanes;
     ema_actuator_t actuator[EMA_LANES];
     size_t run[EMA_LANES];
-    uint32_t count;
     ema_model_t alone; /* of a run that finds no company */
 } ema_group_t;
 
@@ -36,7 +35,7 @@ typedef struct {
 /* Takes run `run` into the next lane; false where it does not fit beside those that are there. */
 static bool ema_group_take(ema_group_t* group, const ema_batch_t* batch, size_t run)
 {
-    const uint32_t lane = group->count;
+    const uint32_t lane = group->lanes.count;
     ema_lanes_t* const lanes = &group->lanes;
     ema_actuator_from(&batch->values[run * EMA_VALUE_COUNT], batch->options, &group->actuator[lane]);
     const ema_status_t status = ema_run_prepare(&lanes->plant[lane], &lanes->state[lane], &lanes->work,
@@ -47,7 +46,7 @@ static bool ema_group_take(ema_group_t* group, const ema_batch_t* batch, size_t 
     } else if (ema_lanes_alike(&lanes->plant[0], &lanes->plant[lane])) {
         group->run[lane] = run;
         batch->status[run] = (int32_t)EMA_OK;
-        ++group->count;
+        ++group->lanes.count;
     } else {
         taken = false;
     }
@@ -57,7 +56,7 @@ static bool ema_group_take(ema_group_t* group, const ema_batch_t* batch, size_t 
 /* Lanes that nobody asked for go with the first one. */
 static void ema_group_fill(ema_group_t* group)
 {
-    for (uint32_t lane = group->count; lane < EMA_LANES; ++lane) {
+    for (uint32_t lane = group->lanes.count; lane < EMA_LANES; ++lane) {
         group->lanes.plant[lane] = group->lanes.plant[0];
         group->lanes.state[lane] = group->lanes.state[0];
     }
@@ -75,7 +74,7 @@ static void ema_group_signal(const ema_lane_t* signal, uint32_t lane, size_t kep
 static void ema_group_show(const ema_group_t* group, const ema_batch_t* batch, size_t first, size_t kept)
 {
     const ema_lanes_output_t* const shown = group->lanes.rows;
-    for (uint32_t lane = 0; lane < group->count; ++lane) {
+    for (uint32_t lane = 0; lane < group->lanes.count; ++lane) {
         double* const out = &batch->out[(group->run[lane] * 5U * batch->rows) + first];
         ema_group_signal(&shown->position_mm, lane, kept, out);
         ema_group_signal(&shown->motor_position_mm, lane, kept, &out[batch->rows]);
@@ -90,7 +89,7 @@ static void ema_group_end(ema_group_t* group, const ema_batch_t* batch)
 {
     for (uint32_t lane = 0; lane < EMA_LANES; ++lane) {
         if (!ema_lanes_finite(&group->lanes, lane)) {
-            if (lane < group->count) {
+            if (lane < group->lanes.count) {
                 batch->status[group->run[lane]] = (int32_t)EMA_ERR_DIVERGED;
             }
             ema_state_rest(&group->lanes.state[lane], &group->lanes.plant[lane]);
@@ -126,7 +125,7 @@ static void ema_group_run(ema_group_t* group, const ema_batch_t* batch)
     }
     batch->left[0] += (int64_t)group->lanes.lane_spans;
     batch->left[1] += (int64_t)group->lanes.left_spans;
-    for (uint32_t lane = 0; lane < group->count; ++lane) {
+    for (uint32_t lane = 0; lane < group->lanes.count; ++lane) {
         const size_t run = group->run[lane];
         batch->unlocated_event_steps[run] = (int32_t)group->lanes.state[lane].unlocated_event_steps;
         if (!known && (batch->status[run] == (int32_t)EMA_OK)) {
@@ -165,11 +164,11 @@ static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t
 
 static void ema_group_go(ema_group_t* group, const ema_batch_t* batch)
 {
-    if (group->count >= EMA_LANES_WORTH) {
+    if (group->lanes.count >= EMA_LANES_WORTH) {
         ema_group_fill(group);
         ema_group_run(group, batch);
     } else {
-        for (uint32_t lane = 0; lane < group->count; ++lane) {
+        for (uint32_t lane = 0; lane < group->lanes.count; ++lane) {
             ema_run_alone(group, batch, lane);
         }
     }
@@ -225,8 +224,8 @@ int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t
         unlocated_event_steps[run] = 0;
     }
     for (size_t first = 0; first < count; ++first) {
-        group.count = 0U;
-        for (size_t run = first; (run < count) && (group.count < EMA_LANES); ++run) {
+        group.lanes.count = 0U;
+        for (size_t run = first; (run < count) && (group.lanes.count < EMA_LANES); ++run) {
             if (status[run] == EMA_WAITS) {
                 (void)ema_group_take(&group, &batch, run);
             }

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
 
 class InputError(ValueError):
     """A bad input: the message is one line with file, row and field where they exist, and the next step.
@@ -16,3 +21,13 @@ class MissingSignal(ValueError):
 
 class LibraryError(RuntimeError):
     """The shared library is absent or does not fit these tools; the message says what to do."""
+
+
+def taken(found: Iterable[Result | InputError]) -> list[Result]:
+    """Results in whose place an error may stand. Raises the first of those."""
+    results = []
+    for one in found:
+        if isinstance(one, InputError):
+            raise one
+        results.append(one)
+    return results

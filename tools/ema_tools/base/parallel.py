@@ -1,14 +1,17 @@
-"""Work on all cores by threads: a call into the C module releases the interpreter."""
+"""Work on all cores by threads, where a call into the C module releases the interpreter; and tasks that ask for the same kind of work, in lock step."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Asked = TypeVar("Asked")
+Answer = TypeVar("Answer")
 
 
 def workers() -> int:
@@ -31,3 +34,24 @@ def each(work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[
                 future.cancel()
             raise
     return results
+
+
+def in_step(tasks: Sequence[Generator[Asked, Answer, Result]], answers: Callable[[Sequence[Asked]], Sequence[Answer]]) -> list[Result]:
+    """What tasks return that each ask for one thing after another, in their order; what those that still go on ask for is answered all at once, round by round."""
+    results: dict[int, Result] = {}
+    asked: dict[int, Asked] = {}
+
+    def go_on(place: int, go: Callable[[], Asked]) -> None:
+        try:
+            asked[place] = go()
+        except StopIteration as end:
+            results[place] = end.value
+
+    for place, task in enumerate(tasks):
+        go_on(place, partial(next, task))
+    while asked:
+        places, wanted = list(asked), list(asked.values())
+        asked.clear()
+        for place, answer in zip(places, answers(wanted), strict=True):
+            go_on(place, partial(tasks[place].send, answer))
+    return [results[place] for place in range(len(tasks))]

@@ -152,6 +152,12 @@ class Actuator:
         """Names of the effects whose size is not zero."""
         return tuple(name for name, size, zero in load_definitions().sizes if self.values[size] != zero)
 
+    @property
+    def effects_in_motion(self) -> tuple[str, ...]:
+        """Those of them that act during a run; the others change the model's values before it."""
+        before = {effect.name for effect in load_definitions().effects if effect.site == "PARAMETER"}
+        return tuple(name for name in self.active_effects if name not in before)
+
     def changed(
         self, changes: Mapping[str, float], about: Mapping[str, str] | None = None, remarks: Mapping[str, str] | None = None
     ) -> Actuator:

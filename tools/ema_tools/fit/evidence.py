@@ -6,16 +6,17 @@ not as free parameters, so that a change of the same parameter beyond it can sti
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from ema_tools.base.arrays import Complexes, Reals
-from ema_tools.base.errors import InputError
+from ema_tools.base.errors import InputError, taken
 from ema_tools.base.parallel import each, workers
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
@@ -24,6 +25,9 @@ from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.whitening import Whitener, counted
 from ema_tools.plant.native import library
 
+Seen = TypeVar("Seen")
+
+SIDE_BY_SIDE = 16  # runs of one call at most: so many go through a model step together, and the next would wait on one core [effort]
 DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity [precision]
 _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero [precision]
 ROUGHNESS = 12.0  # differences smaller than this, in standard deviations of noise, may be the model's own roughness [precision]
@@ -118,24 +122,31 @@ class Evidence:
         values = {**spreads.moved(self.actuator, self.spread, deviations), **changes}
         return simulate_channels(self.actuator.changed(values), self.record, self.channels, self.start_mm)
 
-    def whitened(self, asked: Sequence[Step], base: Reals) -> list[Reals]:
-        """What each of several steps makes beyond `base` [channels, rows], over its size and whitened, [n] each; side by side, a share of them on each core.
+    def whitened(self, asked: Sequence[Step], base: Reals, seen: Callable[[Reals], Seen]) -> list[Seen | InputError]:
+        """`seen` of what each of several steps makes beyond `base` [channels, rows], over its size and whitened, [n] each; the error in the place of one that the model refuses.
 
-        Raises InputError where the model refuses one.
+        Side by side, a share of them on each core.
         """
+        found: dict[int, Seen | InputError] = {}
+        alike: dict[tuple[str, ...], list[tuple[int, Actuator]]] = {}
+        for place, one in enumerate(asked):
+            try:
+                moved = self.actuator.changed({**spreads.moved(self.actuator, self.spread, one.deviations), **one.changes})
+            except InputError as error:
+                found[place] = error
+            else:
+                alike.setdefault(moved.effects_in_motion, []).append((place, moved))
 
-        def share(part: Sequence[Step]) -> list[Reals]:
-            moved = [self.actuator.changed({**spreads.moved(self.actuator, self.spread, one.deviations), **one.changes}) for one in part]
-            found = []
-            for one, run in zip(part, simulate_side_by_side(moved, self.record, self.channels, self.start_mm), strict=True):
-                if isinstance(run, InputError):
-                    raise run
-                found.append(self.whiten((run - base) / one.size))
-            return found
+        def share(part: Sequence[tuple[int, Actuator]]) -> None:
+            runs = simulate_side_by_side([moved for _, moved in part], self.record, self.channels, self.start_mm)
+            for (place, _), run in zip(part, runs, strict=True):
+                found[place] = run if isinstance(run, InputError) else seen(self.whiten((run - base) / asked[place].size))
 
-        size = max(1, -(-len(asked) // workers()))
-        parts = [asked[first : first + size] for first in range(0, len(asked), size)]
-        return [one for found in each(share, parts) for one in found]
+        size = min(SIDE_BY_SIDE, max(1, -(-len(asked) // workers())))
+        parts = [group[first : first + size] for group in alike.values() for first in range(0, len(group), size)]
+        # the long ones first, so that no core waits for another at the end
+        each(share, sorted(parts, key=len, reverse=True))
+        return [found[place] for place in range(len(asked))]
 
 
 @dataclass(frozen=True)
@@ -248,17 +259,16 @@ class View:
         own = self.deviations[: len(self.evidence.spread)]
         return self._tall(self.evidence.simulate({**self.values, **changes}, own) - self.base)
 
-    def sensitivity(self, changes: Mapping[str, float]) -> Sensitivity:
-        """As `signature`, for products alone. Raises InputError when the model refuses the changes."""
-        vector = self.moved(changes)
-        return Sensitivity(vector, self.shared(vector), self)
+    def sensitivities(self, asked: Sequence[Mapping[str, float]]) -> list[Sensitivity | InputError]:
+        """As `signature` of each of several changes, for products alone, side by side; the error in the place of changes that the model refuses."""
+        none = np.zeros(self.deviations.size)
 
-    def sensitivities(self, asked: Sequence[Mapping[str, float]]) -> list[Sensitivity]:
-        """`sensitivity` of several changes, side by side. Raises InputError when the model refuses one of them."""
-        own, none = self.deviations[: len(self.evidence.spread)], np.zeros(self.deviations.size)
-        moved = self.evidence.whitened([Step({**self.values, **changes}, own) for changes in asked], self.base)
-        vectors = [np.concatenate([one, none]) for one in moved]
-        return [Sensitivity(vector, self.shared(vector), self) for vector in vectors]
+        def seen(moved: Reals) -> Sensitivity:
+            vector = np.concatenate([moved, none])
+            return Sensitivity(vector, self.shared(vector), self)
+
+        own = self.deviations[: len(self.evidence.spread)]
+        return self.evidence.whitened([Step({**self.values, **changes}, own) for changes in asked], self.base, seen)
 
     def shared(self, vector: Reals) -> Reals:
         """Parts of a vector [n] along the directions that are taken off, [k]."""
@@ -390,7 +400,7 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
         near[k] += step
         return Step(values, near, step)
 
-    moved = evidence.whitened([toward(k) for k in range(own.size)], place.base)
+    moved = taken(evidence.whitened([toward(k) for k in range(own.size)], place.base, np.asarray))
     columns = [*moved, *map(evidence.whiten, evidence.additive)]
     rows = place.plain.size - place.at.size
     directions = np.vstack([np.column_stack(columns) if columns else np.empty((rows, 0)), -np.eye(place.at.size)])

@@ -7,14 +7,15 @@ signature explains as much of the residual as it can.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Generator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.base.errors import InputError
-from ema_tools.base.parallel import each
+from ema_tools.base.errors import InputError, taken
+from ema_tools.base.parallel import each, in_step
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import ROUGHNESS, Sensitivity, View
 from ema_tools.library.definitions import Effect, load_definitions
@@ -49,6 +50,11 @@ _OF_PHASES = np.linalg.inv(_harmonics(_SIMULATED_PHASES))
 _AT_FINE = _harmonics(_FINE_PHASES)
 _FACTORS = (1e-3, 1e3)  # by which a size is scaled at once, at least and at most [judgement]
 _POWERS = (0.5, 3.0)  # of its size with which a signature grows, at least and at most: friction's root and a cube [physics]
+
+
+_Result = TypeVar("_Result")
+# What asks for the sensitivity to changes of the model, one after the other, before it has its result.
+_Asking = Generator[Mapping[str, float], Sensitivity | InputError, _Result]
 
 
 @dataclass(frozen=True)
@@ -147,7 +153,7 @@ def _by_simulation(effect: Effect, periodic: PeriodicTorque, view: View) -> list
     first = periodic.simulated_at * (view.evidence.actuator["screw.csj_Nm"] if effect.size.unit == "Nm" else 1.0)
     amplitude, periods, turn = (f"effects.{name}" for name in (effect.size.name, f"{effect.name}.periods", f"{effect.name}.phase_rad"))
     tasks = [(float(number), float(phase)) for number in periodic.periods for phase in _SIMULATED_PHASES]
-    shown = view.sensitivities([{amplitude: first, periods: number, turn: phase} for number, phase in tasks])
+    shown = taken(view.sensitivities([{amplitude: first, periods: number, turn: phase} for number, phase in tasks]))
     count = len(_SIMULATED_PHASES)
     found = []
     for place, number in enumerate(periodic.periods):
@@ -200,11 +206,11 @@ def _gain(product: float, square: float) -> tuple[float, float]:
     return share, 2.0 * kept * product - kept * kept * square
 
 
-def _matched(candidate: Candidate, ladder: Sequence[float], view: View) -> Signature | None:
+def _matched(candidate: Candidate, ladder: Sequence[float]) -> _Asking[Signature | None]:
     """The candidate at the size that explains most. A larger first size is tried only where a smaller one does not show beside what scatters: what shows is scaled."""
     best: Signature | None = None
     for first in ladder:
-        found = _scaled(candidate, first, view)
+        found = yield from _scaled(candidate, first)
         if found is not None and (best is None or found[0].score > best.score):
             best = found[0]
         if found is None or found[1]:
@@ -212,7 +218,7 @@ def _matched(candidate: Candidate, ladder: Sequence[float], view: View) -> Signa
     return best
 
 
-def _scaled(candidate: Candidate, first: float, view: View) -> tuple[Signature, bool] | None:
+def _scaled(candidate: Candidate, first: float) -> _Asking[tuple[Signature, bool] | None]:
     """The candidate at the best of the sizes that lead on from `first`, and whether it showed there or they came to an end; None where the model refuses it."""
     best: Signature | None = None
     shows = False
@@ -220,9 +226,8 @@ def _scaled(candidate: Candidate, first: float, view: View) -> tuple[Signature, 
     size, power = first, record.power
     earlier: tuple[float, float] | None = None
     for place in range(_SCALINGS if record.below_peak is None else 1):
-        try:
-            shown = view.sensitivity(candidate.changes(size))
-        except InputError:
+        shown = yield candidate.changes(size)
+        if isinstance(shown, InputError):
             break
         square, product = shown.square, shown.with_residual()
         share, gain = _gain(product, square)
@@ -275,7 +280,7 @@ def promising(screen: Screen, earlier: Sequence[Signature], least: float) -> tup
 
 
 def signatures(screen: Screen, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Signature]:
-    """The best-matched signature of every candidate beside what the screen's view holds already, or of `only` these effects, strongest first; both cores at work."""
+    """The best-matched signature of every candidate beside what the screen's view holds already, or of `only` these effects, strongest first; each asks for sizes one after the other, all of them side by side."""
     tasks = [(candidate, ladder) for candidate in candidates(screen, without, only) for ladder in candidate.ladders]
-    found = each(lambda task: _matched(task[0], task[1], screen.view), tasks)
+    found = in_step([_matched(candidate, ladder) for candidate, ladder in tasks], screen.view.sensitivities)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)
