@@ -21,6 +21,9 @@ def workers() -> int:
 
 def each(work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int], None] | None = None) -> list[Result]:
     """`work` of every item, in their order. `done` is told how many are finished. The first exception ends it and is raised."""
+    if len(items) == 1 and done is None:
+        # no other core is of use
+        return [work(items[0])]
     results: list[Result] = []
     with ThreadPoolExecutor(max_workers=workers()) as pool:
         futures = [pool.submit(work, item) for item in items]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ema_tools.base.arrays import Reals
-from ema_tools.base.parallel import each
+from ema_tools.base.parallel import each, in_step
 
 # The first point lies inside its bounds by this share of them: from a bound itself the solver would not move along it [precision]
 _INSIDE = 1e-9
@@ -42,12 +42,13 @@ class FreeValue:
 
 Values = Mapping[str, float]
 Vector = Callable[[Values], Reals]
+Vectors = Callable[[Sequence[Reals]], Sequence[Reals]]
 
 
 class Slopes(Protocol):
-    """A rule for slopes: columns [n, unknowns] per scale, at a point in scales [unknowns], `here` [n] there; `vector` takes such a point, the ends are in scales too."""
+    """A rule for slopes: columns [n, unknowns] per scale, at a point in scales [unknowns], `here` [n] there; `vectors` takes such points, the ends are in scales too."""
 
-    def __call__(self, vector: Callable[[Reals], Reals], point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
+    def __call__(self, vectors: Vectors, point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
         """The columns."""
         ...
 
@@ -59,17 +60,19 @@ class OneSided:
     steps: tuple[float, ...]
     rough: float = 0.0
 
-    def __call__(self, vector: Callable[[Reals], Reals], point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
+    def __call__(self, vectors: Vectors, point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
         """The columns."""
-        return np.column_stack(each(lambda place: self._column(vector, point, here, place, lower[place], upper[place]), range(point.size)))
+        return np.column_stack(
+            in_step([self._column(point, here, place, lower[place], upper[place]) for place in range(point.size)], vectors)
+        )
 
-    def _column(self, vector: Callable[[Reals], Reals], point: Reals, here: Reals, place: int, lower: float, upper: float) -> Reals:
+    def _column(self, point: Reals, here: Reals, place: int, lower: float, upper: float) -> Generator[Reals, Reals, Reals]:
         column = np.zeros_like(here)
         for width in self.steps:
             step = _inside(float(point[place]), width, lower, upper)
             moved = point.copy()
             moved[place] += step
-            change = vector(moved) - here
+            change = (yield moved) - here
             column = change / step
             if float(change @ change) > self.rough**2:
                 break
@@ -92,14 +95,14 @@ class TwoSided:
     step: float
     least: float
 
-    def __call__(self, vector: Callable[[Reals], Reals], point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
+    def __call__(self, vectors: Vectors, point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
         """The columns."""
         width = self.step * np.maximum(np.abs(point), self.least)
         low, high = np.maximum(point - width, lower), np.minimum(point + width, upper)
         moved = np.repeat(point[None], 2 * point.size, axis=0)
         places = np.arange(point.size)
         moved[places, places], moved[point.size + places, places] = low, high
-        found = each(vector, list(moved))
+        found = vectors(list(moved))
         return np.column_stack([(found[point.size + place] - found[place]) / (high[place] - low[place]) for place in places])
 
 
@@ -137,10 +140,11 @@ def fit(
     stop: Stop,
     target: Reals | None = None,
     told: Callable[[], None] | None = None,
+    many: Callable[[Sequence[Values]], Sequence[Reals]] | None = None,
 ) -> Found:
     """The unknowns where `vector` of them [n] is nearest to `target` [n], to zero when absent. `told` hears of every new point.
 
-    `vector` gets all values, inside their ranges.
+    `vector` gets all values, inside their ranges. `many`: the same of several points, where they take less time than each alone.
     """
     scale = np.array([one.scale for one in unknowns])
     lower, upper = np.array([one.lower for one in unknowns]) / scale, np.array([one.upper for one in unknowns]) / scale
@@ -150,6 +154,10 @@ def fit(
 
     def at(point: Reals) -> Reals:
         return vector(values(point))
+
+    def at_each(points: Sequence[Reals]) -> Sequence[Reals]:
+        asked = [values(point) for point in points]
+        return each(vector, asked) if many is None else many(asked)
 
     last: tuple[Reals, Reals] | None = None
 
@@ -166,7 +174,7 @@ def fit(
         return here(point) if target is None else here(point) - target
 
     def jacobian(point: Reals) -> Reals:
-        return slopes(at, point, here(point), lower, upper)
+        return slopes(at_each, point, here(point), lower, upper)
 
     margin = _INSIDE * (upper - lower)
     begun = np.clip(np.array([one.start for one in unknowns]) / scale, lower + margin, upper - margin)

@@ -27,7 +27,7 @@ from ema_tools.plant.native import library
 
 Seen = TypeVar("Seen")
 
-SIDE_BY_SIDE = 16  # runs of one call at most: so many go through a model step together, and the next would wait on one core [effort]
+_SIDE_BY_SIDE = 16  # runs of one call at most: so many go through a model step together, further ones are for another core [effort]
 DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity [precision]
 _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero [precision]
 ROUGHNESS = 12.0  # differences smaller than this, in standard deviations of noise, may be the model's own roughness [precision]
@@ -51,12 +51,37 @@ def simulate_channels(actuator: Actuator, record: Record, channels: Sequence[str
 
 
 def simulate_side_by_side(
-    actuators: Sequence[Actuator], record: Record, channels: Sequence[str], start_mm: float
-) -> list[Reals | InputError]:
-    """`simulate_channels` for actuators with the same options, the same bits; the error in the place of one that the model refuses."""
-    arrays = [actuator.arrays() for actuator in actuators]
-    runs = library(32).simulate_many(np.array([values for values, _ in arrays]), arrays[0][1], record.command_mm, start_mm)
-    return [run if isinstance(run, InputError) else np.array([getattr(run, name) for name in channels]) for run in runs]
+    actuator: Actuator,
+    changes: Sequence[Mapping[str, float]],
+    record: Record,
+    channels: Sequence[str],
+    start_mm: float,
+    seen: Callable[[int, Reals], Seen],
+) -> list[Seen | InputError]:
+    """What `seen` makes of the place of each of several changes of values and of the signals `simulate_channels` with it, the same bits; the error in the place of one
+    that the model refuses. On all cores: `seen` is called from several threads.
+    """
+    found: dict[int, Seen | InputError] = {}
+    alike: dict[tuple[str, ...], list[tuple[int, Actuator]]] = {}
+    for place, change in enumerate(changes):
+        try:
+            changed = actuator.changed(change)
+        except InputError as error:
+            found[place] = error
+        else:
+            alike.setdefault(changed.effects_in_motion, []).append((place, changed))
+
+    def share(part: Sequence[tuple[int, Actuator]]) -> None:
+        arrays = [changed.arrays() for _, changed in part]
+        runs = library(32).simulate_many(np.array([values for values, _ in arrays]), arrays[0][1], record.command_mm, start_mm)
+        for (place, _), run in zip(part, runs, strict=True):
+            found[place] = run if isinstance(run, InputError) else seen(place, np.array([getattr(run, name) for name in channels]))
+
+    size = min(_SIDE_BY_SIDE, max(1, -(-len(changes) // workers())))
+    parts = [group[first : first + size] for group in alike.values() for first in range(0, len(group), size)]
+    # the long ones first, so that no core waits for another at the end
+    each(share, sorted(parts, key=len, reverse=True))
+    return [found[place] for place in range(len(changes))]
 
 
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
@@ -124,29 +149,16 @@ class Evidence:
 
     def whitened(self, asked: Sequence[Step], base: Reals, seen: Callable[[Reals], Seen]) -> list[Seen | InputError]:
         """`seen` of what each of several steps makes beyond `base` [channels, rows], over its size and whitened, [n] each; the error in the place of one that the model refuses.
-
-        Side by side, a share of them on each core.
         """
-        found: dict[int, Seen | InputError] = {}
-        alike: dict[tuple[str, ...], list[tuple[int, Actuator]]] = {}
-        for place, one in enumerate(asked):
-            try:
-                moved = self.actuator.changed({**spreads.moved(self.actuator, self.spread, one.deviations), **one.changes})
-            except InputError as error:
-                found[place] = error
-            else:
-                alike.setdefault(moved.effects_in_motion, []).append((place, moved))
-
-        def share(part: Sequence[tuple[int, Actuator]]) -> None:
-            runs = simulate_side_by_side([moved for _, moved in part], self.record, self.channels, self.start_mm)
-            for (place, _), run in zip(part, runs, strict=True):
-                found[place] = run if isinstance(run, InputError) else seen(self.whiten((run - base) / asked[place].size))
-
-        size = min(SIDE_BY_SIDE, max(1, -(-len(asked) // workers())))
-        parts = [group[first : first + size] for group in alike.values() for first in range(0, len(group), size)]
-        # the long ones first, so that no core waits for another at the end
-        each(share, sorted(parts, key=len, reverse=True))
-        return [found[place] for place in range(len(asked))]
+        changes = [{**spreads.moved(self.actuator, self.spread, one.deviations), **one.changes} for one in asked]
+        return simulate_side_by_side(
+            self.actuator,
+            changes,
+            self.record,
+            self.channels,
+            self.start_mm,
+            lambda place, run: seen(self.whiten((run - base) / asked[place].size)),
+        )
 
 
 @dataclass(frozen=True)
@@ -261,14 +273,17 @@ class View:
 
     def sensitivities(self, asked: Sequence[Mapping[str, float]]) -> list[Sensitivity | InputError]:
         """As `signature` of each of several changes, for products alone, side by side; the error in the place of changes that the model refuses."""
-        none = np.zeros(self.deviations.size)
+        return self._each_moved(asked, lambda vector: Sensitivity(vector, self.shared(vector), self))
 
-        def seen(moved: Reals) -> Sensitivity:
-            vector = np.concatenate([moved, none])
-            return Sensitivity(vector, self.shared(vector), self)
+    def signatures(self, asked: Sequence[Mapping[str, float]]) -> list[Reals | InputError]:
+        """`signature` of each of several changes, side by side; the error in the place of changes that the model refuses."""
+        return self._each_moved(asked, self._without)
 
-        own = self.deviations[: len(self.evidence.spread)]
-        return self.evidence.whitened([Step({**self.values, **changes}, own) for changes in asked], self.base, seen)
+    def _each_moved(self, asked: Sequence[Mapping[str, float]], seen: Callable[[Reals], Seen]) -> list[Seen | InputError]:
+        """`seen` of what each of several changes makes of the model, [n], nothing taken off."""
+        own, none = self.deviations[: len(self.evidence.spread)], np.zeros(self.deviations.size)
+        steps = [Step({**self.values, **changes}, own) for changes in asked]
+        return self.evidence.whitened(steps, self.base, lambda moved: seen(np.concatenate([moved, none])))
 
     def shared(self, vector: Reals) -> Reals:
         """Parts of a vector [n] along the directions that are taken off, [k]."""

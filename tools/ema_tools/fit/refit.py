@@ -10,7 +10,6 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Row, row_of
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import FreeValue, OneSided, Stop
@@ -128,13 +127,17 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
     names = [name for name in start if name not in kept]
     unknowns = [_unknown(name, start[name]) for name in names]
 
-    def vector(changes: Mapping[str, float]) -> Reals:
-        try:
-            return view.signature({**changes, **kept})
-        except InputError:
-            return np.zeros_like(view.residual)
+    def vectors(asked: Sequence[Mapping[str, float]]) -> list[Reals]:
+        return _shown(view, [{**changes, **kept} for changes in asked])
 
-    found = bounded.fit(unknowns, vector, OneSided(_JACOBIAN_STEPS, ROUGHNESS), Stop(_RUNS, 1e-4, 1e-5), view.residual)
+    found = bounded.fit(
+        unknowns,
+        lambda changes: vectors([changes])[0],
+        OneSided(_JACOBIAN_STEPS, ROUGHNESS),
+        Stop(_RUNS, 1e-4, 1e-5),
+        view.residual,
+        many=vectors,
+    )
     values = {**found.values, **kept}
     return Fit(tuple(dict.fromkeys(map(effect_of, names))), values, found.covariance, found.at_bound, view, found.cost)
 
@@ -143,16 +146,17 @@ def slopes(view: View, fit: Fit) -> list[Reals]:
     """What small changes of the fitted values make of the view, vectors [n]: the directions in which they give way to a further effect."""
     rows = {name: row_of(name) for name in fit.fitted}
 
-    def moved(name: str) -> Reals:
-        value, row = fit.values[name], rows[name]
+    def moved(name: str, row: Row) -> dict[str, float]:
+        value = fit.values[name]
         step = _JACOBIAN_STEPS[0] * _scale_of(name, value)
-        there = value + step if value + step <= row.upper else value - step
-        try:
-            return view.signature({name: there})
-        except InputError:
-            return np.zeros_like(view.residual)
+        return {name: value + step if value + step <= row.upper else value - step}
 
-    return each(moved, list(rows))
+    return _shown(view, [moved(name, row) for name, row in rows.items()])
+
+
+def _shown(view: View, asked: Sequence[Mapping[str, float]]) -> list[Reals]:
+    """The view's signatures of several changes; nothing where the model refuses one."""
+    return [np.zeros_like(view.residual) if isinstance(one, InputError) else one for one in view.signatures(asked)]
 
 
 def seen_from(fit: Fit) -> View:

@@ -22,7 +22,7 @@ from ema_tools.data.records import Record
 from ema_tools.fit import bounded
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.bounded import FreeValue, OneSided, Stop
-from ema_tools.fit.evidence import Evidence, simulate_channels, view
+from ema_tools.fit.evidence import Evidence, simulate_channels, simulate_side_by_side, view
 from ema_tools.fit.nuisance import Spread
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.baseline import common_channels, gather, same_command
@@ -132,7 +132,17 @@ class KnownMachine:
 
     def residual(self, changes: Mapping[str, float]) -> Reals:
         """[whitened numbers + additive], the squared length is the cost."""
-        plain = self._weighted(self.evidence.target - self.signals(changes))
+        return self._left(self.signals(changes))
+
+    def residuals(self, asked: Sequence[Mapping[str, float]]) -> list[Reals | InputError]:
+        """`residual` of each of several changes, side by side; the error in the place of changes that the model refuses."""
+        evidence = self.evidence
+        return simulate_side_by_side(
+            self.actuator, asked, evidence.record, evidence.channels, evidence.start_mm, lambda _, run: self._left(run)
+        )
+
+    def _left(self, run: Reals) -> Reals:
+        plain = self._weighted(self.evidence.target - run)
         tall = np.concatenate([plain, np.zeros(self._basis.shape[1])])
         return np.asarray(tall - self._basis @ (self._basis.T @ tall))
 
@@ -158,14 +168,21 @@ class KnownMachine:
         except InputError:
             return None
 
-        def vector(values: Mapping[str, float]) -> Reals:
-            try:
-                plain = self.residual({**first, **values})
-            except InputError:
-                plain = 2.0 * refused
-            return np.concatenate([plain, [(values[name] - healthy) / std for name, healthy, std in scatter]])
+        def vectors(asked: Sequence[Mapping[str, float]]) -> list[Reals]:
+            left = self.residuals([{**first, **values} for values in asked])
+            return [
+                np.concatenate(
+                    [
+                        2.0 * refused if isinstance(plain, InputError) else plain,
+                        [(values[name] - healthy) / std for name, healthy, std in scatter],
+                    ]
+                )
+                for values, plain in zip(asked, left, strict=True)
+            ]
 
-        found = bounded.fit(unknowns, vector, OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6))
+        found = bounded.fit(
+            unknowns, lambda values: vectors([values])[0], OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6), many=vectors
+        )
         std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
         return Fit(effect, {**first, **found.values}, std, found.cost)
 
