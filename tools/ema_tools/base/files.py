@@ -148,9 +148,23 @@ def plain(value: Any) -> Any:
     return value
 
 
+def _indented(value: Any, margin: str = "\n") -> str:
+    """The text of `json.dumps` with an indent of 1 for a value of `plain`. With an indent that is worked out in Python, number by number; rows of numbers, which make
+    up nearly all of a result, are not."""
+    inner = margin + " "
+    if isinstance(value, dict) and value:
+        parts = [f"{json.dumps(key)}: {_indented(one, inner)}" for key, one in value.items()]
+        return "{" + inner + ("," + inner).join(parts) + margin + "}"
+    if isinstance(value, list) and value:
+        if {*map(type, value)} <= {float, int, type(None)}:
+            return "[" + inner + json.dumps(value, allow_nan=False)[1:-1].replace(", ", "," + inner) + margin + "]"
+        return "[" + inner + ("," + inner).join(_indented(one, inner) for one in value) + margin + "]"
+    return json.dumps(value, allow_nan=False)
+
+
 def write_json(path: str | Path, result: Mapping[str, Any], force: bool = False) -> None:
     """Write a result. Raises InputError as `may_write`."""
-    write_text(path, json.dumps(plain(result), indent=1, allow_nan=False) + "\n", force)
+    write_text(path, _indented(plain(result)) + "\n", force)
 
 
 def read_json(path: str | Path) -> dict[str, Any]:
