@@ -190,7 +190,7 @@ typedef struct {
     ema_lane_t substep_s;
     ema_lane_t asked; /* which lanes the next span is for: all, but where some of them go on apart */
     ema_lane_t done;  /* whether the last span was taken in one */
-    uint32_t count; /* lanes with a run: the first of them; the others do what the first does */
+    uint32_t count;   /* lanes with a run: the first of them; the others do what the first does */
     uint32_t step;
     uint64_t lane_spans; /* spans of all lanes, and how many of them were left to the model's own functions */
     uint64_t left_spans;

@@ -413,7 +413,7 @@ static void ema_lanes_alone(ema_lanes_t* lanes, uint32_t lane, uint32_t steps, c
     ++lanes->left_spans;
 }
 
-/* The same in the lanes that are asked and not done. Those without a run, which go with the first, need not go again. */
+/* The same in the lanes that are asked and not done; those without a run take what the first has come to. */
 static void ema_lanes_alone_each(ema_lanes_t* lanes, uint32_t steps, const ema_real* span_s)
 {
     for (uint32_t l = 0; l < EMA_LANES; ++l) {

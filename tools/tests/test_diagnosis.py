@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
 
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.base.errors import InputError
+from ema_tools.base.errors import InputError, taken
 from ema_tools.benchmarks.hidden.machines import machine, measured
 from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import View, settled, view
+from ema_tools.fit.evidence import Sensitivity, View, settled, view
 from ema_tools.fit.whitening import Whitener, counted, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
@@ -212,21 +213,27 @@ def test_without_repeats_an_effect_in_a_narrow_valley_is_named() -> None:
 
 
 def test_changes_side_by_side_are_seen_as_one_after_the_other() -> None:
-    """A view's sensitivities are those of each change alone, bit for bit; a change that the model refuses ends them as it ends one."""
+    """A view's sensitivities and signatures are those of each change alone, bit for bit; in the place of a change that the model refuses stands the error of that."""
     actuator = reference_actuator()
     evidence = gather(actuator, simulate_record(actuator, make_command("chirp", actuator)).with_noise({"position_mm": 0.002}, 4))
     here = view(evidence, {})
     changes = [{"effects.cogging_torque.amplitude_Nm": 0.004, "effects.cogging_torque.periods": float(4 + k)} for k in range(12)]
-    for change, many in zip(changes, here.sensitivities(changes), strict=True):
-        one = here.sensitivity(change)
-        assert one.vector.tobytes() == many.vector.tobytes()
-        assert one.shared.tobytes() == many.shared.tobytes()
-    for refused in ({"screw.inertia_kgm2": 1e-9}, {"effects.cogging_torque.amplitude_Nm": 1e9}):
+    changes[3] = {"effects.gain_drift.drift": 0.02}
+    refused = [{"screw.inertia_kgm2": 1e-9}, {"effects.cogging_torque.amplitude_Nm": 1e9}]
+    asked = [refused[0], *changes, refused[1]]
+    sensitivities, signatures = here.sensitivities(asked), here.signatures(asked)
+    for change, many, signature in zip(changes, sensitivities[1:-1], signatures[1:-1], strict=True):
+        vector = here.moved(change)
+        assert isinstance(many, Sensitivity) and not isinstance(signature, InputError)
+        assert vector.tobytes() == many.vector.tobytes()
+        assert here.shared(vector).tobytes() == many.shared.tobytes()
+        assert here.signature(change).tobytes() == signature.tobytes()
+    for place, change in zip((0, -1), refused, strict=True):
         with pytest.raises(InputError) as alone:
-            here.sensitivity(refused)
-        with pytest.raises(InputError) as beside:
-            here.sensitivities([*changes, refused])
-        assert str(alone.value) == str(beside.value)
+            here.moved(change)
+        assert str(alone.value) == str(sensitivities[place]) == str(signatures[place])
+        with pytest.raises(InputError, match=re.escape(str(alone.value))):
+            taken([sensitivities[1], sensitivities[place]])
 
 
 def test_where_the_model_takes_no_other_value_the_last_view_stays(monkeypatch: pytest.MonkeyPatch) -> None:

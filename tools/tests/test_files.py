@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import stat
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import keep_apart, may_write, write_text
+from ema_tools.base.files import keep_apart, may_write, plain, write_json, write_text
 
 
 def test_link_stays_a_link_and_its_file_is_written(tmp_path: Path) -> None:
@@ -65,3 +66,15 @@ def test_one_file_under_two_names_is_noticed(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="named for two outputs"):
             keep_apart([first, tmp_path / name])
     keep_apart([tmp_path / "a", tmp_path / "b"], [first])
+
+
+def test_a_result_is_written_as_the_standard_indents_it(tmp_path: Path) -> None:
+    result = {
+        "curve": [0.1, -0.0, 1e300, 3, float("nan")],
+        "none": {},
+        "empty": [],
+        "ä, b": "x, \n",
+        "mixed": [1.5, "a, b", True, None, [[1, 2], []], {"deep": [{"k": 0.25}]}],
+    }
+    write_json(tmp_path / "result.json", result)
+    assert (tmp_path / "result.json").read_text(encoding="utf-8") == json.dumps(plain(result), indent=1, allow_nan=False) + "\n"

@@ -133,6 +133,15 @@ def test_runs_of_different_shapes_find_their_own_company() -> None:
     assert_same_bits(mixed, command("chirp"))
 
 
+def test_effects_that_act_before_a_run_keep_company_with_others() -> None:
+    """A winding that heats, a gain that drifts and a current limit that is reached are numbers of the plant; with a run alone on its lanes, too."""
+    before = [costed_changes()[effect] for effect in ("winding_heating", "gain_drift", "inertia_change", "supply_sag")]
+    limit = {"effects.current_limit.limit_A": 3.0}
+    for changes in ([limit, *before, {}], [*before, {}, limit], [limit, limit, limit, limit, limit], [*before, *before, limit, {}]):
+        assert_same_bits(changes, command("rests"))
+        assert_same_bits([{**change, **costed_changes()["presliding"]} for change in changes], command("chirp"), 32)
+
+
 def test_a_run_that_is_refused_or_diverges_leaves_the_others_alone() -> None:
     # back-calculation that swings up, as far as the module allows it
     changes = spread_over({}, 9)

@@ -103,7 +103,12 @@ class TwoSided:
         places = np.arange(point.size)
         moved[places, places], moved[point.size + places, places] = low, high
         found = vectors(list(moved))
-        return np.column_stack([(found[point.size + place] - found[place]) / (high[place] - low[place]) for place in places])
+        return np.column_stack(
+            [
+                (above - below) / (high[k] - low[k])
+                for k, (below, above) in enumerate(zip(found[: point.size], found[point.size :], strict=True))
+            ]
+        )
 
 
 @dataclass(frozen=True)

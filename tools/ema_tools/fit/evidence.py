@@ -148,8 +148,7 @@ class Evidence:
         return simulate_channels(self.actuator.changed(values), self.record, self.channels, self.start_mm)
 
     def whitened(self, asked: Sequence[Step], base: Reals, seen: Callable[[Reals], Seen]) -> list[Seen | InputError]:
-        """`seen` of what each of several steps makes beyond `base` [channels, rows], over its size and whitened, [n] each; the error in the place of one that the model refuses.
-        """
+        """`seen` of what each of several steps makes beyond `base` [channels, rows], over its size and whitened, [n] each; the error in the place of one that the model refuses."""
         changes = [{**spreads.moved(self.actuator, self.spread, one.deviations), **one.changes} for one in asked]
         return simulate_side_by_side(
             self.actuator,

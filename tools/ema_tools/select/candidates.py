@@ -280,7 +280,7 @@ def promising(screen: Screen, earlier: Sequence[Signature], least: float) -> tup
 
 
 def signatures(screen: Screen, without: Collection[str] = (), only: Collection[str] | None = None) -> list[Signature]:
-    """The best-matched signature of every candidate beside what the screen's view holds already, or of `only` these effects, strongest first; each asks for sizes one after the other, all of them side by side."""
+    """The best-matched signature of every candidate beside what the screen's view holds already, or of `only` these effects, strongest first. All of them side by side."""
     tasks = [(candidate, ladder) for candidate in candidates(screen, without, only) for ladder in candidate.ladders]
     found = in_step([_matched(candidate, ladder) for candidate, ladder in tasks], screen.view.sensitivities)
     return sorted((signature for signature in found if signature is not None), key=lambda signature: -signature.score)

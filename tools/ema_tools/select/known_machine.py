@@ -180,9 +180,7 @@ class KnownMachine:
                 for values, plain in zip(asked, left, strict=True)
             ]
 
-        found = bounded.fit(
-            unknowns, lambda values: vectors([values])[0], OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6), many=vectors
-        )
+        found = bounded.fit(unknowns, lambda values: vectors([values])[0], OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6), many=vectors)
         std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
         return Fit(effect, {**first, **found.values}, std, found.cost)
 

@@ -1,0 +1,49 @@
+"""Tasks in lock step: what they ask for comes round by round, what they return in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+
+import pytest
+
+from ema_tools.base.parallel import each, in_step
+
+
+def halvings(number: int) -> Generator[int, float, list[float]]:
+    """Asks for the half of a number until it is one."""
+    found = []
+    while number > 1:
+        half = yield number
+        found.append(half)
+        number = int(half)
+    return found
+
+
+def test_tasks_of_different_lengths_are_answered_round_by_round() -> None:
+    rounds: list[list[int]] = []
+
+    def halves(asked: Sequence[int]) -> list[float]:
+        rounds.append(list(asked))
+        return [number / 2 for number in asked]
+
+    assert in_step([halvings(8), halvings(1), halvings(3), halvings(5)], halves) == [[4.0, 2.0, 1.0], [], [1.5], [2.5, 1.0]]
+    assert rounds == [[8, 3, 5], [4, 2], [2]]
+
+
+def test_what_the_answers_raise_ends_them_all() -> None:
+    def none(asked: Sequence[int]) -> list[float]:
+        raise ValueError(f"{len(asked)} asked")
+
+    with pytest.raises(ValueError, match="2 asked"):
+        in_step([halvings(8), halvings(3)], none)
+    assert in_step([], none) == []
+
+
+@pytest.mark.parametrize("count", [0, 1, 5])
+def test_each_keeps_the_order_and_raises_what_is_raised(count: int) -> None:
+    told: list[int] = []
+    assert each(lambda number: number * number, range(count)) == [number * number for number in range(count)]
+    assert each(lambda number: number, range(count), told.append) == list(range(count)) and told == list(range(1, count + 1))
+    if count:
+        with pytest.raises(ZeroDivisionError):
+            each(lambda number: 1 // number, range(count))
