@@ -34,6 +34,8 @@ endforeach()
 # has are a second library; the tools take it where they can. The bits are the same: no flag here changes what is computed, only when.
 file(GLOB ema_lanes_sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/port/lanes/*.c")
 set(ema_lanes_flags "")
+# a compiler that knows a flag and does nothing with it says so by a warning
+set(CMAKE_REQUIRED_FLAGS -Werror)
 # Loops over lanes have no branch as they are written. The compiler leaves them so where it may not move work behind a question, nor guess at its answer;
 # copies stay vectors, which a call in other widths would make the next read wait for; and what an effect works out is seen from the loop.
 foreach(flag -fno-semantic-interposition -ftree-loop-vectorize -fno-trapping-math -fno-tree-loop-distribute-patterns -fno-unswitch-loops -fno-tree-sink -fno-thread-jumps
@@ -44,6 +46,7 @@ foreach(flag -fno-semantic-interposition -ftree-loop-vectorize -fno-trapping-mat
         list(APPEND ema_lanes_flags ${flag})
     endif()
 endforeach()
+unset(CMAKE_REQUIRED_FLAGS)
 set(ema_lanes_module ${EMA_SOURCES})
 list(FILTER ema_lanes_module INCLUDE REGEX "/src/(base|effects|blocks|plant)/")
 set(ema_lanes_widths "")
