@@ -34,7 +34,12 @@ COMMON = ["-std=c11", "-fsyntax-only", "-ffp-contract=off", "-Wall", "-Wextra", 
 
 def include_flags(root: Path) -> list[str]:
     """Search path of a file of the module."""
-    folders = [root / "include", *sorted(path for path in (root / "src").glob("*") if path.is_dir()), root / "port" / "host", root / "port" / "desk"]
+    folders = [
+        root / "include",
+        *sorted(path for path in (root / "src").glob("*") if path.is_dir()),
+        root / "port" / "host",
+        root / "port" / "desk",
+    ]
     return [flag for folder in folders for flag in ("-I", str(folder))]
 
 

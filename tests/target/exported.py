@@ -1,8 +1,8 @@
 """What the example firmware compiles in must be what `ema export` writes today: configuration and table of signatures, remarks aside.
 
 Without --actuator it is that of the reference actuator, and the runs of the healthy machine that the table needs, five, are simulated here, with the noise of sensors and the scatter of
-friction that a machine has; else those of --healthy are taken. The configuration must be equal to the letter. A number of the table may be off by what two machines' linear algebra makes it. With --write both headers are written instead. Python's
-standard library alone.
+friction that a machine has; else those of --healthy are taken. The configuration must be equal to the letter. A number of the table may be off by what two machines' linear algebra makes it.
+With --write both headers are written instead. Python's standard library alone.
 """
 
 from __future__ import annotations

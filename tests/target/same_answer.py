@@ -108,7 +108,7 @@ def check_stored(file: Path, answer: str) -> None:
     words = [line.split() for line in answer.splitlines()]
     missing = set(SHARED) - {"case", "seed", "format", "rows", *stored}
     if missing:
-        raise WrongAnswerError(f"{file.name}: no {sorted(missing)[0]}: write it by the build's target `written`")
+        raise WrongAnswerError(f"{file.name}: no {min(missing)}: write it by the build's target `written`")
     for name, expected in stored.items():
         found = [line[1] for line in words if line[0] == name]
         if found != expected:

@@ -46,7 +46,7 @@ class Emulated(unittest.TestCase):
 def answer(**changed: str) -> str:
     """A complete answer as ema_answer prints it."""
     values = dict.fromkeys(same_answer.SHARED, "0") | {"rows": "10000", "model_steps": "2000000"} | changed
-    count = {name: 2 for name in same_answer.OF_A_VALUE}
+    count = dict.fromkeys(same_answer.OF_A_VALUE, 2)
     lines = [f"{name} {values[name]}" for name in same_answer.SHARED for _ in range(count.get(name, 1))]
     return "\n".join([*lines, "slices 12"])
 
