@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ema_tools.base.errors import InputError
+from ema_tools.benchmarks.constants import sweep as sweep_program
 from ema_tools.benchmarks.constants.changing import scaled
 from ema_tools.benchmarks.constants.document import written
 from ema_tools.benchmarks.constants.listing import Constant, constants, constants_in, unused, without_reason
-from ema_tools.benchmarks.constants.replay import outline
+from ema_tools.benchmarks.constants.replay import Job, outline
 from ema_tools.benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, renewed, sources_of, words, write_swept
 from ema_tools.benchmarks.frozen import CASES as FROZEN_CASES
 
@@ -89,21 +91,21 @@ def test_a_changed_constant_is_changed_wherever_it_is_bound() -> None:
     found = in_a_process("""
 import json
 from ema_tools.benchmarks.constants.changing import install_change
-changed = install_change("select.strategies.strategy", "LEAST_LIMIT", 2.0)
+changed = install_change(["select.strategies.strategy:LEAST_LIMIT"], 2.0)
 import ema_tools.select.strategies.strategy as strategy, ema_tools.tasks.add as add
 from ema_tools.select.strategies import DataSheetAlone, WithRepeats
 print(json.dumps([changed, strategy.LEAST_LIMIT, add.LEAST_LIMIT, WithRepeats.limits.least, DataSheetAlone.limits.least]))
 """)
-    assert found == [[True], 60.0, 60.0, 60.0, 120.0]
+    assert found == [{"select.strategies.strategy:LEAST_LIMIT": True}, 60.0, 60.0, 60.0, 120.0]
     found = in_a_process("""
 import json
 from ema_tools.benchmarks.constants.changing import install_change
-install_change("select.strategies.with_repeats", "WithRepeats.limits.finalists", 0.5)
+changed = install_change(["select.strategies.with_repeats:WithRepeats.limits.finalists", "fit.evidence:_ROUNDS"], 0.5)
 from ema_tools.select.strategies import WithRepeats
 import ema_tools.fit.evidence as evidence
-print(json.dumps([WithRepeats.limits.finalists, WithRepeats.limits.finalist_share, evidence.settled.__defaults__[1] == evidence._ROUNDS]))
+print(json.dumps([WithRepeats.limits.finalists, WithRepeats.limits.finalist_share, evidence.settled.__defaults__[1], evidence._ROUNDS]))
 """)
-    assert found == [2, 0.4, True]
+    assert found == [2, 0.4, 3, 3]
 
 
 def test_readings_are_noted() -> None:
@@ -175,6 +177,36 @@ def test_rows_of_other_sources_hold_where_the_plain_answer_is_what_it_was() -> N
     found = renewed(rows, today)
     assert found.sources == sources_of() and list(found.answers(ONE, 2.0)) == ["b"]
     assert (rows.count, found.count) == (2, 1)
+
+
+def test_a_group_is_halved_until_it_is_known_which_constant_moved_the_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of six constants the fourth turns the verdict of one case, and the sixth ends the program in another; of the others nothing moves."""
+    chosen = [Constant("fit.here", f"_{place}", place, "2.0", "what it is", "judgement") for place in range(6)]
+    plain = {name: {**answer("adequate", 1.0), "read": [one.key for one in chosen], "imported": []} for name in ("a", "b")}
+    path = tmp_path / "rows.json"
+    write_swept(path, Swept(sources_of(), plain))
+    runs = []
+
+    def run(job: Job, _seconds: object, keep: Callable[[dict[str, object]], None], _ended: object) -> None:
+        runs.append((len(job.keys), len(job.folders)))
+        for case in job.folders:
+            moved_it = case == "a" and "fit.here:_3" in job.keys
+            row = {"broken": "ended"} if case == "b" and "fit.here:_5" in job.keys else answer("missing" if moved_it else "adequate", 1.0)
+            keep({"case": case, **row, "unchanged": ["fit.here:_0"] if "fit.here:_0" in job.keys else []})
+
+    monkeypatch.setattr(sweep_program, "run", run)
+    monkeypatch.setattr(sweep_program, "recorded", lambda names, records, told: {name: str(records) for name in names})
+    told: list[str] = []
+    found = sweep_program.sweep(chosen, ("a", "b"), path, tmp_path, 1, told.append)
+    for factor in (0.5, 2.0):
+        texts = [words(moved(found, one, factor)) for one in chosen]
+        assert texts == ["stays what it is", "nothing of 2", "nothing of 2", "1 verdict of 2", "nothing of 2", "1 broken of 2"]
+    assert found.rows["fit.here:_1"]["2.0"]["b"]["together"] == 3 and found.rows["fit.here:_3"]["2.0"]["a"]["together"] == 1
+    assert runs[0] == (6, 2) and len(runs) == 14
+    assert sorted({line.partition(" ")[0] for line in told}) == [one.key for one in chosen]
+    runs.clear()
+    sweep_program.sweep(chosen, ("a", "b"), path, tmp_path, 1, told.append)
+    assert not runs
 
 
 def test_an_answer_is_told_by_its_verdict_its_first_name_and_what_is_accepted() -> None:

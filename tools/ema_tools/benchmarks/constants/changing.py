@@ -1,4 +1,4 @@
-"""The package imported with one constant changed, or with every reading of the constants noted.
+"""The package imported with constants changed, or with every reading of the constants noted.
 
 The source is changed before it is compiled, so a name that another module imported, the default of a parameter and an attribute of a class hold the changed value too. It has to be
 installed before anything that holds or reads constants is imported: in a process of its own.
@@ -10,7 +10,7 @@ import ast
 import builtins
 import sys
 import types
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from typing import Any
@@ -74,21 +74,26 @@ def _install(rewrite: Rewrite, helpers: Mapping[str, Callable[..., Any]]) -> Non
     sys.meta_path.insert(0, _Finder(rewrite))
 
 
-def install_change(module: str, name: str, factor: float) -> list[bool]:
-    """From here on the constant is imported times a factor. The list tells, once it was imported, whether that changed it."""
-    changed: list[bool] = []
+def install_change(keys: Iterable[str], factor: float) -> dict[str, bool]:
+    """From here on the constants of these keys, module:name, are imported times a factor. The result tells, of those that were imported, whether that changed them."""
+    names: dict[str, list[str]] = {}
+    for key in keys:
+        module, _, name = key.partition(":")
+        names.setdefault(module, []).append(name)
+    changed: dict[str, bool] = {}
 
-    def helper(value: Any) -> Any:
+    def helper(key: str, value: Any) -> Any:
         there = scaled(value, factor)
-        changed.append(repr(there) != repr(value))
+        changed[key] = repr(there) != repr(value)
         return there
 
     def rewrite(origin: str, tree: ast.Module) -> ast.Module:
-        if origin == module:
-            bound = next(one for one in bound_in(tree) if one.name == name)
-            value = bound.value
+        bound = {one.name: one.value for one in bound_in(tree) if one.name in names.get(origin, ())}
+        for name in names.get(origin, ()):
+            value = bound[name]
             # the call takes the place of the expression wherever it stands
-            _Replaced(value, ast.Call(ast.Name(_SCALED, ast.Load()), [value], [])).visit(tree)
+            call = ast.Call(ast.Name(_SCALED, ast.Load()), [ast.Constant(f"{origin}:{name}"), value], [])
+            _Replaced(value, call).visit(tree)
         return tree
 
     _install(rewrite, {_SCALED: helper})

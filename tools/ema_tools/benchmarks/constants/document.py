@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ema_tools.benchmarks.constants.listing import SET_BY, Constant
-from ema_tools.benchmarks.constants.sweep import FACTORS, Swept, moved, words
+from ema_tools.benchmarks.constants.sweep import FACTORS, TOGETHER, Swept, moved, words
 
 _VALUE_LETTERS = 60
 _NOT_REACHED = "not reached by these cases"
@@ -30,6 +30,8 @@ def written(found: Sequence[Constant], swept: Swept | None) -> str:
         lines += [
             f"Replayed were the {len(swept.cases)} cases below, each constant in those that read it. Counted are changed verdicts, first names and accepted sets, calls that broke, and the",
             "largest change of the weighted error that is left; *nothing of 9* says that the 9 cases that read it answered the same.",
+            f"Constants were changed up to {TOGETHER} at once; where that moved the answer to a case, the group was halved until it was known which of them did, and where it did not, none of them",
+            "is taken to have moved it: two that cancel each other would be missed.",
             "",
             *(f"- {name}: {_told(one['outline'])}" for name, one in swept.cases.items()),
             "",

@@ -1,4 +1,4 @@
-"""Cases replayed with one constant changed, or with its readings noted: a process of its own, told what to do on its input, which answers a line of JSON for each case."""
+"""Cases replayed with constants changed, or with its readings noted: a process of its own, told what to do on its input, which answers a line of JSON for each case."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TextIO
@@ -21,10 +21,10 @@ ARGUMENTS = "arguments.json"
 
 @dataclass(frozen=True)
 class Job:
-    """`folders`: by case, its files and the arguments of its call. `key`: of the constant that is taken times `factor`; empty where none is, and readings are noted. `core`: the one to run on."""
+    """`folders`: by case, its files and the arguments of its call. `keys`: of the constants that are taken times `factor`; none, and readings are noted. `core`: the one to run on."""
 
     folders: dict[str, str]
-    key: str = ""
+    keys: tuple[str, ...] = ()
     factor: float = 1.0
     core: int | None = None
 
@@ -56,12 +56,11 @@ def _copied(source: str) -> Iterator[list[str]]:
 
 def replay(job: Job, out: TextIO) -> None:
     """Writes a line for each case: name, seconds, outline or the error that ended it, and without a change the constants that were read."""
-    changed: Sequence[bool] = ()
+    changed: dict[str, bool] = {}
     read: set[str] = set()
     imported: set[str] = set()
-    if job.key:
-        module, _, name = job.key.partition(":")
-        changed = install_change(module, name, job.factor)
+    if job.keys:
+        changed = install_change(job.keys, job.factor)
     else:
         read, imported = install_notes()
     from ema_tools.benchmarks.frozen import answer_to
@@ -77,8 +76,8 @@ def replay(job: Job, out: TextIO) -> None:
                 # a constant far from its value may break what relies on it: that is an answer too
                 row["broken"] = f"{type(error).__name__}: {error}"[:200]
             row["seconds"] = round(time.perf_counter() - begun, 2)
-        if job.key:
-            row["same"] = bool(changed) and not any(changed)
+        if job.keys:
+            row["unchanged"] = sorted(key for key, differs in changed.items() if not differs)
         else:
             row |= {"read": sorted(read), "imported": sorted(imported)}
         print(json.dumps(row), file=out, flush=True)

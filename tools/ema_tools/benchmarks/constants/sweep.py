@@ -1,4 +1,4 @@
-"""Every constant halved and doubled: what becomes of the answers of a small set of cases. Rows are kept as they come; what is there is not done again."""
+"""The constants halved and doubled: what becomes of the answers of a small set of cases. Rows are kept as they come; what is there is not done again."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,6 +39,8 @@ CASES = (
     "exchanged columns",
     "emps",
 )
+# Constants that are changed together first: most move nothing, and where nothing moved each of them is done.
+TOGETHER = 8
 # A case is given up at so many times its usual seconds, and not before the least.
 _PATIENCE, _PATIENCE_LEAST_S = 10.0, 120.0
 _SHOWN_ERROR = 5e-4  # a smaller change of the error that is left is not told
@@ -172,7 +174,7 @@ def run(job: Job, seconds: Mapping[str, float], keep: Callable[[dict[str, Any]],
     """One process replays the cases of a job; a case that ends it, or takes far longer than its usual `seconds`, is kept as broken, and another process goes on."""
     left = dict(job.folders)
     while left and not ended:
-        now = Job(left, job.key, job.factor, job.core)
+        now = Job(left, job.keys, job.factor, job.core)
         process = subprocess.Popen(
             [sys.executable, "-m", "ema_tools.benchmarks.constants.replay"],
             stdin=subprocess.PIPE,
@@ -215,7 +217,10 @@ def _watched(process: subprocess.Popen[str], seconds: float, late: threading.Eve
 
 
 def sweep(chosen: Sequence[Constant], names: Sequence[str], path: Path, records: Path, workers: int, told: Callable[[str], None]) -> Swept:
-    """Replays the cases that read each of the chosen constants, with it halved and doubled, one process on each of so many cores; `told` hears how it goes, line by line."""
+    """Replays the cases that read each of the chosen constants, with it halved and doubled, one process on each of so many cores; `told` hears how it goes, line by line.
+
+    Constants are changed several at once; where an answer moved, the group is halved until it is known which of them moved it.
+    """
     before = _of_file(path)
     swept = before if before.sources == sources_of() else Swept(sources_of())
     folders = recorded(list(names) if swept is before else sorted({*names, *before.cases}), records, told)
@@ -246,23 +251,43 @@ def sweep(chosen: Sequence[Constant], names: Sequence[str], path: Path, records:
 
         on_a_core(lambda core: run(Job({name: folders[name]}, core=core), {}, keep, ended))
 
-    def changed(one: Constant, factor: float) -> None:
-        done = swept.answers(one, factor)
-        wanted = {name: folders[name] for name in swept.reached(one.key) if name in names and name in folders and name not in done}
-        if not wanted:
-            return
+    def changed(group: Sequence[Constant], factor: float, wanted: Mapping[str, str]) -> None:
+        moving: dict[str, str] = {}
 
         def keep(row: dict[str, Any]) -> None:
             case = row.pop("case")
+            unchanged = row.pop("unchanged", [])
+            if len(group) > 1 and ("broken" in row or not _same(swept.cases[case]["outline"], row["outline"])):
+                moving[case] = wanted[case]
+                return
             with lock:
-                swept.keep(one, factor, case, row)
+                for one in group:
+                    swept.keep(one, factor, case, {**row, "same": one.key in unchanged, "together": len(group)})
                 write_swept(path, swept)
 
         begun = time.perf_counter()
         usual = {name: swept.cases[name]["seconds"] for name in wanted}
-        on_a_core(lambda core: run(Job(wanted, one.key, factor, core), usual, keep, ended))
+        on_a_core(lambda core: run(Job(dict(wanted), tuple(one.key for one in group), factor, core), usual, keep, ended))
+        seconds = time.perf_counter() - begun
         if not ended:
-            told(f"{one.key} x {factor:g}: {words(moved(swept, one, factor))} ({time.perf_counter() - begun:.0f} s)")
+            for one in group:
+                if len(group) == 1 or not moving:
+                    told(f"{one.key} x {factor:g}: {words(moved(swept, one, factor))} ({seconds / len(group):.0f} s)")
+            if moving:
+                half = len(group) // 2
+                changed(group[:half], factor, moving)
+                changed(group[half:], factor, moving)
+
+    def groups(factor: float) -> Iterator[tuple[tuple[Constant, ...], dict[str, str]]]:
+        by_cases: dict[tuple[str, ...], list[Constant]] = {}
+        for one in chosen:
+            done = swept.answers(one, factor)
+            open_cases = tuple(name for name in swept.reached(one.key) if name in names and name in folders and name not in done)
+            if open_cases:
+                by_cases.setdefault(open_cases, []).append(one)
+        for open_cases, members in by_cases.items():
+            for place in range(0, len(members), TOGETHER):
+                yield tuple(members[place : place + TOGETHER]), {name: folders[name] for name in open_cases}
 
     with ThreadPoolExecutor(workers) as pool:
         _all((pool.submit(plain, name) for name in folders if name not in swept.cases), ended)
@@ -270,7 +295,7 @@ def sweep(chosen: Sequence[Constant], names: Sequence[str], path: Path, records:
             swept.rows = renewed(before, swept.cases).rows
             told(f"the sources have changed: {swept.count} of {before.count} answers still hold")
             write_swept(path, swept)
-        _all((pool.submit(changed, one, factor) for one in chosen for factor in FACTORS), ended)
+        _all((pool.submit(changed, group, factor, wanted) for factor in FACTORS for group, wanted in groups(factor)), ended)
     return swept
 
 
