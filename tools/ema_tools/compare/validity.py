@@ -567,6 +567,15 @@ def _spikes(record: Record) -> list[RecordRemark]:
     return found
 
 
+# What to do about a sensor that is held.
+_HELD = {
+    "position_mm": "check the rod's sensor, and what joins it to the motor",
+    "motor_position_mm": "check the motor's sensor, and record again",
+    "current_A": "check the current's sensor, and record again",
+    "voltage_V": "check where the voltage is recorded, and record again",
+}
+
+
 def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[RecordRemark]:
     """Samples that repeat while the model's signal moves on, the longest stretch of each signal: lost data, or a held sensor; a rod that stays may be seized, unless the motor turns on."""
     found = []
@@ -598,14 +607,6 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[RecordRe
                     )
                 )
     return found
-
-
-_HELD = {
-    "position_mm": "check the rod's sensor, and what joins it to the motor",
-    "motor_position_mm": "check the motor's sensor, and record again",
-    "current_A": "check the current's sensor, and record again",
-    "voltage_V": "check where the voltage is recorded, and record again",
-}
 
 
 def _moves_on(actuator: Actuator, record: Record, name: str, held: slice) -> str:

@@ -75,7 +75,7 @@ def check_table(table: Table, record: Record) -> None:
             )
 
 
-def _settings(actuator: Actuator, search: SearchSettings, table: Table | None = None) -> tuple[SearchSettings, bool]:
+def _settings(actuator: Actuator, search: SearchSettings) -> tuple[SearchSettings, bool]:
     """What is searched and inside which bounds, and whether grease and winding are searched beside it."""
     names = identified_of(actuator)
     day = actuator[DAY_VALUES] != 0.0 and len(names) == len(KEYS) and search.identified is None
@@ -91,9 +91,9 @@ def _settings(actuator: Actuator, search: SearchSettings, table: Table | None = 
     return search, day
 
 
-def search_warnings(actuator: Actuator, search: SearchSettings | None = None, table: Table | None = None) -> tuple[str, ...]:
+def search_warnings(actuator: Actuator, search: SearchSettings | None = None) -> tuple[str, ...]:
     """Why the search of `run` would not reach its lowest cost with its settings, and what to do; by the module's own rules. Raises InputError."""
-    given, _ = _settings(actuator, search or SearchSettings(), table)
+    given, _ = _settings(actuator, search or SearchSettings())
     return library(32).search_warnings(*actuator.arrays(), given)
 
 
@@ -101,7 +101,7 @@ def run(
     actuator: Actuator, record: Record, search: SearchSettings, bits: int, progress: Progress | None = None, table: Table | None = None
 ) -> Identification:
     """One search on one record, behind a `table` of signatures where one is given. Raises InputError."""
-    search, day = _settings(actuator, search, table)
+    search, day = _settings(actuator, search)
     values, options = actuator.arrays()
     answer = library(bits).identify(values, options, record.command_mm, record.table(), search, progress, table)
     if not day:
