@@ -65,6 +65,16 @@ static double ema_std(const ema_result_t* result, uint32_t fault)
     return none ? (double)NAN : std;
 }
 
+/* Standard deviations on either side that hold 95 % of a normal distribution. */
+#define WIDTH_95 1.96
+
+/* Half of the 95 % interval: sensor noise and what the residual shares over many rows, as independent; NaN where the
+ * record does not determine it. */
+static double ema_half_interval(const ema_result_t* result, uint32_t fault)
+{
+    return WIDTH_95 * hypot(ema_std(result, fault), (double)result->identified[fault].bias);
+}
+
 /* "CSJ +117.4 %, BLK +25.0 %" */
 static void ema_write_shifts(const ema_report_t* report, FILE* out)
 {
@@ -109,16 +119,17 @@ void ema_report_text(const ema_report_t* report, FILE* out)
     ema_text_t shown = ema_text_start(path, sizeof path);
     ema_text_add_path(&shown, report->record);
     ema_write_sentence(report, out);
-    (void)fputs("\n          estimate  std. error     healthy      shift\n", out);
+    (void)fputs("\n          estimate        95 % interval     healthy      shift\n", out);
     for (uint32_t i = 0; i < FAULTS; ++i) {
         const ema_estimate_t* const found = &result->identified[i];
-        const double std = ema_std(result, i);
-        char std_text[24] = "-";
-        if (isfinite(std)) {
-            (void)snprintf(std_text, sizeof std_text, "%.2g", std);
+        const double estimate = (double)found->estimate;
+        const double half = ema_half_interval(result, i);
+        char interval[48] = "-";
+        if (isfinite(half)) {
+            (void)snprintf(interval, sizeof interval, "%.4g .. %.4g", estimate - half, estimate + half);
         }
-        (void)fprintf(out, "%s  %s  %10.6f  %10s  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i],
-                      (double)found->estimate, std_text, ema_healthy(report, i), (double)found->shift_percent);
+        (void)fprintf(out, "%s  %s  %10.6f  %19s  %10.6g  %+8.2f %%\n", ema_fault_name[i], ema_fault_unit[i], estimate,
+                      interval, ema_healthy(report, i), (double)found->shift_percent);
     }
     const double before = (double)result->objective_before;
     const double after = (double)result->objective_after;
@@ -196,6 +207,10 @@ void ema_report_json(const ema_report_t* report, FILE* out)
         ema_json_real(out, "\"estimate\": ", (double)found->estimate);
         ema_json_real(out, ", \"std\": ", ema_std(result, i));
         ema_json_real(out, ", \"bias\": ", (double)found->bias);
+        const double half = ema_half_interval(result, i);
+        ema_json_real(out, ", \"interval95\": [", (double)found->estimate - half);
+        ema_json_real(out, ", ", (double)found->estimate + half);
+        (void)fputc(']', out);
         ema_json_real(out, ", \"shift_percent\": ", (double)found->shift_percent);
         ema_json_real(out, ", \"healthy\": ", ema_healthy(report, i));
         (void)fprintf(out, ", \"at_bound\": %s}", found->at_bound ? "true" : "false");

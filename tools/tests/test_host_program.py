@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -97,6 +98,9 @@ def test_the_shipped_case(plain: dict[str, object]) -> None:
     assert plain["blk_mm"]["shift_percent"] == pytest.approx(25.0, abs=0.5)
     assert plain["objective_before_mm2s"] == pytest.approx(0.674, abs=0.002)
     assert plain["objective_after_mm2s"] < 1e-6
+    for fault in (plain["csj_Nm"], plain["blk_mm"]):
+        half = 1.96 * math.hypot(fault["std"], fault["bias"])
+        assert fault["interval95"] == pytest.approx([fault["estimate"] - half, fault["estimate"] + half], rel=1e-6)
 
 
 def test_the_text_says_it_first(tmp_path: Path) -> None:
@@ -137,6 +141,7 @@ def test_what_is_not_determined_has_no_standard_error(tmp_path: Path) -> None:
     result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
     assert "the record does not determine the parameters" in result["reasons"]
     assert result["csj_Nm"]["std"] is None and result["blk_mm"]["std"] is None
+    assert result["csj_Nm"]["interval95"] == [None, None]
     rows = [line.split() for line in answer.stdout.decode().splitlines() if line.startswith(("CSJ  Nm", "BLK  mm"))]
     assert [row[3] for row in rows] == ["-", "-"]
 
