@@ -83,6 +83,7 @@ def test_a_healthy_unit_with_another_drive_is_no_fault(changes: Mapping[str, flo
     assert "record motor position, current and voltage too" in said(found) or "ema add ACTUATOR" in said(found)
 
 
+@pytest.mark.slow
 def test_a_rival_is_named_and_told_apart_by_more_signals() -> None:
     """Friction of +40 % on the triangle: the position alone leaves the inverter possible, all signals do not, nor does a chirp."""
     worn = {"screw.csj_Nm": 1.4 * CSJ_NM}
@@ -149,9 +150,8 @@ def test_a_faulty_one_among_healthy_records_is_said(changes: Mapping[str, float]
 
 
 @pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
-@pytest.mark.parametrize(
-    ("number", "setting"), [(2, ""), pytest.param(1, "", marks=pytest.mark.slow), pytest.param(2, "scatter", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "setting"), [(2, ""), (1, ""), (2, "scatter")])
 def test_a_unit_with_standing_errors_is_judged_by_its_own_healthy_runs(number: int, setting: str) -> None:
     """By another plant, with standing errors, sensors of its own and contacts that yield: against its data sheet it is undecided, against three healthy runs it is not."""
     unit = machines.machine(number, setting=setting)

@@ -125,6 +125,7 @@ def test_what_is_not_safe_or_shows_no_play_is_left_out(found: Detection) -> None
     assert not {one.command for one in found.options} & set(found.one_way)
 
 
+@pytest.mark.slow
 def test_noise_scatter_and_runs_move_it() -> None:
     def alone(*, runs: int = 3, noise: float = 0.005, scatter: dict[str, float] | None = None) -> dict[str, float]:
         seen = detection(
@@ -153,6 +154,7 @@ def test_a_chirp_is_moved_in_what_it_has() -> None:
         scatter_given("csj=-1")
 
 
+@pytest.mark.slow
 def test_command_says_it_and_programs_read_it(tmp_path: Path) -> None:
     ran = run_ema("next", REFERENCE, "--detect", "--runs", 5, "--json", tmp_path / "d.json")
     assert ran.code == 0, ran.err
@@ -180,6 +182,7 @@ def test_one_question_at_a_time(arguments: tuple[str, ...], told: str) -> None:
     assert ran.code == 2 and told in ran.err
 
 
+@pytest.mark.slow
 def test_a_chosen_rate_goes_into_the_units_file_and_the_firmware(tmp_path: Path) -> None:
     files = []
     for seed in (1, 2):

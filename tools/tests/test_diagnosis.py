@@ -117,6 +117,7 @@ def test_the_answer_has_the_keys_that_programs_read(hot: Answer) -> None:
     assert "ema add" in result["next_experiment"]
 
 
+@pytest.mark.slow
 @needs_numba
 def test_adding_the_effect_gives_the_machine_with_it(healthy: list[Record], held_out: list[Record]) -> None:
     found = add(reference_actuator(), "winding_heating", held_out[0], healthy[:-1], held_out[1])
@@ -127,6 +128,7 @@ def test_adding_the_effect_gives_the_machine_with_it(healthy: list[Record], held
     assert found.errors.after < 0.5 * found.errors.before
 
 
+@pytest.mark.slow
 @needs_numba
 def test_adding_a_wrong_effect_is_not_recommended(healthy: list[Record]) -> None:
     found = add(reference_actuator(), "spring_load", healthy[-1], healthy[:-1])

@@ -72,6 +72,7 @@ def test_a_bad_spot_and_a_ripple_of_the_screw_need_more_than_one_lead() -> None:
     assert found.best.separation > 5.0 * option(found, "chirp").separation
 
 
+@pytest.mark.slow
 def test_the_separation_is_what_noisy_records_show() -> None:
     """On a record with noise, the wrong effect's best fit costs the square of the separation more than the right one's."""
     actuator = reference_actuator()
@@ -156,6 +157,7 @@ def test_what_is_recommended_is_safe_on_the_machine(supply_V: float) -> None:
         assert np.max(np.abs(run.speed_mm_s)) <= found.limits.speed_mm_s
 
 
+@pytest.mark.slow
 def test_an_unsafe_command_is_left_out_and_said() -> None:
     found = next_experiment(
         reference_actuator(),
@@ -197,6 +199,7 @@ def test_every_effect_has_a_size_that_the_model_takes() -> None:
             assert abs(larger[size] - present) == pytest.approx(3.0 * abs(values[size] - present))
 
 
+@pytest.mark.slow
 def test_an_effect_without_a_usual_size_gets_one_that_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(following, "typical_change", lambda *_: None)
     found = next_experiment(reference_actuator(), ["winding_heating", "viscous_rise"])

@@ -120,6 +120,7 @@ def test_healthy_axis_is_left_alone() -> None:
     assert found.refitted.holdout < 0.2
 
 
+@pytest.mark.slow
 def test_several_effects_without_the_one_that_they_made_needless() -> None:
     true = {
         "cogging_torque.amplitude_Nm": 5e-4,

@@ -84,10 +84,10 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
 
 
 def hidden_cases() -> list[Any]:
-    """Signals, effect and wear; the quick ones are an electrical and a mechanical effect of a worn machine with all signals."""
+    """Signals, effect and wear; the quick one is a mechanical effect of a worn machine with all signals."""
     found = []
     for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True)):
-        quick = worn and not only and effect in ("winding_heating", "stribeck_friction")
+        quick = worn and not only and effect == "stribeck_friction"
         name = f"{'position' if only else 'four_signals'}-{effect}-{worn}"
         found.append(pytest.param(effect, worn, only, id=name, marks=() if quick else pytest.mark.slow))
     return found

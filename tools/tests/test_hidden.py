@@ -73,6 +73,7 @@ def test_machines_of_a_setting_are_the_same_units_in_what_it_leaves_alone() -> N
     assert hidden.values == {"inverter_dead_time.drop_V": pytest.approx(0.15)} and hidden.true == 0.1
 
 
+@pytest.mark.slow
 @needs_numba
 def test_days_of_another_temperature_move_winding_and_grease_together() -> None:
     unit = replace(machines.machine(2, setting="scatter"), sensors=machines.Sensors())

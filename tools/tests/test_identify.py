@@ -80,6 +80,7 @@ def test_result_has_the_keys_that_programs_read(tmp_path: Path) -> None:
     assert fitted["screw.csj_Nm"] == result["csj_Nm"]["estimate"]
 
 
+@pytest.mark.slow
 def test_healthy_records_take_the_models_own_error_away() -> None:
     """A winding warmer than the model knows reads as a fault; against a healthy record of the same machine it does not."""
     # A user who allows for what the model misses: the module takes it for sensor noise.

@@ -36,6 +36,7 @@ def flown(name: str, table: Table | None = None) -> Identification:
     return run(read_actuator(UNIT / "unit.toml"), read_record(UNIT / f"{name}.csv"), SearchSettings(int16_record=True), 32, table=table)
 
 
+@pytest.mark.slow
 @needs_numba
 def test_recordings_are_reproduced_and_tell_nothing(tmp_path: Path) -> None:
     for path in recordings.write_unit(tmp_path):
@@ -68,6 +69,7 @@ def test_healthy_fault_with_its_size_and_undecided() -> None:
     assert day["screw.viscous_Nm_s_per_rad"] < -5.0 and 0.5 < day["motor.resistance_ohm"] < 2.0
 
 
+@pytest.mark.slow
 def test_behind_the_table_the_answer_is_the_same_and_names_what_is_missing() -> None:
     """Grease and winding of the day are searched behind a table of signatures as well."""
     table = read_signatures(TABLE)

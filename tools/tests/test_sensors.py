@@ -65,6 +65,7 @@ def test_an_error_of_one_sensor_is_suspected(
     assert 1e3 * found.late_s == pytest.approx(late_ms, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes", [{}, {"screw__csj_Nm": 0.16}, {"effects__magnet_weakening__loss": 0.04}, {"effects__stribeck_friction__rise": 0.3}]
 )

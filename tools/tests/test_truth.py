@@ -30,6 +30,7 @@ def rms(one: Recording, other: Recording, channel: str) -> float:
     return float(np.sqrt(np.mean((getattr(one, channel) - getattr(other, channel)) ** 2)))
 
 
+@pytest.mark.slow
 def test_error_against_the_reference_falls_with_the_square_of_the_step() -> None:
     sweep = chirp(times_s(3_000), 2.0, 0.2, 4.0, 3.0)
     reference = simulate(CASE_A, sweep)

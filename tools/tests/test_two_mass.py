@@ -59,6 +59,7 @@ def test_step_is_fine_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     assert float(np.std(coarse.current_A - fine.current_A)) < 0.01
 
 
+@pytest.mark.slow
 def test_no_unit_runs_away() -> None:
     for number in range(3000, 3012):
         one = two_mass.measured(two_mass.unit(number, "coloured"), {}, command_mm("fast chirp"), seed=number)
