@@ -24,18 +24,23 @@ extern "C" {
 /* Parameters whose sensitivities are taken at once: sets the memory. */
 #define EMA_IDENTIFIED_MAX 4U
 
+/* What is summed of the residual at the estimate. */
+typedef struct {
+    ema_real position_square; /* of the rod position */
+    ema_real position_neighbours;
+    ema_real position_last_mm;
+    ema_real weighted_square; /* of all weighted channels */
+    ema_real block_mm;        /* of the rod position, summed over the rows of a block so far */
+    ema_real block_square;    /* of whole blocks */
+} ema_residual_t;
+
 typedef struct {
     ema_cursor_t cursor;
     bool pushed[2]; /* the run at the estimate has pushed the rod back, and forward */
     ema_real weight[EMA_CHANNEL_COUNT];
     ema_real delta[EMA_IDENTIFIED_MAX];
     ema_real normal[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX]; /* J'J */
-    ema_real position_square;                                /* of the rod position's residual */
-    ema_real position_neighbours;
-    ema_real position_last_mm;
-    ema_real weighted_square;
-    ema_real block_mm;     /* of the rod position's residual, summed over the rows of a block so far */
-    ema_real block_square; /* of whole blocks */
+    ema_residual_t residual;
     uint32_t parameters;
     uint32_t channels;
     uint32_t next_run;   /* whose turn it is */

@@ -4,20 +4,8 @@
 #include "ema_linear.h"
 #include "ema_math.h"
 #include "ema_prepare.h"
+#include "ema_residual.h"
 #include "ema_tick.h"
-
-/* A residual that repeats itself entirely would make the standard errors infinite. */
-#define EMA_CORRELATION_MAX EMA_R(0.999)
-
-/* Rows over which what lasts is told from noise: noise sums up to little over so many, and every motion lasts longer.
- */
-#define EMA_BLOCK_ROWS 16U
-
-/* Scatter of a measured correlation that white noise may show, in standard errors. */
-#define EMA_CORRELATION_DOUBT EMA_R(3.0)
-
-/* Part of a shared residual that may have been taken for a parameter. */
-#define EMA_BIAS_SHARE EMA_R(0.35)
 
 ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record,
                                    const ema_real weight[EMA_CHANNEL_COUNT], const ema_value_id_t* ids,
@@ -71,14 +59,7 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
     const ema_real residual_mm =
         ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[EMA_CHANNEL_POSITION])
         - self->row_output[0].position_mm;
-    self->position_square += residual_mm * residual_mm;
-    self->position_neighbours += residual_mm * self->position_last_mm;
-    self->position_last_mm = residual_mm;
-    self->block_mm += residual_mm;
-    if ((cursor->row % EMA_BLOCK_ROWS) == (EMA_BLOCK_ROWS - 1U)) {
-        self->block_square += self->block_mm * self->block_mm;
-        self->block_mm = EMA_R(0.0);
-    }
+    ema_residual_row(&self->residual, residual_mm, cursor->row);
     self->pushed[0] = self->pushed[0] || (self->state[0].play_side < 0);
     self->pushed[1] = self->pushed[1] || (self->state[0].play_side > 0);
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
@@ -87,7 +68,7 @@ static void ema_sensitivity_row(ema_sensitivity_t* self)
             const ema_real residual =
                 ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[channel]) - base;
             ema_real slope[EMA_IDENTIFIED_MAX];
-            self->weighted_square += self->weight[channel] * residual * residual;
+            self->residual.weighted_square += self->weight[channel] * residual * residual;
             for (uint32_t i = 0; i < self->parameters; ++i) {
                 slope[i] = (ema_output_channel(&self->row_output[1U + i], channel) - base) / self->delta[i];
                 for (uint32_t j = 0; j <= i; ++j) {
@@ -126,30 +107,12 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
     return made;
 }
 
-/* Share of the residual's mean square that neighbouring rows have in common, above what white noise may show: by pairs,
- * or by blocks where it lasts. */
-static ema_real ema_shared(const ema_sensitivity_t* self, ema_real correlation)
-{
-    const ema_real width = (ema_real)EMA_BLOCK_ROWS;
-    const uint32_t whole_blocks = self->cursor.row / EMA_BLOCK_ROWS;
-    const ema_real blocks = (ema_real)whole_blocks;
-    const ema_real rows = (ema_real)self->cursor.row;
-    ema_real shared = correlation - (EMA_CORRELATION_DOUBT / ema_sqrt(rows));
-    if ((self->position_square > EMA_R(0.0)) && (blocks > EMA_R(0.0))) {
-        const ema_real white = (self->position_square / rows) * (blocks * width);
-        const ema_real doubt = EMA_CORRELATION_DOUBT * ema_sqrt(EMA_R(2.0) / blocks);
-        shared = ema_max(shared, ((self->block_square / white) - EMA_R(1.0) - doubt) / (width - EMA_R(1.0)));
-    }
-    return ema_clamp(shared, EMA_R(0.0), EMA_R(1.0));
-}
-
 void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result)
 {
     const uint32_t count = self->parameters;
     const ema_real rows = (ema_real)self->cursor.row;
-    result->residual_rms_mm = ema_sqrt(self->position_square / rows);
-    result->residual_correlation =
-        (self->position_square > EMA_R(0.0)) ? (self->position_neighbours / self->position_square) : EMA_R(0.0);
+    result->residual_rms_mm = ema_sqrt(self->residual.position_square / rows);
+    result->residual_correlation = ema_residual_correlation(&self->residual);
 
     result->outside_ratio = self->state[0].outside_ratio;
     result->crossed = self->pushed[0] && self->pushed[1];
@@ -169,10 +132,12 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     }
     result->determined = result->determined && ema_cholesky(factor, count);
 
-    const ema_real widen = ema_clamp(result->residual_correlation, EMA_R(0.0), EMA_CORRELATION_MAX);
+    const ema_real widen = ema_residual_widening(result->residual_correlation);
     const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));
-    const ema_real shared_square = ema_shared(self, result->residual_correlation) * self->weighted_square;
-    const ema_real variance = (self->weighted_square / freedom) * ((EMA_R(1.0) + widen) / (EMA_R(1.0) - widen));
+    const ema_real shared_square =
+        ema_residual_shared(&self->residual, self->cursor.row, result->residual_correlation)
+        * self->residual.weighted_square;
+    const ema_real variance = ema_residual_variance(&self->residual, freedom, widen);
     for (uint32_t i = 0; i < count; ++i) {
         ema_real column[EMA_IDENTIFIED_MAX] = {0};
         result->std[i] = EMA_R(0.0);

@@ -3,10 +3,7 @@
 
 #include "ema_copy.h"
 #include "ema_math.h"
-#include "ema_record_row.h"
-
-/* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
-#define EMA_START_NOISE EMA_R(4.0)
+#include "ema_start.h"
 
 ema_real ema_identified_at(const ema_identified_t* identified, ema_real x)
 {
@@ -23,13 +20,7 @@ void ema_runs_move(ema_session_t* session, const ema_real* x)
 
 ema_real ema_runs_start_mm(const ema_session_t* session)
 {
-    const ema_params_t* const params = &session->config->actuator->params;
-    const ema_record_t* const record = &session->record;
-    const ema_real command_mm = ema_record_asked(record, 0U, 0U);
-    const ema_real position_mm = ema_record_at(record, 0U, (uint32_t)record->place[EMA_CHANNEL_POSITION]);
-    const ema_real apart_mm = ema_abs(position_mm - command_mm);
-    const ema_real doubt_mm = (EMA_R(0.5) * params->blk_upper_mm) + (EMA_START_NOISE * params->position_noise_mm);
-    return (apart_mm <= doubt_mm) ? command_mm : position_mm;
+    return ema_start_mm(&session->config->actuator->params, &session->record);
 }
 
 /* Starts the next model run of the search: first at the healthy values, then at the annealer's candidates. */
