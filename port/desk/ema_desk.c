@@ -4,6 +4,7 @@
 
 #include "ema/ema_guarded.h"
 #include "ema_desk_actuator.h"
+#include "ema_desk_record.h"
 
 static const ema_desk_row_t ema_parameter_rows[] = {
 #define EMA_PARAM(section, field, nominal, lower, upper, text) {#section, #field, text, "", nominal, lower, upper, 0},
@@ -191,48 +192,6 @@ int32_t ema_desk_command(int32_t kind, const double* numbers, double step_s, int
         command_mm[row] = (double)ema_command_at(&command, (uint32_t)row);
     }
     return (int32_t)status;
-}
-
-static ema_sample_t ema_sample_from(const double* command_mm, const double* channels, int32_t row)
-{
-    ema_sample_t sample;
-    sample.command_mm = (ema_real)command_mm[row];
-    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        sample.channel[channel] = (ema_real)channels[((size_t)row * EMA_CHANNEL_COUNT) + channel];
-    }
-    return sample;
-}
-
-/* A buffer of reals, or of int16 scaled to the largest value of each column, with the channels that have a weight or
- * are to be kept. */
-static ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm,
-                                           const double* channels, const double* weight, const bool* keep, int32_t rows,
-                                           int32_t int16_record)
-{
-    const ema_record_config_t fresh = {0};
-    *config = fresh;
-    size_t stride = 1U;
-    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        config->keep[channel] = (channel == (uint32_t)EMA_CHANNEL_POSITION) || (weight[channel] > 0.0) || keep[channel];
-        stride += config->keep[channel] ? 1U : 0U;
-    }
-    config->format = (int16_record != 0) ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
-    double largest[1U + EMA_CHANNEL_COUNT] = {1.0e-9, 1.0e-9, 1.0e-9, 1.0e-9, 1.0e-9};
-    for (int32_t row = 0; row < rows; ++row) {
-        for (uint32_t k = 0; k <= EMA_CHANNEL_COUNT; ++k) {
-            const double value = (k == 0U) ? command_mm[row] : channels[((size_t)row * EMA_CHANNEL_COUNT) + (k - 1U)];
-            const double size = (value < 0.0) ? -value : value;
-            largest[k] = (size > largest[k]) ? size : largest[k];
-        }
-    }
-    /* a margin of one part in a thousand, so that rounding never leaves the scale */
-    config->command_full_scale_mm = (ema_real)(largest[0] * 1.001);
-    for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        config->full_scale[channel] = (ema_real)(largest[1U + channel] * 1.001);
-    }
-    config->buffer_bytes = (size_t)rows * stride * ((int16_record != 0) ? sizeof(int16_t) : sizeof(ema_real));
-    config->buffer = malloc(config->buffer_bytes);
-    return (config->buffer != NULL) ? EMA_OK : EMA_ERR_FULL;
 }
 
 int32_t ema_desk_objective(const double* values, const int32_t* options, const double* command_mm,

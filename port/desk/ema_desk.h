@@ -215,6 +215,55 @@ typedef int32_t (*ema_desk_cost_t)(const double* x, double limit, double* cost, 
 int32_t ema_desk_anneal(const ema_desk_annealer_t* settings, ema_desk_cost_t cost, void* context,
                         ema_desk_annealed_t* annealed);
 
+#define EMA_DESK_SEARCHED_MAX 8
+
+/* ema_least_squares_config_t; everything in the values' and the signals' own units. */
+typedef struct {
+    int32_t count;
+    int32_t id[EMA_DESK_SEARCHED_MAX];   /* value indices */
+    int32_t with[EMA_DESK_SEARCHED_MAX]; /* companions; the value's own index for none */
+    double lower[EMA_DESK_SEARCHED_MAX];
+    double upper[EMA_DESK_SEARCHED_MAX];
+    double start[EMA_DESK_SEARCHED_MAX];
+    double noise[4]; /* 0: not compared */
+    int32_t run_budget;
+    int32_t restarts;
+    int32_t int16_record;
+    int32_t slice_steps; /* model steps per run call, >= 1 */
+} ema_desk_squares_t;
+
+/* ema_least_squares_result_t; standard errors and biases of a value that is not told from the others are negative. */
+typedef struct {
+    double estimate[EMA_DESK_SEARCHED_MAX];
+    double std[EMA_DESK_SEARCHED_MAX];
+    double bias[EMA_DESK_SEARCHED_MAX];
+    double noise_std[EMA_DESK_SEARCHED_MAX];
+    int32_t determined[EMA_DESK_SEARCHED_MAX]; /* ema_determined_t */
+    int32_t partner[EMA_DESK_SEARCHED_MAX];
+    int32_t at_bound[EMA_DESK_SEARCHED_MAX];
+    double misfit_before;
+    double misfit_after;
+    double residual_rms_mm;
+    double residual_correlation;
+    int64_t model_steps;
+    int32_t runs;
+    int32_t starts;
+    int32_t outcome; /* ema_outcome_t */
+    int32_t crossed;
+    int32_t adequate;
+} ema_desk_squares_result_t;
+
+/* Called after each march with the model runs so far, the rms of the residual over the noise and the `count` values,
+ * both at the lowest point so far; may be NULL. A return other than 0 stops the search. */
+typedef int32_t (*ema_desk_squares_progress_t)(int32_t runs, double misfit, const double* lowest, void* context);
+
+/* Searches several values by the module's least squares. channels as in ema_desk_objective; a row that cannot be taken:
+ * `bad_row` (may be NULL). Errors besides: those of ema_least_squares_init and ema_least_squares_result. */
+int32_t ema_desk_least_squares(const double* values, const int32_t* options, const double* command_mm,
+                               const double* channels, int32_t rows, const ema_desk_squares_t* search,
+                               ema_desk_squares_progress_t progress, void* context, ema_desk_squares_result_t* result,
+                               int32_t* bad_row);
+
 /* The first `count` numbers of the module's generator, for its reference vectors. */
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits);
 

@@ -1,0 +1,149 @@
+#include "ema_damped.h"
+
+#include "ema_linear.h"
+#include "ema_math.h"
+
+/* Element (i, j) of a triangle. */
+static ema_real ema_damped_at(const ema_real* normal, uint32_t i, uint32_t j)
+{
+    return (i >= j) ? normal[EMA_TRIANGLE(i) + j] : normal[EMA_TRIANGLE(j) + i];
+}
+
+/* Length of a coordinate's sensitivities, zero where it is not of use. */
+static ema_real ema_damped_length(const ema_real* normal, uint32_t i)
+{
+    const ema_real square = normal[EMA_TRIANGLE(i) + i];
+    return ((square > EMA_R(0.0)) && ema_is_finite(square)) ? ema_sqrt(square) : EMA_R(0.0);
+}
+
+/* The step of the coordinates that are free, the others where `step` has them. All in units of their lengths, which
+ * are as different as the values' own. */
+static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, const ema_real* length, uint32_t size,
+                             const bool* free, ema_real damping, ema_real* step)
+{
+    ema_real matrix[EMA_TRIANGLE(EMA_DAMPED_MAX)];
+    ema_real right[EMA_DAMPED_MAX];
+    uint32_t place[EMA_DAMPED_MAX];
+    uint32_t count = 0U;
+    for (uint32_t i = 0; i < size; ++i) {
+        if (free[i]) {
+            ema_real sum = gradient[i];
+            for (uint32_t j = 0; j < size; ++j) {
+                /* a coordinate without use has no finite products either */
+                if (!free[j] && (step[j] != EMA_R(0.0))) {
+                    sum -= ema_damped_at(normal, i, j) * step[j];
+                }
+            }
+            for (uint32_t k = 0; k < count; ++k) {
+                matrix[EMA_TRIANGLE(count) + k] =
+                    ema_damped_at(normal, i, place[k]) / (length[i] * length[place[k]]);
+            }
+            matrix[EMA_TRIANGLE(count) + count] = EMA_R(1.0) + damping;
+            right[count] = sum / length[i];
+            place[count] = i;
+            ++count;
+        }
+    }
+    const bool solved = ema_cholesky(matrix, count);
+    if (solved) {
+        ema_solve_lower(matrix, count, right);
+        ema_solve_upper(matrix, count, right);
+    }
+    for (uint32_t k = 0; k < count; ++k) {
+        step[place[k]] = solved ? (right[k] / length[place[k]]) : EMA_R(0.0);
+    }
+}
+
+ema_promise_t ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
+                              ema_real damping, ema_real* step)
+{
+    ema_promise_t promise = {EMA_R(0.0), EMA_R(0.0)};
+    ema_real length[EMA_DAMPED_MAX] = {0};
+    bool free[EMA_DAMPED_MAX] = {false};
+    for (uint32_t i = 0; i < size; ++i) {
+        length[i] = ema_damped_length(normal, i);
+        step[i] = EMA_R(0.0);
+        const bool held = ((x[i] <= EMA_R(0.0)) && (gradient[i] < EMA_R(0.0)))
+                          || ((x[i] >= EMA_R(1.0)) && (gradient[i] > EMA_R(0.0)));
+        free[i] = (length[i] > EMA_R(0.0)) && ema_is_finite(gradient[i]) && !held;
+        if (free[i]) {
+            const ema_real alone = gradient[i] / length[i];
+            promise.open += alone * alone;
+        }
+    }
+    bool inside = false;
+    for (uint32_t round = 0; !inside && (round <= size); ++round) {
+        ema_damped_solve(normal, gradient, length, size, free, damping, step);
+        inside = true;
+        for (uint32_t i = 0; i < size; ++i) {
+            const ema_real to = x[i] + step[i];
+            if (free[i] && ((to < EMA_R(0.0)) || (to > EMA_R(1.0)))) {
+                step[i] = (to < EMA_R(0.0)) ? -x[i] : (EMA_R(1.0) - x[i]);
+                free[i] = false;
+                inside = false;
+            }
+        }
+    }
+    for (uint32_t i = 0; i < size; ++i) {
+        if (step[i] != EMA_R(0.0)) {
+            ema_real made = EMA_R(0.0);
+            for (uint32_t j = 0; j < size; ++j) {
+                if (step[j] != EMA_R(0.0)) {
+                    made += ema_damped_at(normal, i, j) * step[j];
+                }
+            }
+            promise.fall += step[i] * ((EMA_R(2.0) * gradient[i]) - made);
+        }
+    }
+    return promise;
+}
+
+/* The parts of a coordinate's sensitivities along those of `place`, whose Cholesky factor is given, in `along`; returns
+ * the square of what is left of its unit length. */
+static ema_real ema_damped_rest(const ema_real* normal, const ema_real* factor, const uint32_t* place, uint32_t count,
+                                uint32_t which, ema_real* along)
+{
+    const ema_real length = ema_damped_length(normal, which);
+    ema_real rest = EMA_R(1.0);
+    for (uint32_t k = 0; k < count; ++k) {
+        along[k] = ema_damped_at(normal, which, place[k]) / (length * ema_damped_length(normal, place[k]));
+    }
+    ema_solve_lower(factor, count, along);
+    for (uint32_t k = 0; k < count; ++k) {
+        rest -= along[k] * along[k];
+    }
+    return rest;
+}
+
+ema_apart_t ema_damped_apart(const ema_real* normal, uint32_t size, uint32_t which)
+{
+    ema_apart_t apart = {ema_damped_length(normal, which), EMA_R(1.0), which};
+    ema_real factor[EMA_TRIANGLE(EMA_DAMPED_MAX)];
+    ema_real along[EMA_DAMPED_MAX];
+    uint32_t place[EMA_DAMPED_MAX];
+    uint32_t count = 0U;
+    /* the others one after the other, those left out that the ones before them make already */
+    for (uint32_t i = 0; i < size; ++i) {
+        if ((i != which) && (ema_damped_length(normal, i) > EMA_R(0.0))) {
+            ema_real* const row = &factor[EMA_TRIANGLE(count)];
+            const ema_real rest = ema_damped_rest(normal, factor, place, count, i, row);
+            if (rest > EMA_PIVOT_SHARE) {
+                row[count] = ema_sqrt(rest);
+                place[count] = i;
+                ++count;
+            }
+        }
+    }
+    if (apart.length > EMA_R(0.0)) {
+        apart.share = ema_max(ema_damped_rest(normal, factor, place, count, which, along), EMA_R(0.0));
+        ema_solve_upper(factor, count, along);
+        ema_real largest = EMA_R(0.0);
+        for (uint32_t k = 0; k < count; ++k) {
+            if (ema_abs(along[k]) > largest) {
+                largest = ema_abs(along[k]);
+                apart.partner = place[k];
+            }
+        }
+    }
+    return apart;
+}
