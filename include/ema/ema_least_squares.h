@@ -12,27 +12,33 @@
  * How it searches. A march runs the model at the present values and, in lock step, once beside it for each value; it
  * gives J'J, J'r and the sum of squares S = sum of ((measured - simulated) / noise)^2. The step solves
  * (J'J + lambda diag J'J) s = J'r (Levenberg, Quart. Appl. Math. 2, 1944; Marquardt, J. SIAM 11, 1963) inside the
- * bounds: a value at a bound that wants out is held there. One plain run says whether S falls; it is given up as soon as
- * it is more than before. If it falls the next march begins there, and lambda falls by as much as the step kept what the
- * linear model promised; else lambda grows and the step is taken anew. A descent ends where the model promises less than
- * a thousandth of what one standard error of one value adds to S, or less than its rounding.
+ * bounds: a value at a bound that wants out is held there. One plain run says whether S falls; it is given up as soon
+ * as it is more than before. If it falls the next march begins there, and lambda falls or grows by how much of the
+ * promise of the linear model the step kept; else lambda grows and the step is taken anew. The runs beside the present
+ * one are moved by three standard errors of the value by itself; the very first march, which does not know them, is
+ * made anew where it was far off. Near the end a second march moves them to the other side: sensitivities to one side
+ * are off by what bends. A descent ends where the model promises less than a hundredth of what one standard error of
+ * one value adds to S, or than its rounding.
  *
- * Where the lowest point of a descent leaves more than the sensors' noise explains (adequacy_ratio of the actuator), it
- * may be a wrong valley: further descents begin at points that fill the box (multiples of square roots of primes,
- * Richtmyer 1951), until two end alike or their number is used up. The lowest point of all is the answer. No random
- * numbers: the answer is a function of record and configuration, and does not depend on the slices.
+ * A descent may end in a wrong valley. Where a value lies at the edge of its bounds another one begins with that value
+ * in the middle. Where the lowest point leaves more than the sensors' noise explains (adequacy_ratio of the actuator),
+ * further ones begin at points that fill the box (multiples of the square roots of primes, Richtmyer 1951), until two
+ * end alike or their number is used up. The lowest point of all is the answer. No random numbers: the answer is a
+ * function of record and configuration, and does not depend on the slices.
  *
- * What is identifiable is known after the first march, 1 + count model runs: ema_least_squares_result from then on. Call
- * it with a budget of just these to ask before searching.
+ * What is identifiable is known after the first march, 1 + count model runs: ema_least_squares_result from then on.
+ * Call it with a budget of twice these to ask before searching.
  *
- * Memory: one structure of the caller, under 11 KiB in float32 for any count, beside record and configuration. Stack:
- * docs/BUDGETS.md. It is a plain value apart from the pointers to configuration and record: a copy is a checkpoint.
+ * Memory: one structure of the caller, 10 KiB in float32 for any count, beside record and configuration; a record with
+ * all four signals takes 10 bytes a row as int16. Stack: docs/BUDGETS.md. It is a plain value apart from the pointers
+ * to configuration and record: a copy is a checkpoint.
  */
 #ifndef EMA_LEAST_SQUARES_H
 #define EMA_LEAST_SQUARES_H
 
 #include "ema/ema_annealer.h"
 #include "ema/ema_cursor.h"
+#include "ema/ema_damped.h"
 #include "ema/ema_model.h"
 #include "ema/ema_objective.h"
 #include "ema/ema_sensitivity.h"
@@ -86,8 +92,8 @@ typedef struct {
 typedef struct {
     ema_found_t value[EMA_LEAST_SQUARES_MAX]; /* in the order of the configuration */
     uint32_t count;
-    ema_real misfit_before; /* rms of the residual over the noise, all signals: at the start */
-    ema_real misfit_after;  /* and at the lowest point; about 1 where the noise is all */
+    ema_real misfit_before;        /* rms of the residual over the noise, all signals: at the start */
+    ema_real misfit_after;         /* and at the lowest point; about 1 where the noise is all */
     ema_real residual_rms_mm;      /* of the rod position */
     ema_real residual_correlation; /* of its neighbouring rows: 0 is white */
     ema_real outside_ratio;        /* how far a learned table was used outside its range */
@@ -112,8 +118,8 @@ typedef struct {
     ema_real x[EMA_LEAST_SQUARES_MAX]; /* in the unit box */
     ema_real square;                   /* S, and what its sum lost */
     ema_real square_low;
-    ema_real normal[EMA_ANNEALER_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* J'J, a triangle, per unit of x */
-    ema_real gradient[EMA_LEAST_SQUARES_MAX];                      /* J'r, and what its sums lost */
+    ema_real normal[EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* J'J, a triangle, per unit of x */
+    ema_real gradient[EMA_LEAST_SQUARES_MAX];                    /* J'r, and what its sums lost */
     ema_real gradient_low[EMA_LEAST_SQUARES_MAX];
     ema_residual_t residual;
     ema_real outside_ratio;
@@ -125,10 +131,10 @@ typedef struct {
     ema_squares_phase_t phase;
     ema_outcome_t outcome;
     bool from_edge;  /* the descent began where another had ended on a bound */
-    bool tried;  /* a trial has ended and is to be decided on */
+    bool tried;      /* a trial has ended and is to be decided on */
     bool other_side; /* the march takes the sensitivities to the other side, after those to one */
-    bool known;  /* a march has ended: there is a lowest point so far */
-    bool failed; /* of the present point no model can be made */
+    bool known;      /* a march has ended: there is a lowest point so far */
+    bool failed;     /* of the present point no model can be made */
     ema_cursor_t cursor;
     uint32_t next_run; /* whose turn it is */
     uint32_t runs;
@@ -138,14 +144,16 @@ typedef struct {
     ema_real inverse_noise[EMA_CHANNEL_COUNT]; /* 0: not compared */
     ema_real start_mm;
     ema_real damping;
-    ema_real promised;                    /* fall of S by the step that is tried */
-    ema_real first_square;                /* S at the start */
-    ema_real ended_square;                /* lowest S at the end of an earlier descent */
+    ema_real promised;                     /* fall of S by the step that is tried */
+    ema_real first_square;                 /* S at the start */
+    ema_real ended_square;                 /* lowest S at the end of an earlier descent */
     ema_real trial[EMA_LEAST_SQUARES_MAX]; /* in the unit box */
     ema_real trial_square;
     ema_real trial_square_low;
     ema_real reach[EMA_LEAST_SQUARES_MAX]; /* how far each run beside the present one is moved, in the unit box */
-    ema_real delta[EMA_LEAST_SQUARES_MAX]; /* of the runs beside the present one, in the unit box; 0: none was possible */
+    ema_real
+        delta[EMA_LEAST_SQUARES_MAX]; /* of the runs beside the present one, in the unit box; 0: none was possible */
+    ema_damped_t solver;
     ema_squares_point_t present;
     ema_squares_point_t best;
     ema_actuator_t actuator; /* with the values of the run that is prepared */
@@ -159,8 +167,8 @@ typedef struct {
 /* Starts a search on `record`, which must outlive it and not grow meanwhile. Errors, `self` then not to be used:
  * EMA_ERR_NULL, also for the configuration's actuator; EMA_ERR_SHORT for fewer compared numbers in the record than
  * values; EMA_ERR_RANGE for a count, an id or a companion that is none or belongs to a learned table or an effect that
- * the build leaves out, bounds wider than a value's own range or its companion's, a companion of a value that is zero, a
- * start outside the bounds, a noise that is neither 0 nor within 1e-9..1e9, or is given for a signal that is not
+ * the build leaves out, bounds wider than a value's own range or its companion's, a companion of a value that is zero,
+ * a start outside the bounds, a noise that is neither 0 nor within 1e-9..1e9, or is given for a signal that is not
  * recorded, or for none, or a budget below 1 + count; EMA_ERR_BOUNDS; those of ema_model_init at the start. Cost:
  * preparing one model. */
 ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_squares_config_t* config,
@@ -174,7 +182,8 @@ ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps);
 bool ema_least_squares_done(const ema_least_squares_t* self);
 
 /* What is known now, at the lowest point that a march has passed. Errors: EMA_ERR_NULL; EMA_ERR_ORDER before the first
- * march has ended, 1 + count model runs; EMA_ERR_DIVERGED where it has ended and no march left finite numbers. Cost: one Cholesky factor for each value. */
+ * march has ended, 1 + count model runs; EMA_ERR_DIVERGED where it has ended and no march left finite numbers. Cost:
+ * one Cholesky factor for each value. */
 ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least_squares_result_t* result);
 
 #ifdef __cplusplus

@@ -12,9 +12,8 @@ ema_sample_t ema_sample_from(const double* command_mm, const double* channels, i
     return sample;
 }
 
-ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm,
-                                           const double* channels, const double* weight, const bool* keep, int32_t rows,
-                                           int32_t int16_record)
+ema_status_t ema_record_config_from(ema_record_config_t* config, const double* command_mm, const double* channels,
+                                    const double* weight, const bool* keep, int32_t rows, int32_t int16_record)
 {
     const ema_record_config_t fresh = {0};
     *config = fresh;

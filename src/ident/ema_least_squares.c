@@ -4,7 +4,6 @@
 
 #include "ema_copy.h"
 #include "ema_cursor_step.h"
-#include "ema_damped.h"
 #include "ema_least_squares_check.h"
 #include "ema_math.h"
 #include "ema_prepare.h"
@@ -18,6 +17,9 @@
 #define EMA_SQUARES_DELTA_ERRORS EMA_R(3.0)
 #define EMA_SQUARES_DELTA_MIN EMA_R(1.0e-5)
 #define EMA_SQUARES_DELTA_MAX EMA_R(5.0e-3)
+
+/* Factor by which the first steps may be off before the first march is made anew. */
+#define EMA_SQUARES_FAR_OFF EMA_R(2.0)
 
 /* Damping of the first step, its factors after a step that kept its promise and after one that did not, and where it is
  * given up. */
@@ -49,9 +51,9 @@
 #define EMA_START_MARGIN EMA_R(0.02)
 
 /* Fractions of the square roots of the first primes. */
-static const ema_real ema_start_turn[EMA_LEAST_SQUARES_MAX] = {
-    EMA_R(0.41421356), EMA_R(0.73205081), EMA_R(0.23606798), EMA_R(0.64575131),
-    EMA_R(0.31662479), EMA_R(0.60555128), EMA_R(0.12310563), EMA_R(0.35889894)};
+static const ema_real ema_start_turn[EMA_LEAST_SQUARES_MAX] = {EMA_R(0.41421356), EMA_R(0.73205081), EMA_R(0.23606798),
+                                                               EMA_R(0.64575131), EMA_R(0.31662479), EMA_R(0.60555128),
+                                                               EMA_R(0.12310563), EMA_R(0.35889894)};
 
 _Static_assert(EMA_DAMPED_MAX == EMA_LEAST_SQUARES_MAX, "a step moves all values");
 
@@ -76,9 +78,8 @@ static void ema_squares_move(ema_least_squares_t* self, uint32_t k, ema_real x)
 /* A model of run `run` at the values that the actuator has. */
 static bool ema_squares_model(ema_least_squares_t* self, uint32_t run)
 {
-    const bool made = ema_run_prepare(&self->plant[run], &self->state[run], &self->work, &self->actuator,
-                                      self->start_mm)
-                      == EMA_OK;
+    const bool made =
+        ema_run_prepare(&self->plant[run], &self->state[run], &self->work, &self->actuator, self->start_mm) == EMA_OK;
     if (made) {
         /* tables are read where the configuration lies, so that a copy does not depend on its original */
         ema_plant_learned(&self->plant[run], self->config->actuator);
@@ -118,11 +119,11 @@ static void ema_squares_begin(ema_least_squares_t* self, ema_squares_phase_t pha
 /* Starts a march at `x`. */
 static void ema_squares_go(ema_least_squares_t* self, const ema_real* x)
 {
-    ema_squares_point_t fresh = {0};
-    for (uint32_t k = 0; k < self->config->count; ++k) {
-        fresh.x[k] = x[k];
-    }
+    const ema_squares_point_t fresh = {0};
     self->present = fresh;
+    for (uint32_t k = 0; k < self->config->count; ++k) {
+        self->present.x[k] = x[k];
+    }
     self->failed = false;
     self->other_side = false;
     ema_squares_begin(self, EMA_SQUARES_PREPARING);
@@ -161,9 +162,8 @@ static void ema_squares_row(ema_least_squares_t* self)
 {
     const ema_record_t* const record = self->cursor.record;
     ema_squares_point_t* const point = &self->present;
-    const ema_real residual_mm =
-        ema_record_at(record, self->cursor.row, (uint32_t)record->place[EMA_CHANNEL_POSITION])
-        - self->row_output[0].position_mm;
+    const ema_real residual_mm = ema_record_at(record, self->cursor.row, (uint32_t)record->place[EMA_CHANNEL_POSITION])
+                                 - self->row_output[0].position_mm;
     if (!self->other_side) {
         ema_residual_row(&point->residual, residual_mm, self->cursor.row);
     }
@@ -195,7 +195,7 @@ static void ema_squares_row(ema_least_squares_t* self)
 /* The mean of what was summed to both sides. */
 static void ema_squares_mean(ema_squares_point_t* point)
 {
-    for (uint32_t k = 0; k < EMA_ANNEALER_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
+    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
         point->normal[k] *= EMA_R(0.5);
     }
     for (uint32_t k = 0; k < EMA_LEAST_SQUARES_MAX; ++k) {
@@ -236,13 +236,6 @@ static uint32_t ema_squares_march(ema_least_squares_t* self, uint32_t steps)
         self->runs += 1U + self->config->count;
         self->tried = false;
         self->phase = EMA_SQUARES_DECIDING;
-        for (uint32_t k = 0; k < self->config->count; ++k) {
-            const ema_real square = point->normal[EMA_ANNEALER_TRIANGLE(k) + k];
-            if ((square > EMA_R(0.0)) && (square <= EMA_COST_MAX)) {
-                self->reach[k] = ema_clamp(EMA_SQUARES_DELTA_ERRORS / ema_sqrt(square), EMA_SQUARES_DELTA_MIN,
-                                           EMA_SQUARES_DELTA_MAX);
-            }
-        }
     }
     return made;
 }
@@ -260,8 +253,7 @@ static uint32_t ema_squares_try(ema_least_squares_t* self, uint32_t steps)
         if (ema_cursor_row_due(&self->cursor)) {
             for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
                 if (self->inverse_noise[channel] > EMA_R(0.0)) {
-                    const ema_real residual =
-                        ema_squares_residual(self, channel, ema_output_channel(output, channel));
+                    const ema_real residual = ema_squares_residual(self, channel, ema_output_channel(output, channel));
                     ema_add_compensated(&self->trial_square, &self->trial_square_low, residual * residual);
                 }
             }
@@ -289,7 +281,7 @@ static bool ema_squares_all_move(const ema_least_squares_t* self)
 {
     bool all = !self->failed;
     for (uint32_t k = 0; k < self->config->count; ++k) {
-        all = all && (self->present.normal[EMA_ANNEALER_TRIANGLE(k) + k] > EMA_R(0.0));
+        all = all && (self->present.normal[EMA_DAMPED_TRIANGLE(k) + k] > EMA_R(0.0));
     }
     return all;
 }
@@ -374,8 +366,8 @@ static void ema_squares_propose(ema_least_squares_t* self)
         bool searching = true;
         while (searching) {
             ema_real step[EMA_LEAST_SQUARES_MAX] = {0};
-            const ema_promise_t promise = ema_damped_step(self->present.normal, self->present.gradient,
-                                                          self->present.x, count, self->damping, step);
+            const ema_promise_t promise = ema_damped_step(self->present.normal, self->present.gradient, self->present.x,
+                                                          count, self->damping, &self->solver, step);
             if (!self->other_side && (promise.fall <= EMA_FALL_FINE) && (left > (2U * (2U + count)))) {
                 searching = false;
                 self->other_side = true;
@@ -394,6 +386,23 @@ static void ema_squares_propose(ema_least_squares_t* self)
     }
 }
 
+/* Fits the steps of the sensitivities to what they are at the present point; whether one was far off. */
+static bool ema_squares_reach(ema_least_squares_t* self)
+{
+    bool far_off = false;
+    for (uint32_t k = 0; k < self->config->count; ++k) {
+        const ema_real square = self->present.normal[EMA_DAMPED_TRIANGLE(k) + k];
+        if ((square > EMA_R(0.0)) && (square <= EMA_COST_MAX)) {
+            const ema_real before = self->reach[k];
+            self->reach[k] =
+                ema_clamp(EMA_SQUARES_DELTA_ERRORS / ema_sqrt(square), EMA_SQUARES_DELTA_MIN, EMA_SQUARES_DELTA_MAX);
+            far_off = far_off || (self->reach[k] > (EMA_SQUARES_FAR_OFF * before))
+                      || (before > (EMA_SQUARES_FAR_OFF * self->reach[k]));
+        }
+    }
+    return far_off;
+}
+
 /* What follows from a march or a trial. */
 static void ema_squares_decide(ema_least_squares_t* self)
 {
@@ -405,10 +414,15 @@ static void ema_squares_decide(ema_least_squares_t* self)
             self->best = self->present;
             self->known = true;
         }
-        ema_squares_propose(self);
+        const bool first = self->runs == (1U + self->config->count);
+        if (first && (self->config->run_budget >= (2U * self->runs)) && ema_squares_reach(self)) {
+            ema_squares_go(self, self->best.x);
+        } else {
+            ema_squares_propose(self);
+        }
     } else {
-        const ema_real fall = (self->present.square - self->trial_square)
-                              + (self->present.square_low - self->trial_square_low);
+        const ema_real fall =
+            (self->present.square - self->trial_square) + (self->present.square_low - self->trial_square_low);
         const ema_real kept = fall / self->promised;
         self->tried = false;
         if (!(fall > EMA_R(0.0))) {
@@ -424,9 +438,16 @@ static void ema_squares_decide(ema_least_squares_t* self)
             } else {
                 /* as it is */
             }
+            (void)ema_squares_reach(self);
             ema_squares_go(self, self->trial);
         }
     }
+}
+
+static void ema_squares_fresh(ema_least_squares_t* self)
+{
+    const ema_least_squares_t fresh = {0};
+    *self = fresh;
 }
 
 ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_squares_config_t* config,
@@ -437,9 +458,8 @@ ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_s
     }
     ema_status_t status = ema_least_squares_check(config, record);
     if (status == EMA_OK) {
-        const ema_least_squares_t fresh = {0};
         ema_real x[EMA_LEAST_SQUARES_MAX] = {0};
-        *self = fresh;
+        ema_squares_fresh(self);
         self->config = config;
         self->cursor.record = record;
         self->outcome = EMA_OUTCOME_ACTIVE;

@@ -1,7 +1,6 @@
 /* Apart from ema_least_squares.c so that what is asked once takes no stack from the runs. */
 #include <stddef.h>
 
-#include "ema_damped.h"
 #include "ema_least_squares_check.h"
 #include "ema_linear.h"
 #include "ema_math.h"
@@ -61,8 +60,7 @@ ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least
     result->outcome = self->outcome;
     const ema_real variance =
         ema_residual_variance(&best->residual, freedom, ema_residual_widening(result->residual_correlation));
-    const ema_real shared =
-        ema_residual_shared(&best->residual, rows, result->residual_correlation) * best->square;
+    const ema_real shared = ema_residual_shared(&best->residual, rows, result->residual_correlation) * best->square;
     for (uint32_t k = 0; k < result->count; ++k) {
         const ema_searched_t* const searched = &self->config->searched[k];
         const ema_apart_t apart = ema_damped_apart(best->normal, result->count, k);
@@ -72,8 +70,7 @@ ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least
         found->estimate = ema_searched_at(searched, best->x[k]);
         found->determined = ema_apart_determined(&apart);
         found->partner = apart.partner;
-        found->at_bound =
-            (best->x[k] < EMA_AT_BOUND_SHARE) || (best->x[k] > (EMA_R(1.0) - EMA_AT_BOUND_SHARE));
+        found->at_bound = (best->x[k] < EMA_AT_BOUND_SHARE) || (best->x[k] > (EMA_R(1.0) - EMA_AT_BOUND_SHARE));
         found->noise_std = (error < EMA_COST_MAX) ? (error * range) : EMA_COST_MAX;
         found->std = (error < EMA_COST_MAX) ? (error * ema_sqrt(variance) * range) : EMA_COST_MAX;
         found->bias = (error < EMA_COST_MAX) ? (EMA_BIAS_SHARE * error * ema_sqrt(shared) * range) : EMA_COST_MAX;

@@ -134,9 +134,8 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
 
     const ema_real widen = ema_residual_widening(result->residual_correlation);
     const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));
-    const ema_real shared_square =
-        ema_residual_shared(&self->residual, self->cursor.row, result->residual_correlation)
-        * self->residual.weighted_square;
+    const ema_real shared_square = ema_residual_shared(&self->residual, self->cursor.row, result->residual_correlation)
+                                   * self->residual.weighted_square;
     const ema_real variance = ema_residual_variance(&self->residual, freedom, widen);
     for (uint32_t i = 0; i < count; ++i) {
         ema_real column[EMA_IDENTIFIED_MAX] = {0};

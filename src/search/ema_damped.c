@@ -1,4 +1,4 @@
-#include "ema_damped.h"
+#include "ema/ema_damped.h"
 
 #include "ema_linear.h"
 #include "ema_math.h"
@@ -16,73 +16,77 @@ static ema_real ema_damped_length(const ema_real* normal, uint32_t i)
     return ((square > EMA_R(0.0)) && ema_is_finite(square)) ? ema_sqrt(square) : EMA_R(0.0);
 }
 
-/* The step of the coordinates that are free, the others where `step` has them. All in units of their lengths, which
+/* The step of the coordinates that are open, the others where `step` has them. All in units of their lengths, which
  * are as different as the values' own. */
-static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, const ema_real* length, uint32_t size,
-                             const bool* free, ema_real damping, ema_real* step)
+static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, uint32_t size, ema_real damping,
+                             ema_damped_t* memory, ema_real* step)
 {
-    ema_real matrix[EMA_TRIANGLE(EMA_DAMPED_MAX)];
-    ema_real right[EMA_DAMPED_MAX];
-    uint32_t place[EMA_DAMPED_MAX];
     uint32_t count = 0U;
     for (uint32_t i = 0; i < size; ++i) {
-        if (free[i]) {
+        if (memory->open[i]) {
+            ema_real* const row = &memory->matrix[EMA_TRIANGLE(count)];
             ema_real sum = gradient[i];
             for (uint32_t j = 0; j < size; ++j) {
-                /* a coordinate without use has no finite products either */
-                if (!free[j] && (step[j] != EMA_R(0.0))) {
+                /* a coordinate without sensitivities has no finite products either */
+                if (!memory->open[j] && (step[j] != EMA_R(0.0))) {
                     sum -= ema_damped_at(normal, i, j) * step[j];
                 }
             }
             for (uint32_t k = 0; k < count; ++k) {
-                matrix[EMA_TRIANGLE(count) + k] =
-                    ema_damped_at(normal, i, place[k]) / (length[i] * length[place[k]]);
+                const uint32_t j = memory->place[k];
+                row[k] = ema_damped_at(normal, i, j) / (memory->length[i] * memory->length[j]);
             }
-            matrix[EMA_TRIANGLE(count) + count] = EMA_R(1.0) + damping;
-            right[count] = sum / length[i];
-            place[count] = i;
+            row[count] = EMA_R(1.0) + damping;
+            memory->right[count] = sum / memory->length[i];
+            memory->place[count] = i;
             ++count;
         }
     }
-    const bool solved = ema_cholesky(matrix, count);
+    const bool solved = ema_cholesky(memory->matrix, count);
     if (solved) {
-        ema_solve_lower(matrix, count, right);
-        ema_solve_upper(matrix, count, right);
+        ema_solve_lower(memory->matrix, count, memory->right);
+        ema_solve_upper(memory->matrix, count, memory->right);
     }
     for (uint32_t k = 0; k < count; ++k) {
-        step[place[k]] = solved ? (right[k] / length[place[k]]) : EMA_R(0.0);
+        const uint32_t i = memory->place[k];
+        step[i] = solved ? (memory->right[k] / memory->length[i]) : EMA_R(0.0);
     }
 }
 
+/* Puts coordinates that the step takes outside to their bounds; false when there were any. */
+static bool ema_damped_inside(const ema_real* x, uint32_t size, ema_damped_t* memory, ema_real* step)
+{
+    bool inside = true;
+    for (uint32_t i = 0; i < size; ++i) {
+        const ema_real to = x[i] + step[i];
+        if (memory->open[i] && ((to < EMA_R(0.0)) || (to > EMA_R(1.0)))) {
+            step[i] = (to < EMA_R(0.0)) ? -x[i] : (EMA_R(1.0) - x[i]);
+            memory->open[i] = false;
+            inside = false;
+        }
+    }
+    return inside;
+}
+
 ema_promise_t ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
-                              ema_real damping, ema_real* step)
+                              ema_real damping, ema_damped_t* memory, ema_real* step)
 {
     ema_promise_t promise = {EMA_R(0.0), EMA_R(0.0)};
-    ema_real length[EMA_DAMPED_MAX] = {0};
-    bool free[EMA_DAMPED_MAX] = {false};
     for (uint32_t i = 0; i < size; ++i) {
-        length[i] = ema_damped_length(normal, i);
-        step[i] = EMA_R(0.0);
         const bool held = ((x[i] <= EMA_R(0.0)) && (gradient[i] < EMA_R(0.0)))
                           || ((x[i] >= EMA_R(1.0)) && (gradient[i] > EMA_R(0.0)));
-        free[i] = (length[i] > EMA_R(0.0)) && ema_is_finite(gradient[i]) && !held;
-        if (free[i]) {
-            const ema_real alone = gradient[i] / length[i];
+        memory->length[i] = ema_damped_length(normal, i);
+        memory->open[i] = (memory->length[i] > EMA_R(0.0)) && ema_is_finite(gradient[i]) && !held;
+        step[i] = EMA_R(0.0);
+        if (memory->open[i]) {
+            const ema_real alone = gradient[i] / memory->length[i];
             promise.open += alone * alone;
         }
     }
     bool inside = false;
     for (uint32_t round = 0; !inside && (round <= size); ++round) {
-        ema_damped_solve(normal, gradient, length, size, free, damping, step);
-        inside = true;
-        for (uint32_t i = 0; i < size; ++i) {
-            const ema_real to = x[i] + step[i];
-            if (free[i] && ((to < EMA_R(0.0)) || (to > EMA_R(1.0)))) {
-                step[i] = (to < EMA_R(0.0)) ? -x[i] : (EMA_R(1.0) - x[i]);
-                free[i] = false;
-                inside = false;
-            }
-        }
+        ema_damped_solve(normal, gradient, size, damping, memory, step);
+        inside = ema_damped_inside(x, size, memory, step);
     }
     for (uint32_t i = 0; i < size; ++i) {
         if (step[i] != EMA_R(0.0)) {

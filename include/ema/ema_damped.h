@@ -1,9 +1,13 @@
-/* The step of a damped least-squares search inside the unit box, and which values the sums can tell apart.
+/* The step of a damped least-squares search inside the unit box, in up to 8 dimensions, and which coordinates the sums
+ * tell apart. It knows sums of products, nothing of actuators.
  *
  * Step s from the point x: (N + lambda diag N) s = g with N = J'J and g = J'r, r measured minus simulated (Levenberg,
  * Quart. Appl. Math. 2, 1944; the damping by the diagonal is Marquardt's, J. SIAM 11, 1963). A coordinate at a bound
  * whose gradient points outside stays there; one that the step would take outside goes to its bound, and the others are
  * solved for again with it there (active set, at most one round for each coordinate).
+ *
+ * N is a lower triangle, row after row: element (i, j), j <= i, stands at i (i + 1) / 2 + j. A coordinate whose element
+ * on the diagonal is not above zero, or no finite number, has no sensitivities: it is left where it is.
  */
 #ifndef EMA_DAMPED_H
 #define EMA_DAMPED_H
@@ -13,11 +17,26 @@
 
 #include "ema/ema_real.h"
 
-/* Coordinates at the most. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EMA_DAMPED_MAX 8U
+
+/* Elements of a triangle of that many coordinates. */
+#define EMA_DAMPED_TRIANGLE(size) (((size) * ((size) + 1U)) / 2U)
 
 /* Least damping: with it the system is never singular for the solver. */
 #define EMA_DAMPING_MIN EMA_R(1.0e-4)
+
+/* Memory of a solution: it means nothing between two calls. */
+typedef struct {
+    ema_real matrix[EMA_DAMPED_TRIANGLE(EMA_DAMPED_MAX)];
+    ema_real right[EMA_DAMPED_MAX];
+    ema_real length[EMA_DAMPED_MAX];
+    uint32_t place[EMA_DAMPED_MAX];
+    bool open[EMA_DAMPED_MAX]; /* may move */
+} ema_damped_t;
 
 /* What a step promises. */
 typedef struct {
@@ -27,17 +46,21 @@ typedef struct {
 
 /* How well one coordinate is told from the others. */
 typedef struct {
-    ema_real length;  /* of its own sensitivities; 0 where there are none, or they are no finite numbers */
+    ema_real length;  /* of its sensitivities; 0 where it has none */
     ema_real share;   /* squared, of them, that no other coordinate makes: 1 minus the coefficient of determination */
     uint32_t partner; /* the coordinate that makes the largest part of the rest; itself where there is none */
 } ema_apart_t;
 
-/* Writes the step from `x`, `size` coordinates in [0, 1]; x + step is in the box. `normal` is a triangle as in
- * ema_linear.h, `damping` at least EMA_DAMPING_MIN. Cost: at most 1 + size Cholesky solutions. */
+/* Writes the step from `x`, `size` coordinates in [0, 1]; x + step is in the box but for rounding. `damping` is at
+ * least EMA_DAMPING_MIN. No address may be NULL. Cost: at most 1 + size Cholesky solutions. */
 ema_promise_t ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
-                              ema_real damping, ema_real* step);
+                              ema_real damping, ema_damped_t* memory, ema_real* step);
 
 /* How well coordinate `which` is told from the others. Cost: one Cholesky factor. */
 ema_apart_t ema_damped_apart(const ema_real* normal, uint32_t size, uint32_t which);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
