@@ -255,6 +255,12 @@ def calibrate(
     metavar="COLUMN=W,...",
     help="Weights of the objective, per squared unit: position_mm=1,current_A=0.01. The rod position alone when absent.",
 )
+@click.option(
+    "--values",
+    "value_names",
+    metavar="NAME[=LOW..HIGH],...",
+    help="Find up to eight values at once beside them, by every signal of the record: screw.csj_Nm,motor.resistance_ohm=0.8..1.3. Says which of them the record determines.",
+)
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
 @click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
 @click.option(
@@ -271,6 +277,7 @@ def identify(
     seed: int | None,
     seeds: int,
     weights: str | None,
+    value_names: str | None,
     fitted: str | None,
     no_guard: bool,
     table: str | None,
@@ -290,7 +297,8 @@ def identify(
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
-    from ema_tools.words.answers.identification import identification
+    from ema_tools.tasks.several_values import searched_of, several_values
+    from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.terminal import show
 
     writable(fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
@@ -299,6 +307,8 @@ def identify(
     references = [read_record(path, model) for path in healthy]
     weight = weight_of(weights)
     signatures = read_signatures(table) if table else None
+    if value_names is not None:
+        searched_of(model, value_names)
     with progress("identifying", model["search.evaluation_budget"]) as bar:
         found = work(
             model,
@@ -313,13 +323,19 @@ def identify(
         )
         bar.update(model["search.evaluation_budget"], "looking round")
         shape = shape_of(found, mapped=bool(json_path))
+        several = None
+        if value_names is not None:
+            several = several_values(
+                found.healthy, measured, value_names, int(precision), lambda runs, misfit: bar.update(runs, f"misfit {misfit:.3g}")
+            )
     if fitted:
         found.actuator.write(fitted, force)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
     drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
     # behind a table the search begins as the table says
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
-    result = identification(found, measured.file, origin, drawn, shape, warnings=warned or None)
+    more = values(several) if several is not None else {}
+    result = identification(found, measured.file, origin, drawn, shape, warnings=warned or None, **more)
     save(json_path, result, force)
     show.identification(output(), result)
     _warn_of_search(actuator, warned)

@@ -13,6 +13,7 @@ KEYS = ("csj_Nm", "blk_mm")
 
 Verdict = Literal["healthy", "fault", "undecided"]
 GuardVerdict = Literal["adequate", "missing", "unknown", "rival"]
+Determined = Literal["yes", "together", "no"]
 Objection = Literal["missing", "unknown", "rival", "signals", "open", "healthy"]
 
 
@@ -147,6 +148,34 @@ class TableFinding:
     moved: tuple[float, float]  # changes of the table's CSJ and BLK that the residual still asks for, Nm and mm
 
 
+@dataclass(frozen=True)
+class ValueEntry:
+    """One of several values that were searched at once, in the unit of its name."""
+
+    estimate: float
+    interval95: tuple[float | None, float | None] | None  # None where the record does not determine the value
+    determined: Determined  # yes; together: only with another value, which does the same to the signals; no: it does too little to them
+    alike: str | None  # the other value that is most like it to the signals, by full name
+    before: float  # what the actuator has
+    std: float | None = None  # standard error by the residual's own size; None where the value is not told from the others
+    noise_std: float | None = None  # by the sensors' noise alone
+    at_bound: bool = False  # of the search
+    companion: str | None = None  # the value that moved in the same proportion, by full name
+
+
+@dataclass(frozen=True)
+class ValuesSearchEntry:
+    """The search for several values at once."""
+
+    noise: dict[str, float]  # rms of the signals that were compared, by their names
+    misfit_before: float  # rms of the residual over the noise
+    misfit_after: float
+    adequate: bool  # whether the values explain the record
+    runs: int  # model runs
+    starts: int  # descents that were begun
+    outcome: str  # what ended the search
+
+
 @dataclass(frozen=True, kw_only=True)
 class IdentificationResult:
     """CSJ and BLK of one record."""
@@ -181,6 +210,8 @@ class IdentificationResult:
     shape: ShapeEntry | None = field(default=None, metadata=SPARE)  # None where nobody asked
     undetermined: dict[str, str] = field(default_factory=dict)  # values that the record does not determine, by key, a sentence each
     seeds: tuple[Seed, ...] = ()  # further seeds that were asked for
+    values: dict[str, ValueEntry] | None = field(default=None, metadata=SPARE)  # by full name; None where none were asked for
+    values_search: ValuesSearchEntry | None = field(default=None, metadata=SPARE)
     warnings: tuple[str, ...] | None = field(
         default=None, metadata=SPARE
     )  # why the search would not reach its lowest cost with its settings

@@ -15,6 +15,7 @@ from ema_tools.data.cases import CASES
 
 Row = Mapping[str, Any]
 _OWN = "this annealer"
+_MODULE = "this module's least squares (sees residuals)"
 _SQUARES = "SciPy least_squares (sees residuals)"
 _GOAL = 600
 _TITLES = {"exact": "exact", "noise": "with sensor noise", "hidden": "with sensor noise and Stribeck friction that the model lacks"}
@@ -79,12 +80,14 @@ known from another search with more information (dense grid, least squares from 
 counts a search that ended without arriving as one that begins again elsewhere: all model runs over the number of arrivals.
 
 - *This annealer* is the module's own code with the shipped settings, for eight values cooled four times slower. It takes no gradients and 2.5 kB of memory.
+- *This module's least squares* is the flight code's too, a search of its own for up to eight values (`ema/ema_least_squares.h`): bounded, sliced, with further starts of its own where the first ends in a wrong valley. Its
+  model runs are all that it makes, those beside the present values and those that are given up among them. It takes 10 kB of memory.
 - *Textbook annealer*: Metropolis, geometric cooling over all {CAP[2]} runs from the paper's objective before the search (0.66 mm² s) to a billionth of it, all coordinates moved at once, by less as it cools. The paper prints
   bounds and numbers of runs ({paper}), not its temperatures. From {FEWER_STARTS["textbook annealer"]} of the starts.
 - Local searches end in the valley where they begin; DIRECT knows neither start nor seed and searches once.
 - dual_annealing takes its local differences over a thousandth of the box: over its own step, 1e-8, a float32 cost does not change.
-- **least_squares has more information**: it sees every residual of a run, 10 000 numbers and more, where the others see one. Onboard each of its steps is a run for each value beside the present one, as the
-  assessment after the search makes it once.
+- **Least squares has more information**: it sees every residual of a run, 10 000 numbers and more, where the others see one. Each of its steps is a run for each value beside the present one, as the
+  assessment after the annealer's search makes it once.
 - Where the model lacks an effect, the objective is large and its last digits are rounding: 0.1 % of BLK is then less than float32 resolves, and not every search that is down says the same third digit.
 """
 
@@ -132,7 +135,7 @@ def _meaning(rows: Sequence[Row], problems: Sequence[tuple[int, str]]) -> str:
     sure = [
         name
         for name in RIVALS
-        if name not in (_OWN, _SQUARES, *FEWER_STARTS)
+        if name not in (_OWN, _MODULE, _SQUARES, *FEWER_STARTS)
         and all(len(_reached(some, "noise")) == len(some) for one in two if (some := _of(rows, *one, name)))
         and all(expected_runs(_of(rows, *one, name), "noise") < expected_runs(_of(rows, *one, _OWN), "noise") for one in two)
     ]
@@ -141,14 +144,8 @@ def _meaning(rows: Sequence[Row], problems: Sequence[tuple[int, str]]) -> str:
         if sure
         else "No search on the same single number is faster on every problem of two values and arrives from every start as well."
     )
-    squares = [row for one in two for row in _of(rows, *one, _SQUARES)]
-    gain = expected_runs(own, "noise") / expected_runs(squares, "noise") if squares else 1.0
-    residuals = (
-        f"\nLeast squares is {gain:.1f} times as fast for two values ({100.0 * len(_reached(squares, 'noise')) / len(squares):.0f} % of the starts), and the only search that finds eight in a few hundred model runs. It is not onboard: its steps need the residuals'\n"
-        "products with every sensitivity at once, and the flight code has no room left beside the annealer, which also starts where the actuator does not move at all. It is what would come in next.\n"
-        if gain > 1.5
-        else ""
-    )
+    squares = [row for one in two for row in _of(rows, *one, _MODULE)]
+    residuals = _onboard_squares(rows, problems, own, squares) if squares else ""
     textbook = [row["above"] for one in two for row in _of(rows, *one, "textbook annealer")]
     plain = (
         f"\nThe textbook annealer ends {np.median(textbook):.1e} mm² s above the lowest cost, median, after all of its runs; the paper's case A ends at 4.2e-4 mm² s after {CASES[0].paper_iterations}.\n"
@@ -159,6 +156,21 @@ def _meaning(rows: Sequence[Row], problems: Sequence[tuple[int, str]]) -> str:
 For two values this annealer arrives from {share:.1f} % of the starts, after {most} runs at the most. {better} It searches on to a tolerance far below the noise after it has arrived, which costs it more runs than arriving; the
 session's own figures stand below. With eight values its quadratic is separable, blind to what two values do together, and what follows valleys is ahead of it: onboard it searches two to four values, where the quadratic is full.
 {residuals}{plain}"""
+
+
+def _onboard_squares(rows: Sequence[Row], problems: Sequence[tuple[int, str]], own: Sequence[Row], squares: Sequence[Row]) -> str:
+    """What the module's least squares brings."""
+    gain = expected_runs(own, "noise") / expected_runs(squares, "noise")
+    eight = [row for one in problems if one[0] == 8 for row in _of(rows, *one, _MODULE)]
+    more = (
+        f", and eight within {CAP[8]} from {100.0 * len(_reached(eight, 'noise')) / len(eight):.0f} % of the starts, {expected_runs(eight, 'noise'):.0f} runs expected"
+        if eight
+        else ""
+    )
+    return (
+        f"\nLeast squares is onboard as a search of its own: it finds two values {gain:.1f} times as fast as the annealer, from {100.0 * len(_reached(squares, 'noise')) / len(squares):.0f} % of the starts{more}. It comes in beside the annealer, not in its\n"
+        "place: firmware that searches two to four values and asks for a verdict links the annealer alone, with a quarter of the memory, and gives hopeless runs up early; firmware that is to know up to eight values links least squares.\n"
+    )
 
 
 def _median(values: Sequence[float], form: str) -> str:

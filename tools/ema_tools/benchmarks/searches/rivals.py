@@ -1,6 +1,6 @@
 """The searches: each gets the cost of a point in the unit box, a start and a seed, and goes on until it ends by itself, arrives, or has used up its model runs.
 
-All but least squares see one number per model run, the flight's own cost; least squares sees every residual, which is more.
+All but the two of least squares see one number per model run, the flight's own cost; these see every residual, which is more.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ import numpy as np
 from scipy.optimize import Bounds, differential_evolution, dual_annealing, least_squares, minimize
 
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.searches.problems import CAP, Problem
+from ema_tools.benchmarks.searches.problems import CAP, NOISE, Problem
 from ema_tools.data.actuator import reference_actuator
+from ema_tools.plant.least_squares import Searched, SquaresSettings
+from ema_tools.plant.least_squares import least_squares as least_squares_onboard
 from ema_tools.plant.native import AnnealerSettings, library
 
 CLOSE = 1e-3
@@ -74,6 +76,11 @@ class Count:
         self._seen(theta, cost)
         return cost
 
+    def march(self, runs: int, theta: Reals) -> None:
+        """A search that counts its own model runs, and searches by itself, has come to `theta` [p] with them."""
+        self.runs = runs - 1
+        self._seen(theta, self.problem.objective.cost(theta))
+
     def residuals(self, unit: Reals) -> Reals:
         """Every residual at a point of the unit box."""
         theta = self.problem.objective.inside(np.clip(unit, 0.0, 1.0))
@@ -100,6 +107,27 @@ def _onboard(count: Count, start: Reals, seed: int) -> None:
         seed=seed,
     )
     library(32).anneal(settings, lambda unit, _limit: count(unit))
+
+
+def _module_squares(count: Count, start: Reals, _seed: int) -> None:
+    """The module's least squares, float32, as it is onboard; it sees the residuals of the signals that the objective weighs."""
+    objective = count.problem.objective
+    searched = tuple(
+        Searched(one.names[0], one.lower, one.upper, at, one.names[1] if len(one.names) > 1 else None)
+        for one, at in zip(objective.parameters, objective.inside(start), strict=True)
+    )
+    noise = tuple(std if weight > 0.0 else 0.0 for std, weight in zip(NOISE, objective.weight, strict=True))
+    settings = SquaresSettings(searched, (noise[0], noise[1], noise[2], noise[3]), run_budget=count.cap)
+    values, options = objective.actuator.arrays()
+    found = least_squares_onboard(
+        values,
+        options,
+        objective.command_mm,
+        objective.channels,
+        settings,
+        progress=lambda runs, _misfit, lowest: count.march(runs, lowest),
+    )
+    count.runs = found.runs
 
 
 _SETTINGS = (
@@ -202,6 +230,7 @@ def _cma(count: Count, start: Reals, seed: int) -> None:
 
 RIVALS: Mapping[str, Rival] = {
     "this annealer": _onboard,
+    "this module's least squares (sees residuals)": _module_squares,
     "textbook annealer": _textbook,
     "SciPy dual_annealing": _dual,
     "SciPy differential_evolution": _evolution,

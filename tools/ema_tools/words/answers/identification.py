@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, cast
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.interval import interval_of
+from ema_tools.plant.least_squares import FoundValue
 from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
 from ema_tools.results.parts import CurvesEntry, Provenance
@@ -14,6 +16,7 @@ from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import Identified
 from ema_tools.tasks.objective_shape import Shape
 from ema_tools.tasks.onboard_search import KEYS, identified_of
+from ema_tools.tasks.several_values import SeveralValues
 from ema_tools.words.answers.steps import field_of
 from ema_tools.words.sentences.identification import reasons, sentence, undetermined_words
 
@@ -65,6 +68,34 @@ def identification(
         provenance=provenance,
         curves=curves,
     )
+
+
+def values(several: SeveralValues) -> Mapping[str, Any]:
+    """The fields of the result for several values that were searched at once."""
+
+    def finite(number: float) -> float | None:
+        return number if math.isfinite(number) else None
+
+    def entry(one: FoundValue) -> result.ValueEntry:
+        return result.ValueEntry(
+            one.estimate,
+            several.interval95(one),
+            one.determined if several.determined(one) or one.determined != "yes" else "no",
+            one.alike,
+            several.before[one.name],
+            finite(one.std),
+            finite(one.noise_std),
+            one.at_bound,
+            several.companions.get(one.name),
+        )
+
+    found = several.found
+    return {
+        "values": {one.name: entry(one) for one in found.values},
+        "values_search": result.ValuesSearchEntry(
+            dict(several.noise), found.misfit_before, found.misfit_after, found.adequate, found.runs, found.starts, found.outcome
+        ),
+    }
 
 
 def _values(found: Identified) -> Mapping[str, Any]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ema_tools.data.actuator import row_of
 from ema_tools.plant.native import IdentifiedValue
-from ema_tools.results.identification import TableFinding
+from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
@@ -122,6 +124,26 @@ def undetermined_words(one: Undetermined) -> str:
     if one.why == "flat":
         return f"This record does not determine {title}: over all that was searched, {between}, the objective changes by no more than noise would."
     return f"This record does not determine {title}: its 95 % interval, {one.interval[0]:.3g} .. {one.interval[1]:.3g} {unit}, is wider than what was searched, {between}."
+
+
+def determined_words(one: ValueEntry) -> str:
+    """Whether the record determines a value, in a few words."""
+    if one.determined == "together":
+        return f"only together with {one.alike}"
+    if one.determined == "no":
+        return "not by this record"
+    return "yes, but at its bound" if one.at_bound else "yes"
+
+
+def values_sentence(found: Mapping[str, ValueEntry], search: ValuesSearchEntry) -> str:
+    """What the search for several values at once says, in one sentence."""
+    told = sum(one.determined == "yes" for one in found.values())
+    how = (
+        f"in {search.runs} model runs, residual {search.misfit_before:.3g} times the noise before and {search.misfit_after:.3g} times after"
+    )
+    left = "" if search.adequate else "; an effect is missing, which the values have partly taken up"
+    count = f"{len(found)} value{'s' if len(found) > 1 else ''}"
+    return f"Of {count} searched at once by {', '.join(search.noise)} the record determines {told} {how}{left}."
 
 
 def table_sentence(found: TableFinding) -> str:

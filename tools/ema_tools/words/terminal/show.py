@@ -16,10 +16,10 @@ from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult, ForceStepEntry
-from ema_tools.results.identification import IdentificationResult
+from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.words.sentences.identification import table_sentence
+from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
 
@@ -167,6 +167,26 @@ def identification(console: Console, found: IdentificationResult) -> None:
         say(console, f"{FAULTS[name]} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
     if found.table is not None:
         say(console, table_sentence(found.table))
+    if found.values and found.values_search is not None:
+        _several(console, found.values, found.values_search)
+
+
+def _several(console: Console, found: Mapping[str, ValueEntry], search: ValuesSearchEntry) -> None:
+    """Several values that were searched at once."""
+    console.print()
+    say(console, values_sentence(found, search))
+    rows = table("", "value", "unit", "before", "estimate", "95 % interval", "determined", text_columns=2)
+    rows.columns[-1].justify = "left"
+    for name, one in found.items():
+        rows.add_row(
+            f"{name} and {one.companion}" if one.companion else name,
+            row_of(name).unit,
+            number(one.before, 5),
+            number(one.estimate, 5),
+            ends_text(*one.interval95) if one.interval95 is not None else "-",
+            determined_words(one),
+        )
+    console.print(rows)
 
 
 def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByLapsResult, searched: Searched | None) -> None:
