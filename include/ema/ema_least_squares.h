@@ -71,7 +71,8 @@ typedef struct {
     uint32_t restarts;                 /* further starts at the most, where the first does not explain the record */
 } ema_least_squares_config_t;
 
-/* Whether a record determines a value: its 95 % interval by the sensors' noise is shorter than half of its bounds. */
+/* Whether a record determines a value: its 95 % interval by the sensors' noise is shorter than half of its bounds, and
+ * what no other value makes of the signals is more than rounding may make of it. */
 typedef enum {
     EMA_DETERMINED = 0,
     EMA_DETERMINED_TOGETHER = 1, /* only together with others, `partner` foremost: they do the same to the signals */
@@ -119,9 +120,12 @@ typedef struct {
     ema_real square;                   /* S, and what its sum lost */
     ema_real square_low;
     ema_real normal[EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* J'J, a triangle, per unit of x */
-    ema_real gradient[EMA_LEAST_SQUARES_MAX];                    /* J'r, and what its sums lost */
+    ema_real part[EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* of J'J, over the last rows: a long sum loses digits */
+    ema_real gradient[EMA_LEAST_SQUARES_MAX];                  /* J'r, and what its sums lost */
     ema_real gradient_low[EMA_LEAST_SQUARES_MAX];
     ema_residual_t residual;
+    ema_real size_square; /* of the measured signals over their noise, summed: what rounding grows with */
+    ema_real reach[EMA_LEAST_SQUARES_MAX]; /* how far the runs beside it were moved */
     ema_real outside_ratio;
     bool pushed[2];
 } ema_squares_point_t;
@@ -139,6 +143,7 @@ typedef struct {
     uint32_t next_run; /* whose turn it is */
     uint32_t runs;
     uint32_t starts;
+    uint32_t ended_alike; /* descents that have ended where the lowest did */
     uint64_t model_steps;
     uint32_t channels;
     ema_real inverse_noise[EMA_CHANNEL_COUNT]; /* 0: not compared */

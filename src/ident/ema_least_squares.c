@@ -14,9 +14,9 @@
 /* Steps of the sensitivities, as shares of the bounds: the first; from then on so many standard errors of the value by
  * itself, large against rounding, small against what bends; and how small and large they may be. */
 #define EMA_SQUARES_DELTA EMA_R(1.0e-3)
-#define EMA_SQUARES_DELTA_ERRORS EMA_R(3.0)
+#define EMA_SQUARES_DELTA_ERRORS EMA_R(10.0)
 #define EMA_SQUARES_DELTA_MIN EMA_R(1.0e-5)
-#define EMA_SQUARES_DELTA_MAX EMA_R(5.0e-3)
+#define EMA_SQUARES_DELTA_MAX EMA_R(2.0e-2)
 
 /* Factor by which the first steps may be off before the first march is made anew. */
 #define EMA_SQUARES_FAR_OFF EMA_R(2.0)
@@ -40,12 +40,18 @@
 /* Promise below which the sensitivities are taken to both sides: those to one side alone are off by what bends. */
 #define EMA_FALL_FINE EMA_R(2.0)
 
-/* Two descents end alike when their sums of squares differ by no more than this share. */
+/* Two descents end alike when their sums of squares differ by no more than this share; and so many that do are enough
+ * where they explain the record, and where they do not. */
 #define EMA_ALIKE_SQUARES EMA_R(1.0e-4)
+#define EMA_ALIKE_ADEQUATE 2U
+#define EMA_ALIKE_NOT 3U
 
 /* What preparing a model or deciding on a step costs, in model steps without effects: a slice that has less left does
  * not begin it. */
 #define EMA_SQUARES_STEPS 160U
+
+/* Rows whose products are summed by themselves first. */
+#define EMA_GATHERED_ROWS 64U
 
 /* Further starts keep this share of the bounds off them, and what is nearer lies at the edge. */
 #define EMA_START_MARGIN EMA_R(0.02)
@@ -157,6 +163,15 @@ static ema_real ema_squares_residual(const ema_least_squares_t* self, uint32_t c
            * self->inverse_noise[channel];
 }
 
+/* What came together over the last rows goes into the sum over all of them. */
+static void ema_squares_gather(ema_squares_point_t* point)
+{
+    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
+        point->normal[k] += point->part[k];
+        point->part[k] = EMA_R(0.0);
+    }
+}
+
 /* Adds one row to the sums once every run has passed it. */
 static void ema_squares_row(ema_least_squares_t* self)
 {
@@ -176,6 +191,8 @@ static void ema_squares_row(ema_least_squares_t* self)
             ema_real slope[EMA_LEAST_SQUARES_MAX];
             uint32_t at = 0U;
             if (!self->other_side) {
+                const ema_real size = residual + (base * self->inverse_noise[channel]);
+                point->size_square += size * size;
                 ema_add_compensated(&point->square, &point->square_low, residual * residual);
             }
             for (uint32_t i = 0; i < self->config->count; ++i) {
@@ -184,11 +201,14 @@ static void ema_squares_row(ema_least_squares_t* self)
                                                           : EMA_R(0.0);
                 ema_add_compensated(&point->gradient[i], &point->gradient_low[i], slope[i] * residual);
                 for (uint32_t j = 0; j <= i; ++j) {
-                    point->normal[at] += slope[i] * slope[j];
+                    point->part[at] += slope[i] * slope[j];
                     ++at;
                 }
             }
         }
+    }
+    if ((self->cursor.row % EMA_GATHERED_ROWS) == (EMA_GATHERED_ROWS - 1U)) {
+        ema_squares_gather(point);
     }
 }
 
@@ -227,7 +247,11 @@ static uint32_t ema_squares_march(ema_least_squares_t* self, uint32_t steps)
     }
     if (ema_cursor_ended(&self->cursor)) {
         ema_squares_point_t* const point = &self->present;
+        ema_squares_gather(point);
         point->residual.weighted_square = point->square;
+        for (uint32_t k = 0; k < self->config->count; ++k) {
+            point->reach[k] = self->reach[k];
+        }
         point->outside_ratio = self->state[0].outside_ratio;
         self->failed = !(point->square <= EMA_COST_MAX);
         if (self->other_side) {
@@ -324,20 +348,27 @@ static void ema_squares_again(ema_least_squares_t* self, bool from_edge)
 static void ema_squares_descended(ema_least_squares_t* self)
 {
     const ema_least_squares_config_t* const config = self->config;
-    const bool all_move = ema_squares_all_move(self);
-    const bool doubtful = !self->failed && !self->from_edge && ema_squares_at_edge(self);
-    const bool alike =
-        all_move && !self->from_edge
-        && (ema_abs(self->present.square - self->ended_square) <= (EMA_ALIKE_SQUARES * self->ended_square));
-    if (all_move && (self->present.square < self->ended_square)) {
-        self->ended_square = self->present.square;
+    const bool edge = !self->failed && ema_squares_at_edge(self);
+    const bool adequate = ema_squares_adequate(self);
+    if (ema_squares_all_move(self) && !self->from_edge) {
+        const ema_real apart = self->present.square - self->ended_square;
+        const ema_real alike = EMA_ALIKE_SQUARES * self->ended_square;
+        if (apart < -alike) {
+            self->ended_alike = 1U;
+        } else if (apart <= alike) {
+            ++self->ended_alike;
+        } else {
+            /* a worse valley */
+        }
+        self->ended_square = ema_min(self->present.square, self->ended_square);
     }
-    if (alike || (self->starts > config->restarts) || (ema_squares_adequate(self) && !doubtful)) {
+    if ((adequate && !edge) || (self->ended_alike >= (adequate ? EMA_ALIKE_ADEQUATE : EMA_ALIKE_NOT))
+        || (self->starts > config->restarts)) {
         ema_squares_finish(self, EMA_OUTCOME_TOLERANCE);
     } else if ((config->run_budget - self->runs) < (1U + config->count)) {
         ema_squares_finish(self, EMA_OUTCOME_BUDGET);
     } else {
-        ema_squares_again(self, doubtful);
+        ema_squares_again(self, edge && !self->from_edge);
     }
 }
 

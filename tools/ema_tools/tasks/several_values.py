@@ -22,7 +22,7 @@ from ema_tools.tasks.onboard_search import BOUNDS
 
 _REACH = 3.0  # a value is sought from a third of it to three times it: wider than wear, temperature and data sheets are off [judgement]
 _EFFECT_REACH = 5.0  # an effect up to so many times the lower end of its usual size [judgement]
-_NOISE_FLOOR = 1e-4  # of a signal's own spread: float32 and a record's last digit show so much of a signal without noise [precision]
+_NOISE_FLOOR = 5e-4  # of a signal's own spread: below it float32 does not tell values apart that are told at more noise [precision]
 _BLK = "screw.blk_mm"
 # Values that are one property of the machine move together.
 _TOGETHER = tuple(names for names in FROM_DATA_SHEET if len(names) > 1)
