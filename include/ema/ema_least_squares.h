@@ -15,23 +15,28 @@
  * bounds: a value at a bound that wants out is held there. One plain run says whether S falls; it is given up as soon
  * as it is more than before. If it falls the next march begins there, and lambda falls or grows by how much of the
  * promise of the linear model the step kept; else lambda grows and the step is taken anew. The runs beside the present
- * one are moved by three standard errors of the value by itself; the very first march, which does not know them, is
+ * one are moved by ten standard errors of the value by itself; the very first march, which does not know them, is
  * made anew where it was far off. Near the end a second march moves them to the other side: sensitivities to one side
  * are off by what bends. A descent ends where the model promises less than a hundredth of what one standard error of
  * one value adds to S, or than its rounding.
  *
- * A descent may end in a wrong valley. Where a value lies at the edge of its bounds another one begins with that value
- * in the middle. Where the lowest point leaves more than the sensors' noise explains (adequacy_ratio of the actuator),
- * further ones begin at points that fill the box (multiples of the square roots of primes, Richtmyer 1951), until two
- * end alike or their number is used up. The lowest point of all is the answer. No random numbers: the answer is a
- * function of record and configuration, and does not depend on the slices.
+ * A descent may end in a wrong valley. Where one ends with a value at the edge of its bounds, another begins with that
+ * value in the middle. Where the lowest point leaves more than the sensors' noise explains (adequacy_ratio of the
+ * actuator), or a value at an edge, further ones begin at points that fill the box (multiples of the square roots of
+ * primes, Richtmyer 1951), until three of them have ended alike, two where they explain the record, or their number is
+ * used up. The lowest point of all is the answer. No random numbers: the answer is a function of record and
+ * configuration, and does not depend on the slices.
  *
  * What is identifiable is known after the first march, 1 + count model runs: ema_least_squares_result from then on.
  * Call it with a budget of twice these to ask before searching.
  *
- * Memory: one structure of the caller, 10 KiB in float32 for any count, beside record and configuration; a record with
- * all four signals takes 10 bytes a row as int16. Stack: docs/BUDGETS.md. It is a plain value apart from the pointers
- * to configuration and record: a copy is a checkpoint.
+ * Values that do the same to the signals are told from each other by no more than rounding. Their sensitivities are
+ * allowed for it; in float32 that is enough where no noise is stated below 1/2000 of its signal's spread.
+ *
+ * Memory: one structure of the caller, 10.5 KiB in float32 for any count, beside record and configuration; a record
+ * with all four signals takes 10 bytes a row as int16. Stack: docs/BUDGETS.md. It is a plain value apart from the
+ * pointers to configuration and record: a copy is a
+ * checkpoint.
  */
 #ifndef EMA_LEAST_SQUARES_H
 #define EMA_LEAST_SQUARES_H
@@ -68,7 +73,7 @@ typedef struct {
     ema_real noise[EMA_CHANNEL_COUNT]; /* rms of the sensors, mm, mm, A, V, by ema_channel_t; 0: the signal is not
                                           compared */
     uint32_t run_budget;               /* model runs at the most, 1 + count or more; 2500 is plenty for eight */
-    uint32_t restarts;                 /* further starts at the most, where the first does not explain the record */
+    uint32_t restarts;                 /* further descents at the most; 8 is plenty */
 } ema_least_squares_config_t;
 
 /* Whether a record determines a value: its 95 % interval by the sensors' noise is shorter than half of its bounds, and

@@ -21,6 +21,9 @@ SHIFT = 6
 CLOCK_HZ = 168_000_000
 SLICES = (1, 7, 200, 1000)
 UNIT_SLICES = (8, 200)
+# Values of the searches by least squares, and their calls.
+SQUARES = (2, 8)
+SQUARES_CALLS = (("run, 200 steps", "slice_200"), ("result", "result"))
 COUNTED_ALL = "counted all"
 CALLS = ("init", "feed", "run", "result")
 # Ways to keep the command of a guarded session, by the names of their counts.
@@ -73,6 +76,7 @@ class Measured:
     stacks: dict[str, tuple[int, tuple[str, ...]]]
     guarded: int
     day: int
+    squares: int
 
     def number(self, name: str) -> int:
         """One of the counts, whole."""
@@ -210,7 +214,8 @@ def measure(given: argparse.Namespace) -> Measured:
     code, bare = (code_bytes(given.size, program, given.flash_object) for program in (given.flash, given.bare))
     guarded = code_bytes(given.size, given.guarded, given.guarded_object)
     day = code_bytes(given.size, given.day, given.day_object)
-    return Measured(given.compiler, counts, code, bare, stacks, guarded, day)
+    squares = code_bytes(given.size, given.squares, given.squares_object)
+    return Measured(given.compiler, counts, code, bare, stacks, guarded, day, squares)
 
 
 def grouped(value: float) -> str:
@@ -311,6 +316,7 @@ def document(found: Measured) -> str:
     )
     lines += guarded_section(found)
     lines += unit_section(found)
+    lines += squares_section(found)
     return "\n".join(lines)
 
 
@@ -425,6 +431,40 @@ def unit_section(found: Measured) -> list[str]:
     return lines
 
 
+def squares_section(found: Measured) -> list[str]:
+    """What a search by least squares costs."""
+    lines = [
+        "## By least squares",
+        "",
+        "Case A with its current by `ema_least_squares`, from healthy values: CSJ and BLK, and eight values. It is a search of its own beside the session, which does not link it.",
+        "",
+    ]
+    calls = [("ema_least_squares_init", "squares_2_init")]
+    for count in SQUARES:
+        calls += [(f"ema_least_squares_{name}, {count} values", f"squares_{count}_{key}") for name, key in SQUARES_CALLS]
+    lines += calls_table(found, calls)
+    lines += table(
+        ["what", "instructions"],
+        [
+            [
+                f"a whole search of {count} values, {grouped(found.counts[f'squares_{count}_runs'])} model runs: {found.counts[f'squares_{count}_whole'] / CLOCK_HZ:.1f} s at 168 MHz",
+                grouped(found.counts[f"squares_{count}_whole"]),
+            ]
+            for count in SQUARES
+        ],
+    )
+    lines += table(
+        ["what", "bytes"],
+        [
+            ["flash: code beyond the session's", grouped(found.squares - found.code)],
+            ["memory: `ema_least_squares_t`", grouped(found.number("size_ema_least_squares_t"))],
+            ["memory: its record of 10 s at 1 kHz, command and rod position", grouped(found.number(RECORD))],
+            ["memory: each further signal in it", grouped(found.number(RECORD) / 2)],
+        ],
+    )
+    return lines
+
+
 def summary(found: Measured) -> str:
     """The few numbers that docs/FIRMWARE.md shows between its marks."""
     per_ms = found.counts["identify_int16_200"] / found.counts["identify_int16_200_steps"]
@@ -453,6 +493,10 @@ def summary(found: Measured) -> str:
         [
             "optional: a table of signatures",
             f"{grouped(found.counts['size_table'])} bytes of flash, {grouped(found.guarded - found.code)} of code",
+        ],
+        [
+            "optional: least squares, up to eight values",
+            f"{grouped(found.number('size_ema_least_squares_t'))} bytes of RAM, {grouped(found.squares - found.code)} of code",
         ],
         ["a whole identification behind it", f"{found.counts['guarded_identify'] / 1e6:.0f} million instructions"],
         [
@@ -512,6 +556,8 @@ def main() -> int:
     parser.add_argument("--bare", type=Path, required=True, help="the program ema_flash without effects")
     parser.add_argument("--guarded", type=Path, required=True, help="the program ema_flash_guarded")
     parser.add_argument("--guarded-object", type=Path, required=True, help="the object file of ema_flash_guarded.c alone")
+    parser.add_argument("--squares", type=Path, required=True, help="the program ema_flash_squares")
+    parser.add_argument("--squares-object", type=Path, required=True, help="the object file of ema_flash_squares.c alone")
     parser.add_argument("--day", type=Path, required=True, help="the program ema_flash_day")
     parser.add_argument("--day-object", type=Path, required=True, help="the object file of ema_flash_day.c alone")
     parser.add_argument("--flash-object", type=Path, required=True, help="the object file of ema_flash.c alone")

@@ -11,6 +11,7 @@
 #include "ace_actuator.h"
 #include "ace_signatures.h"
 #include "ema/ema_guarded.h"
+#include "ema/ema_least_squares.h"
 #include "ema/ema_sensitivity.h"
 #include "ema_counter.h"
 #include "ema_recorded.h"
@@ -307,6 +308,64 @@ static void count_onboard(void)
     (void)printf("onboard_whole %llu\n", instructions(run.sum));
 }
 
+static ema_least_squares_t squares;
+
+/* A whole search by least squares, on the record with the current that the guarded session was fed. */
+static void count_squares(uint32_t count)
+{
+    static ema_least_squares_config_t config;
+    static const ema_value_id_t ids[EMA_LEAST_SQUARES_MAX] = {
+        EMA_VALUE_ID(csj_Nm),   EMA_VALUE_ID(blk_mm),         EMA_VALUE_ID(viscous_Nm_s_per_rad),
+        EMA_VALUE_ID(kp_per_m), EMA_VALUE_ID(resistance_ohm), EMA_VALUE_ID(torque_constant_Nm_per_A),
+        EMA_VALUE_ID(supply_V), EMA_VALUE_ID(inertia_kgm2)};
+    ticks_t run = {0};
+    ticks_t init = {0};
+    ticks_t once = {0};
+    ema_least_squares_result_t result;
+    config.actuator = &EMA_ACTUATOR;
+    config.count = count;
+    config.run_budget = 2500U;
+    config.noise[EMA_CHANNEL_POSITION] = EMA_R(0.005);
+    config.noise[EMA_CHANNEL_CURRENT] = EMA_R(0.03);
+    for (uint32_t k = 0; k < count; ++k) {
+        ema_real value = EMA_R(0.0);
+        (void)ema_actuator_get(&EMA_ACTUATOR, ids[k], &value);
+        const ema_searched_t searched = {ids[k], ids[k], value / EMA_R(3.0), value * EMA_R(3.0), value};
+        config.searched[k] = searched;
+    }
+    uint32_t from = ema_counter_now();
+    ema_status_t status = ema_least_squares_init(&squares, &config, &guarded.session.record);
+    take(&init, from, ema_counter_now());
+    while ((status == EMA_OK) && !ema_least_squares_done(&squares)) {
+        from = ema_counter_now();
+        status = ema_least_squares_run(&squares, 200U);
+        take(&run, from, ema_counter_now());
+    }
+    from = ema_counter_now();
+    if (status == EMA_OK) {
+        status = ema_least_squares_result(&squares, &result);
+    }
+    take(&once, from, ema_counter_now());
+    if (status != EMA_OK) {
+        fail("squares", status);
+    }
+    if (!result.adequate) {
+        /* another course through the code than the one that is to be counted */
+        (void)printf("failed squares: %" PRIu32 " values do not explain the record\n", count);
+        exit(1);
+    }
+    char label[48];
+    (void)snprintf(label, sizeof label, "squares_%" PRIu32 "_slice_200", count);
+    print_mean(label, &run);
+    (void)snprintf(label, sizeof label, "squares_%" PRIu32 "_init", count);
+    print_mean(label, &init);
+    (void)snprintf(label, sizeof label, "squares_%" PRIu32 "_result", count);
+    print_mean(label, &once);
+    (void)printf("squares_%" PRIu32 "_whole %llu\nsquares_%" PRIu32 "_runs %" PRIu32 "\n", count, instructions(run.sum),
+                 count, result.runs);
+    (void)printf("squares_%" PRIu32 "_steps %llu\n", count, (unsigned long long)result.model_steps);
+}
+
 #define PAINTED_WORDS 2048U
 #define PAINT 0xA5C3F00DU
 
@@ -427,6 +486,7 @@ static void print_sizes(void)
     PRINT_SIZE(ema_command_t);
     PRINT_SIZE(ema_finding_t);
     PRINT_SIZE(ema_guarded_t);
+    PRINT_SIZE(ema_least_squares_t);
     PRINT_SIZE(ema_model_t);
     PRINT_SIZE(ema_objective_t);
     PRINT_SIZE(ema_onboard_t);
@@ -468,6 +528,8 @@ int main(void)
     count_guarded(1U, false, "guarded");
     count_guarded(200U, false, "guarded");
     count_onboard();
+    count_squares(2U);
+    count_squares(EMA_LEAST_SQUARES_MAX);
     count_unit(UNIT_SLICE_STEPS);
     count_unit(200U);
     (void)puts("counted all");
