@@ -38,12 +38,6 @@ typedef struct {
     bool open[EMA_DAMPED_MAX]; /* may move */
 } ema_damped_t;
 
-/* What a step promises. */
-typedef struct {
-    ema_real fall; /* of the sum of squares, by the linear model */
-    ema_real open; /* sum of what each coordinate that may move would gain alone: zero at the lowest point */
-} ema_promise_t;
-
 /* How well one coordinate is told from the others. */
 typedef struct {
     ema_real length;  /* of its sensitivities; 0 where it has none */
@@ -51,10 +45,12 @@ typedef struct {
     uint32_t partner; /* the coordinate that makes the largest part of the rest; itself where there is none */
 } ema_apart_t;
 
-/* Writes the step from `x`, `size` coordinates in [0, 1]; x + step is in the box but for rounding. `damping` is at
- * least EMA_DAMPING_MIN. No address may be NULL. Cost: at most 1 + size Cholesky solutions. */
-ema_promise_t ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
-                              ema_real damping, ema_damped_t* memory, ema_real* step);
+/* Writes the step from `x` and returns by how much the linear model lets the sum of squares fall. `x` is
+ * `size` coordinates in [0, 1]; x + step is in the box but for rounding. `damping` is at
+ * least EMA_DAMPING_MIN; with less the step may be none. No address may be NULL. Cost: at most 1 + size Cholesky
+ * solutions. */
+ema_real ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
+                         ema_real damping, ema_damped_t* memory, ema_real* step);
 
 /* How well coordinate `which` is told from the others. Cost: one Cholesky factor. */
 ema_apart_t ema_damped_apart(const ema_real* normal, uint32_t size, uint32_t which);

@@ -21,12 +21,10 @@
 /* Factor by which the first steps may be off before the first march is made anew. */
 #define EMA_SQUARES_FAR_OFF EMA_R(2.0)
 
-/* Damping of the first step, its factors after a step that kept its promise and after one that did not, and where it is
- * given up. */
+/* Damping of the first step, its factors after a step that kept its promise and after one that did not. */
 #define EMA_DAMPING_FIRST EMA_R(1.0e-2)
 #define EMA_DAMPING_FALL EMA_R(0.1)
 #define EMA_DAMPING_RISE EMA_R(8.0)
-#define EMA_DAMPING_MAX EMA_R(1.0e8)
 
 /* Shares of the promise from which on a step kept it, and below which it did not. */
 #define EMA_PROMISE_KEPT EMA_R(0.75)
@@ -397,17 +395,17 @@ static void ema_squares_propose(ema_least_squares_t* self)
         bool searching = true;
         while (searching) {
             ema_real step[EMA_LEAST_SQUARES_MAX] = {0};
-            const ema_promise_t promise = ema_damped_step(self->present.normal, self->present.gradient, self->present.x,
-                                                          count, self->damping, &self->solver, step);
-            if (!self->other_side && (promise.fall <= EMA_FALL_FINE) && (left > (2U * (2U + count)))) {
+            const ema_real promised = ema_damped_step(self->present.normal, self->present.gradient, self->present.x,
+                                                      count, self->damping, &self->solver, step);
+            if (!self->other_side && (promised <= EMA_FALL_FINE) && (left > (2U * (2U + count)))) {
                 searching = false;
                 self->other_side = true;
                 ema_squares_begin(self, EMA_SQUARES_PREPARING);
-            } else if ((promise.fall > least) && ema_squares_trial(self, step)) {
+            } else if ((promised > least) && ema_squares_trial(self, step)) {
                 searching = false;
-                self->promised = promise.fall;
+                self->promised = promised;
                 ema_squares_begin(self, EMA_SQUARES_TRYING);
-            } else if (((promise.fall <= least) && (promise.open <= least)) || (self->damping > EMA_DAMPING_MAX)) {
+            } else if (promised <= least) {
                 searching = false;
                 ema_squares_descended(self);
             } else {
@@ -423,7 +421,7 @@ static bool ema_squares_reach(ema_least_squares_t* self)
     bool far_off = false;
     for (uint32_t k = 0; k < self->config->count; ++k) {
         const ema_real square = self->present.normal[EMA_DAMPED_TRIANGLE(k) + k];
-        if ((square > EMA_R(0.0)) && (square <= EMA_COST_MAX)) {
+        if (square > EMA_R(0.0)) {
             const ema_real before = self->reach[k];
             self->reach[k] =
                 ema_clamp(EMA_SQUARES_DELTA_ERRORS / ema_sqrt(square), EMA_SQUARES_DELTA_MIN, EMA_SQUARES_DELTA_MAX);

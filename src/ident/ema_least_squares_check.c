@@ -32,8 +32,8 @@ static bool ema_searched_valid(const ema_searched_t* searched, const ema_actuato
     bool valid = ema_searched_within(searched->id, searched->lower, searched->upper)
                  && (searched->start >= searched->lower) && (searched->start <= searched->upper);
     if (valid && (searched->with != searched->id)) {
-        valid = (ema_actuator_get(actuator, searched->id, &own) == EMA_OK) && (own != EMA_R(0.0))
-                && ((size_t)searched->with < EMA_VALUE_COUNT);
+        (void)ema_actuator_get(actuator, searched->id, &own);
+        valid = (own != EMA_R(0.0)) && ((size_t)searched->with < EMA_VALUE_COUNT);
         if (valid) {
             const ema_real first = ema_searched_with(searched, actuator, searched->lower);
             const ema_real last = ema_searched_with(searched, actuator, searched->upper);

@@ -68,23 +68,20 @@ static bool ema_damped_inside(const ema_real* x, uint32_t size, ema_damped_t* me
     return inside;
 }
 
-ema_promise_t ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
-                              ema_real damping, ema_damped_t* memory, ema_real* step)
+ema_real ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
+                         ema_real damping, ema_damped_t* memory, ema_real* step)
 {
-    ema_promise_t promise = {EMA_R(0.0), EMA_R(0.0)};
+    ema_real fall = EMA_R(0.0);
     for (uint32_t i = 0; i < size; ++i) {
         const bool held = ((x[i] <= EMA_R(0.0)) && (gradient[i] < EMA_R(0.0)))
                           || ((x[i] >= EMA_R(1.0)) && (gradient[i] > EMA_R(0.0)));
         memory->length[i] = ema_damped_length(normal, i);
         memory->open[i] = (memory->length[i] > EMA_R(0.0)) && ema_is_finite(gradient[i]) && !held;
         step[i] = EMA_R(0.0);
-        if (memory->open[i]) {
-            const ema_real alone = gradient[i] / memory->length[i];
-            promise.open += alone * alone;
-        }
     }
     bool inside = false;
-    for (uint32_t round = 0; !inside && (round <= size); ++round) {
+    /* every round but the last leaves fewer of them open */
+    while (!inside) {
         ema_damped_solve(normal, gradient, size, damping, memory, step);
         inside = ema_damped_inside(x, size, memory, step);
     }
@@ -96,10 +93,10 @@ ema_promise_t ema_damped_step(const ema_real* normal, const ema_real* gradient, 
                     made += ema_damped_at(normal, i, j) * step[j];
                 }
             }
-            promise.fall += step[i] * ((EMA_R(2.0) * gradient[i]) - made);
+            fall += step[i] * ((EMA_R(2.0) * gradient[i]) - made);
         }
     }
-    return promise;
+    return fall;
 }
 
 /* The parts of a coordinate's sensitivities along those of `place`, whose Cholesky factor is given, in `along`; returns

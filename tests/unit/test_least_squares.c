@@ -404,6 +404,12 @@ static void test_values_that_do_the_same_are_told_together(void)
     TEST_ASSERT_TRUE(result.value[1].bias == EMA_COST_MAX);
     TEST_ASSERT_TRUE(result.value[1].noise_std == EMA_COST_MAX);
     TEST_ASSERT_FALSE(result.crossed);
+    /* nor the other way round */
+    chirp.config.amplitude_mm = -chirp.config.amplitude_mm;
+    make_record(&actuator, ROWS, EMA_R(1.0));
+    const ema_least_squares_result_t back = run(1000U);
+    TEST_ASSERT_TRUE(search->best.pushed[0]);
+    TEST_ASSERT_FALSE(back.crossed);
 }
 
 /* Two thirds of the bounds make no model, being too stiff for the step; the search goes around them. */
@@ -412,12 +418,16 @@ static void test_bounds_may_hold_values_without_a_model(void)
     const ema_searched_t viscous = {EMA_VALUE_ID(viscous_Nm_s_per_rad), EMA_VALUE_ID(viscous_Nm_s_per_rad), EMA_R(0.0),
                                     EMA_R(10.0), EMA_R(1.0e-4)};
     ema_actuator_t worn = actuator;
-    worn.params.viscous_Nm_s_per_rad = EMA_R(0.02);
-    make_record(&worn, ROWS, EMA_R(1.0));
     config.count = 1U;
     config.searched[0] = viscous;
-    const ema_least_squares_result_t result = run(1000U);
-    EMA_ASSERT_CLOSE(0.02, result.value[0].estimate, 4.0 * (double)result.value[0].std, 0.0);
+    for (uint32_t k = 0; k < 2U; ++k) {
+        /* the second so far off that the first step ends where no model is */
+        const ema_real value = (k == 0U) ? EMA_R(0.02) : EMA_R(1.0);
+        worn.params.viscous_Nm_s_per_rad = value;
+        make_record(&worn, ROWS, EMA_R(1.0));
+        const ema_least_squares_result_t result = run(1000U);
+        EMA_ASSERT_CLOSE(value, result.value[0].estimate, 4.0 * (double)result.value[0].std, 0.0);
+    }
     /* and a start that makes none is refused */
     config.searched[0].start = EMA_R(10.0);
     EMA_ASSERT_STATUS(EMA_ERR_STIFF, ema_least_squares_init(search, &config, &record));
@@ -467,6 +477,14 @@ static void test_sums_that_overflow_are_told(void)
     }
     TEST_ASSERT_EQUAL_UINT32(3U, search->starts);
     EMA_ASSERT_STATUS(EMA_ERR_DIVERGED, ema_least_squares_result(search, &result));
+    /* nor is there a march left to begin elsewhere */
+    config.run_budget = 4U;
+    EMA_ASSERT_STATUS(EMA_OK, ema_least_squares_init(search, &config, &record));
+    while (!ema_least_squares_done(search)) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_least_squares_run(search, 1000U));
+    }
+    TEST_ASSERT_EQUAL_UINT32(1U, search->starts);
+    TEST_ASSERT_EQUAL_INT(EMA_OUTCOME_BUDGET, search->outcome);
 }
 
 /* A record of integers, and of a command that is a function. */
