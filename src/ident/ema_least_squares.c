@@ -401,13 +401,13 @@ static void ema_squares_propose(ema_least_squares_t* self)
                 searching = false;
                 self->other_side = true;
                 ema_squares_begin(self, EMA_SQUARES_PREPARING);
-            } else if ((promised > least) && ema_squares_trial(self, step)) {
-                searching = false;
-                self->promised = promised;
-                ema_squares_begin(self, EMA_SQUARES_TRYING);
             } else if (promised <= least) {
                 searching = false;
                 ema_squares_descended(self);
+            } else if (ema_squares_trial(self, step)) {
+                searching = false;
+                self->promised = promised;
+                ema_squares_begin(self, EMA_SQUARES_TRYING);
             } else {
                 self->damping *= EMA_DAMPING_RISE;
             }
