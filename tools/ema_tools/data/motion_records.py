@@ -16,8 +16,8 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import one_line, readable, write_text
-from ema_tools.data.records import Record
 from ema_tools.data.records import COLUMNS as CONTROLLED_COLUMNS
+from ema_tools.data.records import Record
 
 # Any of these is a motion, any of those a drive; with the motor's data the voltage is one too.
 MOTIONS = ("position_mm", "motor_position_mm", "speed_mm_s", "motor_angle_rad", "motor_speed_rad_s")
@@ -103,14 +103,20 @@ class MotionRecord:
         """The same as a record of a machine whose controller is known. Raises InputError when its command or its rod position is not recorded."""
         for name in ("command_mm", "position_mm"):
             if self.channel(name) is None:
-                raise InputError(f"{self.file}: {name}: is not recorded: what simulates the machine needs it, the balance of forces does not")
+                raise InputError(
+                    f"{self.file}: {name}: is not recorded: what simulates the machine needs it, the balance of forces does not"
+                )
         kept = {name: self.channel(name) for name in CONTROLLED_COLUMNS if name not in ("time_s", "command_mm", "position_mm")}
-        return Record(self.period_s, self.recorded("command_mm"), self.recorded("position_mm"), file=self.file, first_time_s=self.first_time_s, **kept)
+        return Record(
+            self.period_s, self.recorded("command_mm"), self.recorded("position_mm"), file=self.file, first_time_s=self.first_time_s, **kept
+        )
 
 
 def of_controlled(record: Record) -> MotionRecord:
     """A record of a machine whose controller is known, as one of any machine."""
-    return MotionRecord(record.period_s, record.file, record.first_time_s).with_columns({name: record.recorded(name) for name in record.present})
+    return MotionRecord(record.period_s, record.file, record.first_time_s).with_columns(
+        {name: record.recorded(name) for name in record.present}
+    )
 
 
 def check_signals(record: MotionRecord, voltage_serves: bool = False) -> None:
@@ -131,7 +137,12 @@ def read_motion_record(path: str | Path) -> MotionRecord:
     from ema_tools.data.tables.read import read_table
     from ema_tools.data.tables.text import Stated
 
-    table = read_table(path, Stated(encoding="utf-8-sig", delimiter="comma", decimal="point") if Path(path).suffix.lower() not in (".mat", ".parquet", ".pq") else None)
+    table = read_table(
+        path,
+        Stated(encoding="utf-8-sig", delimiter="comma", decimal="point")
+        if Path(path).suffix.lower() not in (".mat", ".parquet", ".pq")
+        else None,
+    )
     file = readable(Path(path).name)
     if table.cut_row is not None:
         raise InputError(f"{file}: row {table.cut_row}: ends before its last field: delete it or record again")
@@ -142,15 +153,23 @@ def read_motion_record(path: str | Path) -> MotionRecord:
         bad = np.flatnonzero(~np.isfinite(column.values))
         if bad.size:
             what = f'"{column.texts[int(bad[0])]}" is not a finite number' if int(bad[0]) in column.texts else "holds no finite number"
-            raise InputError(f"{file}: row {table.rows[bad[0]]}, {column.name}: {what}: correct it, or use ema import table, which cuts the record there")
+            raise InputError(
+                f"{file}: row {table.rows[bad[0]]}, {column.name}: {what}: correct it, or use ema import table, which cuts the record there"
+            )
         columns[column.name] = column.values
     if "time_s" not in columns:
-        raise InputError(f"{file}: time_s: column missing: rename the column with the time, or use ema import table for a file of another maker")
+        raise InputError(
+            f"{file}: time_s: column missing: rename the column with the time, or use ema import table for a file of another maker"
+        )
     time_s = columns.pop("time_s")
     if not columns:
-        raise InputError(f"{file}: none of the columns {', '.join(COLUMNS)} is there: rename them, or use ema import table for a file of another maker")
+        raise InputError(
+            f"{file}: none of the columns {', '.join(COLUMNS)} is there: rename them, or use ema import table for a file of another maker"
+        )
     period_s = _period(time_s, table.rows, file)
-    record = MotionRecord(period_s, file, float(time_s[0])).with_columns({name: np.ascontiguousarray(values) for name, values in columns.items()})
+    record = MotionRecord(period_s, file, float(time_s[0])).with_columns(
+        {name: np.ascontiguousarray(values) for name, values in columns.items()}
+    )
     check_signals(record, voltage_serves=True)
     return record
 
@@ -171,7 +190,9 @@ def _period(time_s: Reals, rows: Any, file: str) -> float:
             f"{file}: row {row}, time_s: the rate is not constant, {common:g} s before: resample it, or use ema import table, which does"
         )
     if not PERIOD_MIN_S * (1.0 - 1e-9) <= period_s <= PERIOD_MAX_S * (1.0 + 1e-9):
-        raise InputError(f"{file}: time_s: steps of {period_s:g} s: records have {PERIOD_MIN_S:g} to {PERIOD_MAX_S:g} s: give the time in seconds")
+        raise InputError(
+            f"{file}: time_s: steps of {period_s:g} s: records have {PERIOD_MIN_S:g} to {PERIOD_MAX_S:g} s: give the time in seconds"
+        )
     return float(f"{period_s:.12g}")
 
 

@@ -54,7 +54,11 @@ def _first(record: MotionRecord, columns: tuple[tuple[str, float], ...]) -> Sign
     for name, factor in columns:
         values = record.channel(name)
         if values is not None:
-            return Signal(values, "recorded", name) if factor == 1.0 and name.startswith("motor_") else Signal(factor * values, "converted", name)
+            return (
+                Signal(values, "recorded", name)
+                if factor == 1.0 and name.startswith("motor_")
+                else Signal(factor * values, "converted", name)
+            )
     return None
 
 

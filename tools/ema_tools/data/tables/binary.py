@@ -43,7 +43,7 @@ def read_npz(path: Path, file: str, units: Units) -> RawTable:
     return _table(_flat(arrays), file, "NumPy", units)
 
 
-class _one(dict[str, Any]):  # noqa: N801
+class _one(dict[str, Any]):
     """The fields of a structured array, or the array itself, as what `with` takes."""
 
     def __init__(self, array: Any) -> None:

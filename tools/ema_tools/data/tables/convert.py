@@ -57,7 +57,9 @@ def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Convert
     pieces, told = pieces_of(time_s, columns, table.rows, _SLOW)
     remarks += told
     if not pieces:
-        raise InputError(f"{table.file}: no rows in which time and all columns hold numbers: name other columns in {mapped.file}, or leave out a column that is empty")
+        raise InputError(
+            f"{table.file}: no rows in which time and all columns hold numbers: name other columns in {mapped.file}, or leave out a column that is empty"
+        )
     for piece in pieces:
         _check_period(piece.period_s, table, mapped)
     stem = path.name[: -len(path.suffix)] if path.suffix else path.name
@@ -78,7 +80,9 @@ def found_column(table: RawTable, name: str, column: ColumnMap, map_file: str) -
     if isinstance(wanted, int):
         if wanted <= len(table.columns):
             return table.columns[wanted - 1]
-        raise InputError(f"{table.file}: has {len(table.columns)} columns ({_listed(table.names)}): correct from = {wanted} in [columns.{name}] of {map_file}")
+        raise InputError(
+            f"{table.file}: has {len(table.columns)} columns ({_listed(table.names)}): correct from = {wanted} in [columns.{name}] of {map_file}"
+        )
 
     def plain(text: str) -> str:
         return " ".join(text.casefold().split())
@@ -90,7 +94,9 @@ def found_column(table: RawTable, name: str, column: ColumnMap, map_file: str) -
             return fitting[0]
     near = difflib.get_close_matches(plain(text), [plain(one) for one in table.names], n=1, cutoff=0.5)
     hint = next((f' (did you mean "{one}"?)' for one in table.names if near and plain(one) == near[0]), "")
-    raise InputError(f'{table.file}: no column "{text}"{hint}: columns are {_listed(table.names)}: correct from in [columns.{name}] of {map_file}')
+    raise InputError(
+        f'{table.file}: no column "{text}"{hint}: columns are {_listed(table.names)}: correct from in [columns.{name}] of {map_file}'
+    )
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -130,12 +136,16 @@ def _time(table: RawTable, column: RawColumn | None, mapped: TableMap, units: Un
     if entry.unit == MOMENTS:
         return _moments(table, column)
     if column.texts and len(column.texts) > table.rows.size // 2:
+        place = min(column.texts)
         raise InputError(
-            f'{table.file}, row {table.rows[min(column.texts)]}, "{column.name}": "{column.texts[min(column.texts)]}" is not a number: write unit = "{MOMENTS}" in [columns.time_s] of {mapped.file} if it is a date or a time of day'
+            f'{table.file}, row {table.rows[place]}, "{column.name}": "{column.texts[place]}" is not a number: if it is a date or a time of day write unit = "{MOMENTS}"'
+            f" in [columns.time_s] of {mapped.file}"
         )
     _check_cells(table, column)
     _same_unit(table, column, "time_s", entry, mapped, units)
-    return entry.sign * units.converted(entry.scale * column.values + entry.offset, entry.unit, "time_s", where)
+    return np.asarray(
+        entry.sign * units.converted(entry.scale * column.values + entry.offset, entry.unit, "time_s", where), dtype=np.float64
+    )
 
 
 def _moments(table: RawTable, column: RawColumn) -> Reals:
@@ -163,9 +173,7 @@ def _moments(table: RawTable, column: RawColumn) -> Reals:
     return np.asarray(found - found[0])
 
 
-def _signal(
-    table: RawTable, column: RawColumn, name: str, entry: ColumnMap, mapped: TableMap, units: Units
-) -> tuple[Reals, list[Remark]]:
+def _signal(table: RawTable, column: RawColumn, name: str, entry: ColumnMap, mapped: TableMap, units: Units) -> tuple[Reals, list[Remark]]:
     """A column in the unit of the record, [rows], NaN where there is no number. Raises InputError."""
     _check_cells(table, column)
     raw, told = column.values, []

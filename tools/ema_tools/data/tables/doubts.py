@@ -23,7 +23,15 @@ _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the d
 _CHANGES_SHARE = 0.2  # of the largest speed: where it varies by less it is held and not changed [judgement]
 _MANY_TIMES = 10.0  # nominal values: motors give three to five times of it for a moment [physics]
 # Larger than what any machine of this kind has: 200000 turns a minute, and what the lists of parameters allow. [physics]
-_LARGEST = {"motor_speed_rad_s": 2.1e4, "speed_mm_s": 1e5, "position_mm": 1e5, "motor_position_mm": 1e5, "torque_Nm": 1e4, "current_A": 5e3, "force_N": 1e8}
+_LARGEST = {
+    "motor_speed_rad_s": 2.1e4,
+    "speed_mm_s": 1e5,
+    "position_mm": 1e5,
+    "motor_position_mm": 1e5,
+    "torque_Nm": 1e4,
+    "current_A": 5e3,
+    "force_N": 1e8,
+}
 
 
 def check(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Remark, ...]:
@@ -40,7 +48,12 @@ def check(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Remark, ..
 
 
 def _sizes(name: str, records: Sequence[MotionRecord], mapped: TableMap) -> None:
-    nominal = {"torque_Nm": "nominal_torque", "current_A": "nominal_current", "force_N": "nominal_force", "motor_speed_rad_s": "nominal_speed"}.get(name, "")
+    nominal = {
+        "torque_Nm": "nominal_torque",
+        "current_A": "nominal_current",
+        "force_N": "nominal_force",
+        "motor_speed_rad_s": "nominal_speed",
+    }.get(name, "")
     for record in records:
         values = record.channel(name)
         if values is None:
@@ -65,7 +78,7 @@ def _standing(records: Sequence[MotionRecord], mapped: TableMap) -> None:
         values = [record.recorded(name) for record in records if name in record.present]
         if not mapped.columns[name].sure and len({float(one) for part in values for one in (part.min(), part.max())}) == 1:
             raise InputError(
-                f'{records[0].file}: {name}: is {values[0][0]:g} in all rows of all files: correct from in [columns.{name}] of {mapped.file}, or write sure = true there'
+                f"{records[0].file}: {name}: is {values[0][0]:g} in all rows of all files: correct from in [columns.{name}] of {mapped.file}, or write sure = true there"
             )
 
 
@@ -95,7 +108,8 @@ def _agree(record: MotionRecord, first: str, second: str, one: Reals, other: Rea
     alike = float(one @ other) / size
     if alike < -_FOLLOWS:
         raise InputError(
-            f"{record.file}: {first} and {second} run against each other: change sign in [columns.{first}] or [columns.{second}] of {mapped.file}, whichever is against the machine's positive direction"
+            f"{record.file}: {first} and {second} run against each other: change sign in [columns.{first}] or [columns.{second}] of {mapped.file},"
+            " whichever is against the machine's positive direction"
         )
     times = float(np.linalg.norm(one) / np.linalg.norm(other))
     if alike > _FOLLOWS and not _SAME[0] <= times <= _SAME[1]:
@@ -177,7 +191,8 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
     if against and not along:
         what = " and ".join("brakes in both directions" if name == "friction" else "slows down while the speed rises" for name in against)
         raise InputError(
-            f"{records[0].file}: {drive_name} {what}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file}, or the other sign in [columns.{motion_name}]"
+            f"{records[0].file}: {drive_name} {what}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
+            f" or the other sign in [columns.{motion_name}]"
         )
     if not both_ways and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
         return (Remark("one_way", None, None, drive_name),)

@@ -12,8 +12,8 @@ import numpy as np
 from ema_tools.base.files import one_line
 from ema_tools.data.motion_records import COLUMNS, DRIVES, MOTIONS
 from ema_tools.data.tables.convert import MOMENTS
-from ema_tools.data.tables.raw import RawColumn, RawTable
 from ema_tools.data.tables.rate import even
+from ema_tools.data.tables.raw import RawColumn, RawTable
 from ema_tools.data.tables.table_map import NUMBERS, OPEN, QUANTITIES
 from ema_tools.data.tables.units import EXAMPLES, KINDS, NOMINAL, SHARES, Units, plain_unit, suffix_of
 
@@ -127,7 +127,7 @@ def _guess(place: int, column: RawColumn, table: RawTable, units: Units) -> Gues
         return Guess(place, column, "time_s", unit, "its unit" if suffix else "its name", unit_by)
     if not suffix and not word and place == 1 and even(column.values[np.isfinite(column.values)]) is not None:
         return Guess(place, column, "time_s", unit, "it rises by the same step in every row", unit_by)
-    if _ASKED.search(name) and word not in ("voltage",):
+    if _ASKED.search(name) and word != "voltage":
         if suffix == "mm" or (word == "position" and not suffix):
             return Guess(place, column, "command_mm", unit, "its name", unit_by)
         return Guess(place, column)
@@ -208,7 +208,11 @@ def _shown(one: Guess) -> str:
 def _time_lines(used: Sequence[Guess], table: RawTable) -> list[str]:
     found = next((one for one in used if one.target == "time_s"), None)
     if found is None:
-        return ["[columns.time_s]", f'period = "{OPEN}"  # no time was recognised: the step from row to row, such as "1 ms", or from and unit', ""]
+        return [
+            "[columns.time_s]",
+            f'period = "{OPEN}"  # no time was recognised: the step from row to row, such as "1 ms", or from and unit',
+            "",
+        ]
     lines = ["[columns.time_s]", f"from = {_source(found)}  # guessed by {found.by}; {_shown(found)}"]
     if found.unit == OPEN:
         return [*lines, f'unit = "{OPEN}"  # {EXAMPLES["s"]}', ""]
@@ -232,7 +236,11 @@ def _unused(guesses: Sequence[Guess]) -> list[str]:
     if not guesses:
         return []
     lines = [f"# Not used: to use one, write [columns.<name>] with from and unit; names are {', '.join(COLUMNS)}."]
-    return [*lines, *(f"#   {_source(one)}, column {one.place}: {one_line(one.column.unit) or 'no unit'}, {_shown(one)}" for one in guesses), ""]
+    return [
+        *lines,
+        *(f"#   {_source(one)}, column {one.place}: {one_line(one.column.unit) or 'no unit'}, {_shown(one)}" for one in guesses),
+        "",
+    ]
 
 
 def _machine_lines(used: Sequence[Guess]) -> tuple[list[str], list[str]]:

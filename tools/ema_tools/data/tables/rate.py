@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -13,7 +14,9 @@ from ema_tools.base.arrays import Flags, Reals
 from ema_tools.data.motion_records import ROWS_MIN
 from ema_tools.data.tables.raw import Rows
 
-RemarkKind = Literal["rounded", "repeated", "filled", "resampled", "rates", "gap", "restart", "short", "unwrapped", "cut_row", "footer", "rms", "one_way"]
+RemarkKind = Literal[
+    "rounded", "repeated", "filled", "resampled", "rates", "gap", "restart", "short", "unwrapped", "cut_row", "footer", "rms", "one_way"
+]
 GAP_STEPS = 3.5  # a step longer than so many usual ones is a gap that straight lines may not cross: three lost rows are still few of the motion [judgement]
 _EVEN_SHARE = 0.01  # of a step: rows that are off an even rate by less are on it, the error is below a percent of the speed [precision]
 _STAMP_SHARE = 0.51  # of the last digit of the stamps: rounding moves them by half of it [precision]
@@ -85,7 +88,7 @@ def pieces_of(time_s: Reals, columns: Mapping[str, Reals], rows: Rows, slow: Seq
     found: list[Piece] = []
     told: list[Remark] = []
     starts = [0, *(np.flatnonzero(np.diff(time_s) < 0.0) + 1).tolist(), time_s.size]
-    for first, last in zip(starts[:-1], starts[1:], strict=True):
+    for first, last in pairwise(starts):
         if first:
             told.append(Remark("restart", int(rows[first])))
         part = slice(first, last)
@@ -139,14 +142,16 @@ def _same_rows(
             continue
         rate = even(times)
         if rate is not None:
-            grid = rate[0] + rate[1] * np.arange(times.size)
+            grid = rate[0] + rate[1] * np.arange(times.size, dtype=np.float64)
             own = {name: columns[name][seen][first:last] for name in fast}
             period_s = rate[1]
         else:
             grid, period_s, remark = _regular(times)
             told.append(remark)
             own = {name: np.interp(grid, times, columns[name][seen][first:last]) for name in fast}
-        others = {name: _line(grid, whole, columns[name], there[name]) for name in columns if name not in fast}
+        others = {
+            name: _line(np.asarray(grid, dtype=np.float64), whole, columns[name], there[name]) for name in columns if name not in fast
+        }
         found.append(Piece(period_s, float(grid[0]), {**own, **others}))
     return found, told
 
@@ -162,7 +167,11 @@ def _regular(times: Reals) -> tuple[Reals, float, Remark]:
         return times[0] + period_s * np.arange(total + 1), period_s, Remark("filled", None, {"count": float(total - steps.size)})
     period_s = _nice(usual, _EVEN_SHARE * usual)
     grid = times[0] + period_s * np.arange(math.floor((times[-1] - times[0]) / period_s + 1e-9) + 1)
-    return grid, period_s, Remark("resampled", None, {"shortest_s": float(np.min(steps)), "longest_s": float(np.max(steps)), "period_s": period_s})
+    return (
+        grid,
+        period_s,
+        Remark("resampled", None, {"shortest_s": float(np.min(steps)), "longest_s": float(np.max(steps)), "period_s": period_s}),
+    )
 
 
 def _own_rows(

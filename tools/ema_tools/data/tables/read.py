@@ -27,7 +27,7 @@ def read_table(path: str | Path, stated: Stated | None = None, units: Units | No
     if not content:
         raise InputError(f"{file}: is empty: record it again")
     ending = place.suffix.lower()
-    if ending in (".xls", ".xlsx", ".ods") or content[:4] == b"PK\x03\x04" and ending != ".npz":
+    if ending in (".xls", ".xlsx", ".ods") or (content[:4] == b"PK\x03\x04" and ending != ".npz"):
         raise InputError(f"{file}: a workbook, which is not read: save its sheet as CSV")
     if ending in (".mat", ".npz", ".npy", ".parquet", ".pq"):
         from ema_tools.data.tables import binary

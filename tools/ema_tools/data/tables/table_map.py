@@ -132,7 +132,7 @@ def _stated(table: Mapping[str, Any], file: str) -> Stated:
         if value == AUTO:
             continue
         wants_row = key.endswith("_row")
-        if isinstance(value, bool) or not isinstance(value, int if wants_row else str) or (wants_row and value < 1):
+        if isinstance(value, bool) or not isinstance(value, int if wants_row else str) or (isinstance(value, int) and value < 1):
             raise InputError(f'{file}: file.{key} = {value}: not {"a row, from 1" if wants_row else "a text"}: correct it or write "auto"')
         found[key] = value
     return Stated(**found)
@@ -161,7 +161,9 @@ def _machine(table: Mapping[str, Any], file: str) -> tuple[dict[str, float], dic
             numbers[key] = float(value)
         else:
             if not isinstance(value, str):
-                raise InputError(f'{where} = {value}: has no unit: write it as a text with its unit, for example {key} = "{QUANTITIES[key].example}"')
+                raise InputError(
+                    f'{where} = {value}: has no unit: write it as a text with its unit, for example {key} = "{QUANTITIES[key].example}"'
+                )
             numbers[key] = units.value(value, QUANTITIES[key].unit, where, QUANTITIES[key].example)
             if not numbers[key] > 0.0:
                 raise InputError(f"{where} = {value}: not positive: {QUANTITIES[key].meaning}")
@@ -184,9 +186,13 @@ def _column(name: str, table: object, file: str) -> ColumnMap:
             raise InputError(f"{where}.{key}: is still to be filled in: {_wanted(key, name)}")
     period = table.get("period")
     if (period is None) == ("from" not in table) or (period is not None and name != "time_s"):
-        raise InputError(f"{where}: {_wanted('from', name)}" + (', or period = "1 ms" where the file has no time' if name == "time_s" else ""))
+        raise InputError(
+            f"{where}: {_wanted('from', name)}" + (', or period = "1 ms" where the file has no time' if name == "time_s" else "")
+        )
     source = table.get("from")
-    if source is not None and (isinstance(source, bool) or not isinstance(source, int | str) or source == "" or (isinstance(source, int) and source < 1)):
+    if source is not None and (
+        isinstance(source, bool) or not isinstance(source, int | str) or source == "" or (isinstance(source, int) and source < 1)
+    ):
         raise InputError(f"{where}.from = {source}: {_wanted('from', name)}")
     unit = table.get("unit", "s" if period is not None else None)
     if not isinstance(unit, str) or not unit.strip():
@@ -194,7 +200,12 @@ def _column(name: str, table: object, file: str) -> ColumnMap:
     numbers = {}
     for key, usual in (("sign", 1.0), ("scale", 1.0), ("offset", 0.0)):
         value = table.get(key, usual)
-        if isinstance(value, bool) or not isinstance(value, int | float) or (key == "sign" and value not in (1, -1)) or (key == "scale" and value == 0):
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or (key == "sign" and value not in (1, -1))
+            or (key == "scale" and value == 0)
+        ):
             raise InputError(f"{where}.{key} = {value}: {_wanted(key, name)}")
         numbers[key] = float(value)
     sure = table.get("sure", False)
@@ -229,9 +240,11 @@ def _complete(columns: Mapping[str, ColumnMap], machine: Mapping[str, float], fi
         raise InputError(f"{file}: no motion: write one of {', '.join(f'[columns.{name}]' for name in MOTIONS)}")
     if not any(name in columns for name in DRIVES):
         if not any(name in columns for name in VOLTAGES):
-            raise InputError(f"{file}: no drive: write one of {', '.join(f'[columns.{name}]' for name in DRIVES)}, or [columns.voltage_V] and the motor's data")
+            raise InputError(
+                f"{file}: no drive: write one of {', '.join(f'[columns.{name}]' for name in DRIVES)}, or [columns.voltage_V] and the motor's data"
+            )
         for entry in ("torque_constant", "back_emf", "resistance"):
             if entry not in machine:
                 raise InputError(
-                    f'{file}: machine.{entry}: a voltage is a drive with the motor\'s data alone: write {entry} = "{QUANTITIES[entry].example}" with your motor\'s number'
+                    f"{file}: machine.{entry}: a voltage is a drive with the motor's data alone: write {entry} = \"{QUANTITIES[entry].example}\" with your motor's number"
                 )

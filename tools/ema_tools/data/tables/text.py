@@ -53,10 +53,8 @@ def read_text_table(content: bytes, file: str, stated: Stated, units: Units) -> 
     names, in_units, header_rows = _headers(lines, first, delimiter, count, stated, units)
     kept, cut_row, footer = _body(lines, first, delimiter, count, decimal, file)
     columns = _columns(kept, lines, delimiter, decimal, names, in_units, file)
-    named = [key for key, mark in DELIMITERS.items() if mark == delimiter][0]
-    layout = Layout(
-        "text", encoding, named, next(key for key, mark in DECIMALS.items() if mark == decimal), header_rows, first + 1
-    )
+    named = next(key for key, mark in DELIMITERS.items() if mark == delimiter)
+    layout = Layout("text", encoding, named, next(key for key, mark in DECIMALS.items() if mark == decimal), header_rows, first + 1)
     return RawTable(file, columns, np.asarray(kept, dtype=np.int64) + 1, layout, {}, cut_row, footer)
 
 
@@ -76,7 +74,9 @@ def _decoded(content: bytes, file: str, stated: str) -> tuple[str, str]:
         except UnicodeDecodeError:
             return content.decode("cp1252", errors="replace"), "cp1252"
     except LookupError:
-        raise InputError(f'{file}: encoding = "{stated}" in [file]: no encoding that is known: use for example "utf-8", "utf-16", "cp1252"') from None
+        raise InputError(
+            f'{file}: encoding = "{stated}" in [file]: no encoding that is known: use for example "utf-8", "utf-16", "cp1252"'
+        ) from None
     except UnicodeDecodeError as error:
         raise InputError(f"{file}: byte {error.start} is not {stated}: state another encoding in [file], or leave it out") from None
 
@@ -278,7 +278,9 @@ def _columns(
             float_precision="round_trip",
         )
     except (pandas.errors.ParserError, pandas.errors.EmptyDataError, ValueError):
-        raise InputError(f"{file}: is no table from row {kept[0] + 1 if kept else 1} on: state first_row, delimiter and decimal in [file]") from None
+        raise InputError(
+            f"{file}: is no table from row {kept[0] + 1 if kept else 1} on: state first_row, delimiter and decimal in [file]"
+        ) from None
     seen: Counter[str] = Counter()
     found = []
     for place in range(len(names)):

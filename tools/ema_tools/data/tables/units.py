@@ -192,7 +192,9 @@ class Units:
         if share is not None:
             entry = NOMINAL.get(suffix)
             if entry is None:
-                raise InputError(f'{where}unit = "{text}": {name} is {KINDS[suffix]}, of which no share is known: use one of {EXAMPLES[suffix]}')
+                raise InputError(
+                    f'{where}unit = "{text}": {name} is {KINDS[suffix]}, of which no share is known: use one of {EXAMPLES[suffix]}'
+                )
             if entry not in self.nominal:
                 raise InputError(
                     f'{where}unit = "{text}": a share of what is not stated: write {entry} = "..." with its unit in [machine], from the drive\'s or motor\'s data'
