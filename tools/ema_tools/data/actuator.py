@@ -203,7 +203,7 @@ class Actuator:
         document = copy.deepcopy(self.document) if self.document is not None else _fresh_document(self)
         _update_about(document, self.about)
         for row in all_rows():
-            if self.has(row.name):
+            if self.has(row.name) and not (self.absent and self[row.name] == NONE_OF_IT.get(row.name) and not _stands(document, row)):
                 _update(document, row, self[row.name])
         for name, text in self.remarks.items():
             trivia = _item_of(document, row_of(name)).trivia
@@ -257,6 +257,15 @@ def _item_of(document: tomlkit.TOMLDocument, row: Row) -> Any:
     for key in path_of(row):
         found = found[key]
     return found
+
+
+def _stands(document: tomlkit.TOMLDocument, row: Row) -> bool:
+    """Whether a value stands in the file."""
+    try:
+        _item_of(document, row)
+    except KeyError:
+        return False
+    return True
 
 
 def _comment(document: tomlkit.TOMLDocument | None, row: Row) -> str:

@@ -170,7 +170,7 @@ def _moments(table: RawTable, column: RawColumn) -> Reals:
     if not dated:  # past midnight it begins again
         days = np.concatenate(([0.0], np.cumsum(np.diff(found) < -43200.0)))
         found = found + 86400.0 * days
-    return np.asarray(found - found[0])
+    return np.asarray(found - found[0], dtype=np.float64)
 
 
 def _signal(table: RawTable, column: RawColumn, name: str, entry: ColumnMap, mapped: TableMap, units: Units) -> tuple[Reals, list[Remark]]:

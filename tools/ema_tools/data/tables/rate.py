@@ -20,6 +20,7 @@ RemarkKind = Literal[
 GAP_STEPS = 3.5  # a step longer than so many usual ones is a gap that straight lines may not cross: three lost rows are still few of the motion [judgement]
 _EVEN_SHARE = 0.01  # of a step: rows that are off an even rate by less are on it, the error is below a percent of the speed [precision]
 _STAMP_SHARE = 0.51  # of the last digit of the stamps: rounding moves them by half of it [precision]
+_ODD_STEPS = 4  # of another length than the usual one, before a clock is said to round: fewer are lost rows [judgement]
 _DIGITS = 9  # most digits behind the point of a time in seconds: clocks of recorders resolve no more [physics]
 
 
@@ -52,7 +53,10 @@ def even(time_s: Reals) -> tuple[float, float] | None:
     period = float(place @ (time_s - middle) / (place @ place))
     if period <= 0.0:
         return None
-    allowed = max(_EVEN_SHARE * period, _STAMP_SHARE * _stamp_s(time_s))
+    steps = np.diff(time_s)
+    # a lost row or two make one or two odd steps, rounding makes them all along
+    odd = int(np.sum(np.abs(steps - np.median(steps)) > _EVEN_SHARE * period))
+    allowed = max(_EVEN_SHARE * period, _STAMP_SHARE * _stamp_s(time_s) if odd >= _ODD_STEPS else 0.0)
     if float(np.max(np.abs(time_s - middle - period * place))) > allowed:
         return None
     period = _nice(period, 2.0 * allowed / rows)

@@ -275,7 +275,6 @@ def _columns(
             na_values=sorted({*EMPTY, *(text.upper() for text in EMPTY)}),
             skipinitialspace=True,
             low_memory=False,
-            float_precision="round_trip",
         )
     except (pandas.errors.ParserError, pandas.errors.EmptyDataError, ValueError):
         raise InputError(

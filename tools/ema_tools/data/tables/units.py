@@ -6,7 +6,7 @@ import logging
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -137,6 +137,27 @@ def plain_unit(text: str) -> str:
     return bare.replace("U/min", "rpm").replace("²", "^2").replace("³", "^3").replace("·", "*").replace("µ", "u").replace("μ", "u")
 
 
+@cache
+def _registry(counts_per_turn: float) -> Any:
+    """Pint's units with those of machines, for an encoder of so many counts per turn (0 where not known)."""
+    import pint
+
+    logging.getLogger("pint").setLevel(logging.ERROR)  # it tells of every name that is given a new meaning
+    # Empty at first: a registry works out dimensions when it is made, and would keep that an angle has none.
+    registry = pint.UnitRegistry(None, autoconvert_offset_to_baseunit=True, on_redefinition="ignore")
+    registry.load_definitions(str(resources.files("pint") / "default_en.txt"))
+    for meaning in (
+        "radian = [angle] = rad",
+        "rev = turn",
+        "newton_metre = newton * meter = Nm",
+        "newton_centimetre = newton * centimeter = Ncm",
+        "ounce_force_inch = ounce_force * inch = ozin",
+        f"encoder_count = turn / {counts_per_turn or 1.0!r}",
+    ):
+        registry.define(meaning)
+    return registry
+
+
 @dataclass(frozen=True)
 class Units:
     """Pint with what one machine defines: its encoder's counts per turn (0 where not known) and its nominal values in their SI unit, by name."""
@@ -144,24 +165,9 @@ class Units:
     counts_per_turn: float = 0.0
     nominal: Mapping[str, float] = field(default_factory=dict)
 
-    @cached_property
+    @property
     def _registry(self) -> Any:
-        import pint
-
-        logging.getLogger("pint").setLevel(logging.ERROR)  # it tells of every name that is given a new meaning
-        # Empty at first: a registry works out dimensions when it is made, and would keep that an angle has none.
-        registry = pint.UnitRegistry(None, autoconvert_offset_to_baseunit=True, on_redefinition="ignore")
-        registry.load_definitions(str(resources.files("pint") / "default_en.txt"))
-        for meaning in (
-            "radian = [angle] = rad",
-            "rev = turn",
-            "newton_metre = newton * meter = Nm",
-            "newton_centimetre = newton * centimeter = Ncm",
-            "ounce_force_inch = ounce_force * inch = ozin",
-            f"encoder_count = turn / {self.counts_per_turn or 1.0!r}",
-        ):
-            registry.define(meaning)
-        return registry
+        return _registry(self.counts_per_turn)
 
     def _parsed(self, text: str) -> Any:
         """A unit, which may have a factor before it, as a quantity; None for what is none."""
