@@ -47,6 +47,11 @@ def check(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Remark, ..
     return _power(records, mapped, train)
 
 
+def _all_of(records: Sequence[MotionRecord]) -> str:
+    """Several records by the first of them."""
+    return records[0].file + (f" and {len(records) - 1} more" if len(records) > 1 else "")
+
+
 def _sizes(name: str, records: Sequence[MotionRecord], mapped: TableMap) -> None:
     nominal = {
         "torque_Nm": "nominal_torque",
@@ -78,7 +83,7 @@ def _standing(records: Sequence[MotionRecord], mapped: TableMap) -> None:
         values = [record.recorded(name) for record in records if name in record.present]
         if not mapped.columns[name].sure and len({float(one) for part in values for one in (part.min(), part.max())}) == 1:
             raise InputError(
-                f"{records[0].file}: {name}: is {values[0][0]:g} in all rows of all files: correct from in [columns.{name}] of {mapped.file}, or write sure = true there"
+                f"{_all_of(records)}: {name}: is {values[0][0]:g} in all rows: correct from in [columns.{name}] of {mapped.file}, or write sure = true there"
             )
 
 
@@ -191,7 +196,7 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
     if against and not along:
         what = " and ".join("brakes in both directions" if name == "friction" else "slows down while the speed rises" for name in against)
         raise InputError(
-            f"{records[0].file}: {drive_name} {what}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
+            f"{_all_of(records)}: {drive_name} {what}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
             f" or the other sign in [columns.{motion_name}]"
         )
     if not both_ways and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
