@@ -41,10 +41,7 @@ def test_the_walk_is_what_the_commands_do(tmp_path: Path, monkeypatch: pytest.Mo
     assert missing_from(shown_table, ran.out) == ""
     head, mark, tail = completed.partition("[columns.torque_Nm]")
     Path("map.toml").write_text(head + mark + tail.replace("sign = -1\n", ""), encoding="utf-8")
-    assert (
-        complaint(run_ema("import", "table", data.name, "--map", "map.toml", "-o", "other")).split(": ", 1)[1]
-        == refusal.strip().split(": ", 1)[1]
-    )
+    assert complaint(run_ema("import", "table", data.name, "--map", "map.toml", "-o", "other")) == refusal.strip()
 
 
 def test_the_tables_name_every_entry_and_nothing_else() -> None:

@@ -120,7 +120,7 @@ UNITS = [
 ]
 
 
-@pytest.mark.parametrize(("name", "unit", "per_unit"), UNITS, ids=lambda one: str(one))
+@pytest.mark.parametrize(("name", "unit", "per_unit"), UNITS, ids=str)
 def test_units(tmp_path: Path, name: str, unit: str, per_unit: float) -> None:
     time_s, speed, torque = run()
     values = {"motor_speed_rad_s": speed, "torque_Nm": torque}
@@ -302,7 +302,7 @@ WRONG = [
         "sign",
         text(),
         edited('unit = "mNm"', 'unit = "mNm"\nsign = -1'),
-        "a.csv: torque_Nm slows down while the speed rises and brakes in both directions, as motor_speed_rad_s has it: write sign = 1 in [columns.torque_Nm] of map.toml, or the other sign in [columns.motor_speed_rad_s]",
+        "a.csv: torque_Nm slows down while the speed rises and brakes in both directions, as motor_speed_rad_s has it: write sign = 1 in [columns.torque_Nm] of map.toml, or the other",
     ),
     ("no drive", text(), MAP.partition("[columns.torque_Nm]")[0], "map.toml: no drive: write one of [columns.torque_Nm]"),
     (
@@ -417,7 +417,10 @@ def test_a_stated_layout_is_taken(tmp_path: Path) -> None:
 def test_scale_offset_and_a_time_that_is_not_there(tmp_path: Path) -> None:
     found = columns()
     lines = ["n,m", *(f"{n!r},{m!r}" for n, m in zip(found["Motor speed [rpm]"].tolist(), found["Torque [mNm]"].tolist(), strict=True))]
-    table_map = '[columns.time_s]\nperiod = "5 ms"\n[columns.motor_speed_rad_s]\nfrom = "n"\nunit = "rpm"\n[columns.current_A]\nfrom = "m"\nscale = 0.1\noffset = 0.5\nsign = 1\nunit = "A"\n[machine]\ntorque_constant = "10 mNm/A"\n'
+    table_map = '[columns.time_s]\nperiod = "5 ms"\n[columns.motor_speed_rad_s]\nfrom = "n"\nunit = "rpm"\n'
+    table_map += (
+        '[columns.current_A]\nfrom = "m"\nscale = 0.1\noffset = 0.5\nsign = 1\nunit = "A"\n[machine]\ntorque_constant = "10 mNm/A"\n'
+    )
     record = read_motion_record(imported(tmp_path, "a.csv", "\n".join(lines), table_map) / "a.csv")
     assert record.period_s == 0.005
     np.testing.assert_allclose(record.recorded("current_A"), 100.0 * run()[2] + 0.5, rtol=1e-9)

@@ -253,11 +253,11 @@ def test_only_what_nobody_can_know_may_be_left_out(tmp_path: Path) -> None:
     for line in BARE.splitlines()[1:]:
         with pytest.raises(InputError, match=f"{line.partition(' ')[0]} is missing"):
             read(BARE.replace(line + "\n", ""), tmp_path)
-    with pytest.raises(InputError, match="control.derivative is missing"):
+    with pytest.raises(InputError, match=r"control\.derivative is missing"):
         read(BARE + '[control]\nstructure = "pid"\n', tmp_path)
     # where all of it is there, nothing may be left out
     whole = REFERENCE.read_text(encoding="utf-8")
-    with pytest.raises(InputError, match="motor.inductance_H is missing"):
+    with pytest.raises(InputError, match=r"motor\.inductance_H is missing"):
         read("\n".join(line for line in whole.splitlines() if not line.startswith("inductance_H")), tmp_path)
     assert read(whole, tmp_path).values == reference_actuator().values
     assert read(whole, tmp_path).absent == frozenset()

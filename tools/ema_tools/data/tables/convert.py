@@ -131,7 +131,7 @@ def _time(table: RawTable, column: RawColumn | None, mapped: TableMap, units: Un
     """Time in s, [rows]. Raises InputError."""
     entry = mapped.columns["time_s"]
     if column is None or entry.period_s is not None:
-        return float(entry.period_s or 0.0) * np.arange(table.rows.size)
+        return float(entry.period_s or 0.0) * np.arange(table.rows.size, dtype=np.float64)
     where = f"{mapped.file}: columns.time_s."
     if entry.unit == MOMENTS:
         return _moments(table, column)
