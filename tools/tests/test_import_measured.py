@@ -93,6 +93,7 @@ unit = "N"
 [machine]
 name = "EMPS"
 lead = "{LEAD_MM} mm"
+ratio = 1
 mass = "95.1 kg"
 """,
         encoding="utf-8",

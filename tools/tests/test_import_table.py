@@ -270,7 +270,7 @@ WRONG = [
         edited('"Torque [mNm]"', '"Torque"'),
         'a.csv: no column "Torque" (did you mean "Torque [mNm]"?): columns are "Time [ms]", "Motor speed [rpm]", "Torque [mNm]": correct from in [columns.torque_Nm] of map.toml',
     ),
-    ("number of a column", text(), edited('from = "Torque [mNm]"', "from = 7"), "a.csv: has 3 columns"),
+    ("number of a column", text(), edited('from = "Torque [mNm]"', "from = 7"), "a.csv: has no column 7 with numbers, but 3 others"),
     (
         "unit of another thing",
         text(),
@@ -326,6 +326,12 @@ WRONG = [
         'has no unit: write it as a text with its unit, for example inertia = "21.9 g cm^2"',
     ),
     ("entry", text(), MAP + '[machine]\nledd = "2 mm"\n', "map.toml: machine.ledd: unknown entry (did you mean lead?)"),
+    (
+        "lead alone",
+        text(),
+        MAP + '[machine]\nlead = "2 mm"\n',
+        "map.toml: machine.ratio: is not stated beside lead: write ratio = 1 for direct drive",
+    ),
     ("left open", text(), MAP + '[machine]\nlead = "?"\n', "map.toml: machine.lead: is still to be filled in"),
     (
         "sign of what",
@@ -429,3 +435,31 @@ def test_scale_offset_and_a_time_that_is_not_there(tmp_path: Path) -> None:
 def test_plain_names_serve_too(tmp_path: Path) -> None:
     content = text(";", two_rows=True)
     assert read_motion_record(imported(tmp_path, "a.csv", content, PLAIN_MAP) / "a.csv").rows == 400
+
+
+def test_columns_without_a_name_are_taken_by_their_number_in_the_file(tmp_path: Path) -> None:
+    beside = ["Record Length,400", "Source,CH1", *[","] * 398]
+    lines = [f"{first},,{line}" for first, line in zip(beside, rows_of(text())[1:], strict=True)]
+    table_map = MAP.replace('"Time [ms]"', "4").replace('"Motor speed [rpm]"', "5").replace('"Torque [mNm]"', "6")
+    out = imported(tmp_path, "scope.csv", "\n".join(lines), table_map)
+    np.testing.assert_allclose(read_motion_record(out / "scope.csv").recorded("torque_Nm"), run()[2], atol=1e-12)
+    ran = run_ema("import", "draft", tmp_path / "scope.csv", "-o", tmp_path / "draft.toml")
+    assert ran.code == 0, ran.err
+    # nothing says what they are, but one rises as a clock does
+    assert "[columns.time_s]\nfrom = 4  # guessed by it rises by the same step" in (tmp_path / "draft.toml").read_text(encoding="utf-8")
+
+
+def test_a_voltage_and_the_motor_s_data_are_a_drive(tmp_path: Path) -> None:
+    time_s, speed, torque = run()
+    volts = 2.0 * torque / 0.03 + 0.03 * speed
+    lines = ["t,n,u", *(",".join(map(repr, row)) for row in np.column_stack([time_s, speed, volts]).tolist())]
+    table_map = '[columns.time_s]\nfrom = "t"\nunit = "s"\n[columns.motor_speed_rad_s]\nfrom = "n"\nunit = "rad/s"\n[columns.voltage_V]\nfrom = "u"\nunit = "V"\n'
+    assert "map.toml: machine.torque_constant: a voltage is a drive with the motor's data alone" in refused(
+        tmp_path, "\n".join(lines), table_map
+    )
+    motor = '[machine]\ntorque_constant = "30 mNm/A"\nback_emf = "30 mV s/rad"\nresistance = "2 ohm"\n'
+    out = imported(tmp_path, "a.csv", "\n".join(lines), table_map + motor)
+    assert read_motion_record(out / "a.csv").present == ("motor_speed_rad_s", "voltage_V")
+    actuator = read_actuator(out / "actuator.toml", complete=False)
+    assert actuator["screw.csj_Nm"] == pytest.approx(FRICTION, rel=0.05)
+    assert actuator["motor.resistance_ohm"] == 2.0

@@ -31,8 +31,10 @@ _DIGITS = 6  # of the values that are written: more than any data sheet states [
 _ERRORS = 5.0  # standard errors by which an inertia must exceed zero before records are said to show it [chance]
 _PADDING = 15  # rows that the smoother mirrors at each end [precision]
 _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the friction [judgement]
-# Entries of the map and the values of the actuator that they are, besides lead, ratio and inertia.
+# Entries of the map and the values of the actuator that they are, besides the inertia.
 _VALUES: Mapping[str, str] = {
+    "lead": "screw.lead_mm",
+    "ratio": "gearbox.ratio",
     "torque_constant": "motor.torque_constant_Nm_per_A",
     "back_emf": "motor.back_emf_V_s_per_rad",
     "resistance": "motor.resistance_ohm",
@@ -156,8 +158,6 @@ def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Ac
         _STATED[3]: float(found[3]),
         **{value: machine[entry] for entry, value in _VALUES.items() if entry in machine},
     }
-    if "lead" in machine:
-        values.update({"screw.lead_mm": machine["lead"], "gearbox.ratio": machine.get("ratio", 1.0)})
     about = {"name": "a machine", **{key: text for key, text in mapped.about.items() if text}}
     about["notes"] = (
         f"To start from: by {mapped.file}; {', '.join(estimated)} by least squares on the imported records. The controller is not known, so it is not here."

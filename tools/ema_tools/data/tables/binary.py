@@ -158,8 +158,7 @@ def _table(found: Found, file: str, kind: str, units: Units) -> RawTable:
         raise InputError(f"{file}: no columns of numbers are found: give a file with one array or list for each signal")
     rows = max(lengths, key=lambda size: (lengths[size], size))
     columns = tuple(
-        RawColumn(name, unit_in_name(name, units), np.ascontiguousarray(numbers), texts)
-        for name, (numbers, texts) in arrays.items()
-        if numbers.size == rows
+        RawColumn(name, unit_in_name(name, units), np.ascontiguousarray(numbers), number, texts)
+        for number, (name, (numbers, texts)) in enumerate(((name, one) for name, one in arrays.items() if one[0].size == rows), start=1)
     )
     return RawTable(file, columns, np.arange(1, rows + 1), Layout(kind), constants)

@@ -78,10 +78,11 @@ def found_column(table: RawTable, name: str, column: ColumnMap, map_file: str) -
     """The column of a file that the map means. Raises InputError with the nearest name."""
     wanted = column.source
     if isinstance(wanted, int):
-        if wanted <= len(table.columns):
-            return table.columns[wanted - 1]
+        numbered = next((one for one in table.columns if one.number == wanted), None)
+        if numbered is not None:
+            return numbered
         raise InputError(
-            f"{table.file}: has {len(table.columns)} columns ({_listed(table.names)}): correct from = {wanted} in [columns.{name}] of {map_file}"
+            f"{table.file}: has no column {wanted} with numbers, but {len(table.columns)} others ({_listed(table.names)}): correct from = {wanted} in [columns.{name}] of {map_file}"
         )
 
     def plain(text: str) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ema_tools.base.files import one_line
-from ema_tools.data.motion_records import COLUMNS, DRIVES, MOTIONS
+from ema_tools.data.motion_records import COLUMNS, DRIVES, MOTIONS, VOLTAGES
 from ema_tools.data.tables.convert import MOMENTS
 from ema_tools.data.tables.rate import even
 from ema_tools.data.tables.raw import RawColumn, RawTable
@@ -57,11 +57,14 @@ _OF_SUFFIX: Mapping[str, tuple[str, ...]] = {
 }
 
 
+# Steps from row to row by which a clock without a unit is taken for one of seconds, milliseconds or microseconds. [judgement]
+_USUAL_STEPS: Mapping[str, tuple[float, float]] = {"s": (1e-5, 0.09), "ms": (0.09, 90.0), "us": (90.0, 1e6)}
+
+
 @dataclass(frozen=True)
 class Guess:
     """What a column may be: its name in a record (empty where nothing is known), its unit as the map writes it (`?` where it is not known), and of what either is guessed."""
 
-    place: int
     column: RawColumn
     target: str = ""
     unit: str = OPEN
@@ -80,7 +83,7 @@ class Draft:
 
 def draft_map(table: RawTable, units: Units) -> Draft:
     """Look at a table and write the map to complete."""
-    guesses = _distinct([_guess(place, column, table, units) for place, column in enumerate(table.columns, start=1)], table)
+    guesses = _with_time(_distinct([_guess(column, table, units) for column in table.columns]))
     lines = [*_head(table), ""]
     opened: list[str] = []
     used = sorted((one for one in guesses if one.target), key=lambda one: ("time_s", *COLUMNS).index(one.target))
@@ -92,7 +95,7 @@ def draft_map(table: RawTable, units: Units) -> Draft:
     if not any(one.target == "time_s" for one in used):
         opened.append("columns.time_s.period")
     for kind, names in (("motion", MOTIONS), ("drive", DRIVES)):
-        if not any(one.target in names for one in used):
+        if not any(one.target in (*names, *(VOLTAGES if kind == "drive" else ())) for one in used):
             name = names[0] if kind == "drive" else "motor_speed_rad_s"
             lines += [
                 f"[columns.{name}]  # no {kind} was recognised, and a record needs one: {', '.join(names)}",
@@ -113,32 +116,32 @@ def _words_of(name: str) -> str:
     return next((word for word, pattern in _WORDS if re.search(pattern, text)), "")
 
 
-def _guess(place: int, column: RawColumn, table: RawTable, units: Units) -> Guess:
+def _guess(column: RawColumn, table: RawTable, units: Units) -> Guess:
     """What one column may be."""
     name = column.name
     if name in ("time_s", *COLUMNS):
-        return Guess(place, column, name, _pint_spelling(name), "its name", "its name")
+        return Guess(column, name, _pint_spelling(name), "its name", "its name")
     word, suffix = _words_of(name), units.suffix(column.unit) if column.unit else ""
     unit, unit_by = (column.unit, "the file") if column.unit and units.is_unit(column.unit) else (OPEN, "")
     if len(column.texts) > table.rows.size // 2:
         moments = any(":" in text for text in list(column.texts.values())[:3])
-        return Guess(place, column, "time_s", MOMENTS, "dates or times of day in it", "its cells") if moments else Guess(place, column)
+        return Guess(column, "time_s", MOMENTS, "dates or times of day in it", "its cells") if moments else Guess(column)
     if suffix == "s" or (word == "time" and not suffix):
-        return Guess(place, column, "time_s", unit, "its unit" if suffix else "its name", unit_by)
-    if not suffix and not word and place == 1 and even(column.values[np.isfinite(column.values)]) is not None:
-        return Guess(place, column, "time_s", unit, "it rises by the same step in every row", unit_by)
+        return Guess(column, "time_s", unit, "its unit" if suffix else "its name", unit_by)
+    if not suffix and not word and column.number == 1 and even(column.values[np.isfinite(column.values)]) is not None:
+        return Guess(column, "time_s", unit, "it rises by the same step in every row", unit_by)
     if _ASKED.search(name) and word != "voltage":
         if suffix == "mm" or (word == "position" and not suffix):
-            return Guess(place, column, "command_mm", unit, "its name", unit_by)
-        return Guess(place, column)
+            return Guess(column, "command_mm", unit, "its name", unit_by)
+        return Guess(column)
     names = [one for one in _OF_WORD.get(word, ()) if not suffix or suffix_of(one) == suffix]
     if unit.lower() in SHARES:
         names = [one for one in names if suffix_of(one) in NOMINAL]
     if names:
-        return Guess(place, column, _which(names, name), unit, "its name" + (" and unit" if suffix else ""), unit_by)
+        return Guess(column, _which(names, name), unit, "its name" + (" and unit" if suffix else ""), unit_by)
     if suffix in _OF_SUFFIX and not word:
-        return Guess(place, column, _which(list(_OF_SUFFIX[suffix]), name), unit, "its unit", unit_by)
-    return Guess(place, column)
+        return Guess(column, _which(list(_OF_SUFFIX[suffix]), name), unit, "its unit", unit_by)
+    return Guess(column)
 
 
 def _which(names: Sequence[str], name: str) -> str:
@@ -154,7 +157,28 @@ def _pint_spelling(name: str) -> str:
     return {"mm_s": "mm/s", "rad_s": "rad/s", "C": "degC"}.get(suffix_of(name), suffix_of(name))
 
 
-def _distinct(guesses: Sequence[Guess], table: RawTable) -> list[Guess]:
+def _with_time(guesses: Sequence[Guess]) -> list[Guess]:
+    """Where no column is the time, the first that rises by the same step in every row and does not count rows is; without a unit the one in which the step is usual."""
+    found = list(guesses)
+    if not any(one.target == "time_s" for one in found):
+        for place, one in enumerate(found):
+            rate = even(one.column.values) if not one.target and np.isfinite(one.column.values).all() else None
+            if rate is not None and rate[1] != 1.0:
+                found[place] = replace(one, target="time_s", by="it rises by the same step in every row")
+                break
+    return [_with_time_unit(one) if one.target == "time_s" and one.unit == OPEN else one for one in found]
+
+
+def _with_time_unit(one: Guess) -> Guess:
+    steps = np.diff(one.column.values[np.isfinite(one.column.values)])
+    step = float(np.median(steps)) if steps.size else 0.0
+    for unit, (shortest, longest) in _USUAL_STEPS.items():
+        if shortest <= step < longest:
+            return replace(one, unit=unit, unit_by="its step alone, a guess")
+    return one
+
+
+def _distinct(guesses: Sequence[Guess]) -> list[Guess]:
     """Each column of the record once: the surest guess, then the first; a column without any change comes last."""
 
     def rank(one: Guess) -> tuple[bool, bool, bool]:
@@ -166,7 +190,7 @@ def _distinct(guesses: Sequence[Guess], table: RawTable) -> list[Guess]:
     for one in guesses:
         if one.target and (one.target not in best or rank(one) < rank(best[one.target])):
             best[one.target] = one
-    return [one if not one.target or best[one.target] is one else Guess(one.place, one.column) for one in guesses]
+    return [one if not one.target or best[one.target] is one else Guess(one.column) for one in guesses]
 
 
 def _head(table: RawTable) -> list[str]:
@@ -194,14 +218,14 @@ def _head(table: RawTable) -> list[str]:
 
 def _source(one: Guess) -> str:
     """The name, or the number for a column without a name."""
-    return str(one.place) if re.fullmatch(r"column \d+", one.column.name) else json.dumps(one.column.name, ensure_ascii=False)
+    return str(one.column.number) if re.fullmatch(r"column \d+", one.column.name) else json.dumps(one.column.name, ensure_ascii=False)
 
 
 def _shown(one: Guess) -> str:
     """Some numbers of a column, for a comment."""
     values = one.column.values[np.isfinite(one.column.values)]
     if not values.size:
-        return "empty"
+        return f"{one_line(next(iter(one.column.texts.values())))} ..." if one.column.texts else "empty"
     return f"{values.min():.6g} .. {values.max():.6g}"
 
 
@@ -238,26 +262,26 @@ def _unused(guesses: Sequence[Guess]) -> list[str]:
     lines = [f"# Not used: to use one, write [columns.<name>] with from and unit; names are {', '.join(COLUMNS)}."]
     return [
         *lines,
-        *(f"#   {_source(one)}, column {one.place}: {one_line(one.column.unit) or 'no unit'}, {_shown(one)}" for one in guesses),
+        *(f"#   {_source(one)}, column {one.column.number}: {one_line(one.column.unit) or 'no unit'}, {_shown(one)}" for one in guesses),
         "",
     ]
 
 
 def _machine_lines(used: Sequence[Guess]) -> tuple[list[str], list[str]]:
     """[machine]: what the columns need is left open, what helps is there as a comment."""
-    needed: list[str] = ["inertia"]
+    targets = {one.target for one in used}
+    needed = ["mass" if "force_N" in targets and not any(name.startswith("motor_") for name in targets) else "inertia"]
     for one in used:
         if one.unit.lower() in SHARES:
             needed.append(NOMINAL[suffix_of(one.target)])
         elif "encoder_count" in plain_unit(one.unit):
             needed.append("counts_per_turn")
-    targets = {one.target for one in used}
     at_rod = {"position_mm", "motor_position_mm", "speed_mm_s", "force_N", "disturbance_N", "command_mm"} & targets
     if at_rod:
         needed += ["lead", "ratio"]
-    if "torque_Nm" not in targets and "force_N" not in targets:
+    if not targets & {"torque_Nm", "force_N"} and targets & {"current_A", *VOLTAGES}:
         needed.append("torque_constant")
-    if not targets & set(DRIVES):
+    if not targets & set(DRIVES) and targets & set(VOLTAGES):
         needed += ["back_emf", "resistance"]
     lines = ["[machine]  # numbers with their unit, as data sheets have them"]
     opened = []
@@ -268,6 +292,6 @@ def _machine_lines(used: Sequence[Guess]) -> tuple[list[str], list[str]]:
         if key in needed:
             lines.append(f'{key} = "{OPEN}"  # {meaning}; such as {example}')
             opened.append(f"machine.{key}")
-        elif key in ("lead", "ratio", "mass", "torque_constant", "friction", "viscous"):
+        elif key in ("lead", "ratio", "inertia", "mass", "torque_constant", "friction", "viscous"):
             lines.append(f"# {key} = {example}  # {meaning}")
     return lines, opened

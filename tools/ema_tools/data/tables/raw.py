@@ -17,12 +17,13 @@ Rows = NDArray[np.int64]
 class RawColumn:
     """One column: its name and unit as the file has them (empty without one), its numbers [rows], NaN where there is none.
 
-    `texts`: what stands in a cell that is neither a number nor empty, by its place from 0.
+    `number`: of the column in the file, from 1; `texts`: what stands in a cell that is neither a number nor empty, by its place from 0.
     """
 
     name: str
     unit: str
     values: Reals
+    number: int
     texts: Mapping[int, str] = field(default_factory=dict)
 
 

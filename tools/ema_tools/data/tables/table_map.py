@@ -96,7 +96,7 @@ class TableMap:
         """Rod travel per motor angle; None for a bare motor."""
         if "lead" not in self.machine:
             return None
-        return self.machine["lead"] / (2.0 * math.pi * self.machine.get("ratio", 1.0))
+        return self.machine["lead"] / (2.0 * math.pi * self.machine["ratio"])
 
 
 def read_map(path: str | Path) -> TableMap:
@@ -169,6 +169,10 @@ def _machine(table: Mapping[str, Any], file: str) -> tuple[dict[str, float], dic
                 raise InputError(f"{where} = {value}: not positive: {QUANTITIES[key].meaning}")
     if "mass" in numbers and "lead" not in numbers:
         raise InputError(f"{file}: machine.mass: counts at the motor shaft by the lead: write lead as well, or put the mass into inertia")
+    if "lead" in numbers and "ratio" not in numbers:
+        raise InputError(
+            f"{file}: machine.ratio: is not stated beside lead: write ratio = 1 for direct drive, else the motor's turns per turn of the screw"
+        )
     return numbers, about
 
 

@@ -288,7 +288,7 @@ def _columns(
         if not names[place] and not texts and np.isnan(values).all():
             continue
         seen[name] += 1
-        found.append(RawColumn(name if seen[name] == 1 else f"{name} ({seen[name]})", in_units[place], values, texts))
+        found.append(RawColumn(name if seen[name] == 1 else f"{name} ({seen[name]})", in_units[place], values, place + 1, texts))
     return tuple(found)
 
 

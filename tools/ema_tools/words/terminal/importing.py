@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rich.console import Console
+from rich.text import Text
 
 from ema_tools.results.files import DraftResult, TableImportResult
 from ema_tools.words.sentences.importing import origin_text
@@ -16,9 +17,10 @@ _VALUES = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "
 
 def print_draft(console: Console, found: DraftResult) -> None:
     """What was guessed, and what is left to fill in."""
-    guessed = table(f"{found.map}, guessed of {Path(found.source).name}", "column of the record", "column of the file", text_columns=2)
+    say(console, f"{found.map}, guessed of {Path(found.source).name}")
+    guessed = table("", "column of the record", "column of the file", text_columns=2)
     for target, name in found.guessed.items():
-        guessed.add_row(target, name)
+        guessed.add_row(target, Text(name))
     console.print(guessed)
     console.print()
     if found.open:
@@ -32,7 +34,13 @@ def print_tables(console: Console, found: TableImportResult) -> None:
     for one in found.files:
         for record in one.records:
             seconds = record.rows * record.period_s
-            shown.add_row(Path(record.record).name, str(record.rows), number(1e3 * record.period_s), number(seconds), Path(one.source).name)
+            shown.add_row(
+                Text(Path(record.record).name),
+                str(record.rows),
+                number(1e3 * record.period_s),
+                number(seconds),
+                Text(Path(one.source).name),
+            )
     console.print(shown)
     console.print()
     for one in found.files:
@@ -45,7 +53,8 @@ def print_tables(console: Console, found: TableImportResult) -> None:
         made.add_row(name, origin_text(source.origin, source.column))
     console.print(made)
     console.print()
-    values = table(f"{found.actuator}, to start from", "value", "number", "from", text_columns=1)
+    say(console, f"{found.actuator}, to start from")
+    values = table("", "value", "number", "from", text_columns=1)
     for name in _VALUES:
-        values.add_row(name, number(found.values[name]), "the records" if name in found.estimated else found.map)
+        values.add_row(name, number(found.values[name]), "the records" if name in found.estimated else Text(found.map))
     console.print(values)
