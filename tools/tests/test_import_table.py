@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ema_tools.data.actuator import read_actuator
-from ema_tools.data.motion_records import read_motion_record
+from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.data.commands import make_command
+from ema_tools.data.motion_records import of_controlled, read_motion_record, write_motion_record
+from ema_tools.results.files import DraftResult, TableImportResult
+from ema_tools.results.reading import read_result
+from ema_tools.tasks.simulate import simulate_record
 from foreign_files import FORMATS, FRICTION, INERTIA, LOAD, MAP, PLAIN_MAP, RPM, VISCOUS, columns, run, text
-from support import complaint, run_ema
+from support import RECORDINGS, ROOT, complaint, run_ema
 
 
 def imported(folder: Path, name: str, content: str | bytes, table_map: str = MAP, *more: object) -> Path:
@@ -463,3 +470,66 @@ def test_a_voltage_and_the_motor_s_data_are_a_drive(tmp_path: Path) -> None:
     actuator = read_actuator(out / "actuator.toml", complete=False)
     assert actuator["screw.csj_Nm"] == pytest.approx(FRICTION, rel=0.05)
     assert actuator["motor.resistance_ohm"] == 2.0
+
+
+REFERENCE_MAP = """
+[columns.time_s]
+from = "time_s"
+unit = "s"
+[columns.{motion}]
+from = "{motion}"
+unit = "{unit}"
+[columns.current_A]
+from = "current_A"
+unit = "A"
+sign = {sign}
+[machine]
+lead = "5 mm"
+ratio = 4
+inertia = "600 g cm^2"
+torque_constant = "61.2 mNm/A"
+"""
+
+
+@pytest.mark.parametrize("command", ["chirp", "multisine", "triangle", "trapezoid"])
+@pytest.mark.parametrize("load_Nm", [-0.15, 0.05])
+def test_no_sign_is_doubted_that_is_right_and_each_that_is_wrong_is_told(tmp_path: Path, command: str, load_Nm: float) -> None:
+    machine = reference_actuator().changed({"screw.load_torque_Nm": load_Nm})
+    noise = {"position_mm": 0.003, "motor_position_mm": 0.003, "current_A": 0.03}
+    record = simulate_record(machine, make_command(command, machine), 64, noise, 2)
+    write_motion_record(tmp_path / "a.csv", of_controlled(record))
+    for motion, unit in (("motor_position_mm", "mm"), ("position_mm", "mm"), ("speed_mm_s", "mm/s")):
+        (tmp_path / "map.toml").write_text(REFERENCE_MAP.format(motion=motion, unit=unit, sign=1), encoding="utf-8")
+        ran = run_ema("import", "table", tmp_path / "a.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / motion)
+        assert ran.code == 0, ran.err
+        (tmp_path / "map.toml").write_text(REFERENCE_MAP.format(motion=motion, unit=unit, sign=-1), encoding="utf-8")
+        said = complaint(run_ema("import", "table", tmp_path / "a.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "wrong"))
+        assert "write sign = 1 in [columns.current_A] of map.toml" in said
+
+
+def test_results_are_read_back_as_their_types(tmp_path: Path) -> None:
+    imported(tmp_path, "a.csv", text())
+    found = read_result(tmp_path / "i.json")
+    assert isinstance(found, TableImportResult)
+    assert found.files[0].records[0].columns == ("motor_speed_rad_s", "torque_Nm")
+    assert run_ema("import", "draft", tmp_path / "a.csv", "-o", tmp_path / "d.toml", "--json", tmp_path / "d.json").code == 0
+    draft = read_result(tmp_path / "d.json")
+    assert isinstance(draft, DraftResult)
+    assert draft.open == ("machine.inertia",)
+
+
+def test_the_other_commands_load_none_of_the_readers() -> None:
+    said = "import sys; import ema_tools.cli; print([name for name in ('pandas', 'pint', 'scipy', 'pyarrow') if name in sys.modules])"
+    ran = subprocess.run(
+        [sys.executable, "-c", said], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(ROOT / "tools")}
+    )
+    assert ran.stdout.strip() == "[]"
+    heavy = "import sys; from ema_tools.data.records import read_record; read_record(sys.argv[1]); print([name for name in ('pandas', 'pint') if name in sys.modules])"
+    ran = subprocess.run(
+        [sys.executable, "-c", heavy, RECORDINGS / "healthy.csv"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "tools")},
+    )
+    assert ran.stdout.strip() == "[]"

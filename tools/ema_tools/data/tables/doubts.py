@@ -21,6 +21,9 @@ _SAME = (0.8, 1.25)  # between these one signal is as large as the other, with r
 _EXPLAINS = 0.3  # share of the drive's variance that a term must explain before its sign is believed [judgement]
 _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the direction [judgement]
 _CHANGES_SHARE = 0.2  # of the largest speed: where it varies by less it is held and not changed [judgement]
+_MEAN_S = (
+    0.02  # over which drive and speed are averaged before they are compared: shorter than what moves a machine with its load [judgement]
+)
 _MANY_TIMES = 10.0  # nominal values: motors give three to five times of it for a moment [physics]
 # Larger than what any machine of this kind has: 200000 turns a minute, and what the lists of parameters allow. [physics]
 _LARGEST = {
@@ -162,14 +165,23 @@ def _rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tu
                 continue
             values = record.recorded(names[0])
             rod = values if names[0] == "speed_mm_s" else np.gradient(values, record.period_s)
-            parts.append((record.recorded(drives[0]), rod, _acceleration(rod, record.period_s)))
+            parts.append(_meant(record.recorded(drives[0]), rod, record.period_s))
             drive_name, motion_name = drives[0], names[0]
             continue
-        parts.append((drive.values, speed.values, _acceleration(speed.values, record.period_s)))
+        parts.append(_meant(drive.values, speed.values, record.period_s))
         drive_name, motion_name = drive.column, speed.column
     if not parts or mapped.columns[drive_name].sure or mapped.columns[motion_name].sure:
         return None
     return _Rows(*(np.concatenate([part[k] for part in parts]) for k in range(3))), drive_name, motion_name
+
+
+def _meant(drive: Reals, speed: Reals, period_s: float) -> tuple[Reals, Reals, Reals]:
+    """Drive, speed and acceleration without the noise of a position that was differentiated: moving means."""
+    width = min(max(1, round(_MEAN_S / period_s)), drive.size // 8)
+    if width > 1:
+        window = np.full(width, 1.0 / width)
+        drive, speed = np.convolve(drive, window, mode="valid"), np.convolve(speed, window, mode="valid")
+    return drive, speed, _acceleration(speed, period_s)
 
 
 def _acceleration(speed: Reals, period_s: float) -> Reals:
@@ -183,9 +195,11 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
     found = _rows(records, mapped, train)
     if found is None:
         return ()
-    rows, drive_name, motion_name = found
-    moves = np.abs(rows.speed) > _MOVES_SHARE * float(np.max(np.abs(rows.speed), initial=0.0))
-    direction = np.where(moves, np.sign(rows.speed), 0.0)
+    every, drive_name, motion_name = found
+    # at rest friction answers whatever the drive does
+    moves = np.abs(every.speed) > _MOVES_SHARE * float(np.max(np.abs(every.speed), initial=0.0))
+    rows = _Rows(every.drive[moves], every.speed[moves], every.acceleration[moves])
+    direction = np.sign(rows.speed)
     both_ways = bool(np.any(direction > 0.0) and np.any(direction < 0.0))
     columns = {"inertia": rows.acceleration, "one": np.ones_like(rows.drive)}
     if both_ways:
