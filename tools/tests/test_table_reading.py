@@ -66,7 +66,7 @@ def test_every_layout_is_read_as_it_was_written(
     assert table.rows[0] == len(preamble) + len(rows) - len(numbers) + 1
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(edits=st.lists(st.tuples(st.integers(0, 12000), st.binary(max_size=6)), min_size=1, max_size=5))
 def test_broken_bytes_are_read_or_refused_in_one_line(tmp_path: Path, edits: list[tuple[int, bytes]]) -> None:
     content = bytearray(text(";", ",", preamble="Made by X\n").encode())
