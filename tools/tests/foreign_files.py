@@ -18,7 +18,7 @@ def run(rows: int = 400, period_s: float = 0.005) -> tuple[np.ndarray, np.ndarra
     """Time s, speed rad/s and torque Nm of a machine that goes both ways, [rows] each."""
     time_s = period_s * np.arange(rows)
     phase = 2.0 * np.pi * 1.3 * time_s
-    speed = 40.0 * np.sin(phase)
+    speed = 40.0 * np.sin(phase) + 12.0 * np.sin(2.7 * phase)
     torque = INERTIA * np.gradient(speed, period_s) + VISCOUS * speed + FRICTION * np.sign(speed) + LOAD
     return time_s, np.round(speed / RPM, 6) * RPM, np.round(torque, 9)
 

@@ -137,9 +137,7 @@ def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Ac
     """
     machine = mapped.machine
     train = Train(mapped.mm_per_rad)
-    inertia = machine.get("inertia", 0.0)
-    if "mass" in machine and train.mm_per_rad:
-        inertia += machine["mass"] * (1e-3 * train.mm_per_rad) ** 2
+    inertia = mapped.inertia_kgm2
     rows = _shaft_rows(records, mapped, train)
     known = inertia > 0.0
     found, std = _least_squares(rows, inertia if known else None)

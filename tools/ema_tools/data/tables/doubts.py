@@ -21,6 +21,7 @@ _SAME = (0.8, 1.25)  # between these one signal is as large as the other, with r
 _EXPLAINS = 0.3  # share of the drive's variance that a term must explain before its sign is believed [judgement]
 _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the direction [judgement]
 _CHANGES_SHARE = 0.2  # of the largest speed: where it varies by less it is held and not changed [judgement]
+_INERTIA_TIMES = 5.0  # times the stated inertia, or its inverse, that is still a load that nobody counted: minutes for seconds are 9.5, percent 100 [judgement]
 _MEAN_S = (
     0.02  # over which drive and speed are averaged before they are compared: shorter than what moves a machine with its load [judgement]
 )
@@ -142,16 +143,17 @@ def _drives_agree(record: MotionRecord, mapped: TableMap, train: Train) -> None:
 
 @dataclass(frozen=True)
 class _Rows:
-    """Drive, speed and acceleration of all records."""
+    """Drive, speed, acceleration and place, from the middle of each record's own, of all records."""
 
     drive: Reals
     speed: Reals
     acceleration: Reals
+    place: Reals
 
 
 def _rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tuple[_Rows, str, str] | None:
     """All rows in one, and the names of drive and motion; None when there is none to compare."""
-    parts: list[tuple[Reals, Reals, Reals]] = []
+    parts: list[tuple[Reals, Reals, Reals, Reals]] = []
     drive_name = motion_name = ""
     for record in records:
         try:
@@ -172,16 +174,17 @@ def _rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tu
         drive_name, motion_name = drive.column, speed.column
     if not parts or mapped.columns[drive_name].sure or mapped.columns[motion_name].sure:
         return None
-    return _Rows(*(np.concatenate([part[k] for part in parts]) for k in range(3))), drive_name, motion_name
+    return _Rows(*(np.concatenate([part[k] for part in parts]) for k in range(4))), drive_name, motion_name
 
 
-def _meant(drive: Reals, speed: Reals, period_s: float) -> tuple[Reals, Reals, Reals]:
-    """Drive, speed and acceleration without the noise of a position that was differentiated: moving means."""
+def _meant(drive: Reals, speed: Reals, period_s: float) -> tuple[Reals, Reals, Reals, Reals]:
+    """Drive, speed, acceleration and place without the noise of a position that was differentiated: moving means."""
     width = min(max(1, round(_MEAN_S / period_s)), drive.size // 8)
     if width > 1:
         window = np.full(width, 1.0 / width)
         drive, speed = np.convolve(drive, window, mode="valid"), np.convolve(speed, window, mode="valid")
-    return drive, speed, _acceleration(speed, period_s)
+    place = integrated(speed, period_s)
+    return drive, speed, _acceleration(speed, period_s), place - float(np.mean(place))
 
 
 def _acceleration(speed: Reals, period_s: float) -> Reals:
@@ -198,13 +201,14 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
     every, drive_name, motion_name = found
     # at rest friction answers whatever the drive does
     moves = np.abs(every.speed) > _MOVES_SHARE * float(np.max(np.abs(every.speed), initial=0.0))
-    rows = _Rows(every.drive[moves], every.speed[moves], every.acceleration[moves])
+    rows = _Rows(every.drive[moves], every.speed[moves], every.acceleration[moves], every.place[moves])
     direction = np.sign(rows.speed)
     both_ways = bool(np.any(direction > 0.0) and np.any(direction < 0.0))
     columns = {"inertia": rows.acceleration, "one": np.ones_like(rows.drive)}
     if both_ways:
-        columns["friction"] = direction
-    signs = {name: _signed_share(columns, name, rows.drive) for name in columns if name != "one"}
+        # beside what a spring or the weight of an arm does, which is no inertia
+        columns.update({"friction": direction, "place": rows.place})
+    signs = {name: _signed_share(columns, name, rows.drive) for name in ("inertia", "friction") if name in columns}
     against = [name for name, share in signs.items() if share < -_EXPLAINS]
     along = [name for name, share in signs.items() if share > _EXPLAINS]
     if against and not along:
@@ -213,9 +217,23 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
             f"{_all_of(records)}: {drive_name} {what}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
             f" or the other sign in [columns.{motion_name}]"
         )
+    if "inertia" in along and mapped.inertia_kgm2 > 0.0 and (drive_name != "current_A" or "torque_constant" in mapped.machine):
+        _inertia(columns, rows.drive, records, mapped, (drive_name, motion_name))
     if not both_ways and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
         return (Remark("one_way", None, None, drive_name),)
     return ()
+
+
+def _inertia(columns: dict[str, Reals], drive: Reals, records: Sequence[MotionRecord], mapped: TableMap, names: tuple[str, str]) -> None:
+    """Raises InputError when what the records show of the inertia is far from what the map states: a unit of either signal is then wrong, or the inertia."""
+    matrix = np.column_stack(list(columns.values()))
+    scale = np.maximum(np.linalg.norm(matrix, axis=0), np.finfo(np.float64).tiny)
+    times = float(np.linalg.lstsq(matrix / scale, drive, rcond=None)[0][0] / scale[0]) / mapped.inertia_kgm2
+    if not 1.0 / _INERTIA_TIMES < times < _INERTIA_TIMES:
+        raise InputError(
+            f"{_all_of(records)}: {names[0]} speeds up {times:.3g} times the inertia of [machine]: correct unit or scale in [columns.{names[0]}] or [columns.{names[1]}]"
+            f" of {mapped.file}, or inertia and mass in [machine]"
+        )
 
 
 def _signed_share(columns: dict[str, Reals], name: str, drive: Reals) -> float:

@@ -98,6 +98,12 @@ class TableMap:
             return None
         return self.machine["lead"] / (2.0 * math.pi * self.machine["ratio"])
 
+    @property
+    def inertia_kgm2(self) -> float:
+        """Everything that moves, at the motor shaft; 0 where it is not stated."""
+        moved = self.machine.get("mass", 0.0) * (1e-3 * (self.mm_per_rad or 0.0)) ** 2
+        return self.machine.get("inertia", 0.0) + moved
+
 
 def read_map(path: str | Path) -> TableMap:
     """Read a map. Raises InputError in one line that names file and entry and says what to write."""
