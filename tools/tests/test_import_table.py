@@ -555,3 +555,9 @@ def test_a_spring_that_outweighs_the_inertia_is_no_wrong_sign(tmp_path: Path, se
     assert read_motion_record(imported(tmp_path, "a.csv", "\n".join(lines), table_map) / "a.csv").rows == 2000
     said = refused(tmp_path, "\n".join(lines), edited('unit = "mNm"', 'unit = "mNm"\nsign = -1', table_map), "b.csv")
     assert "write sign = 1 in [columns.torque_Nm]" in said
+    # nor is it taken for an inertia that nobody stated: a sweep tells the two, one frequency cannot
+    if several:
+        actuator = read_actuator(imported(tmp_path, "c.csv", "\n".join(lines), MAP) / "actuator.toml", complete=False)
+        assert actuator["screw.inertia_kgm2"] == pytest.approx(1e-6, rel=0.05)
+    else:
+        assert "machine.inertia: is not stated, and the speed does not change enough" in refused(tmp_path, "\n".join(lines), MAP, "c.csv")

@@ -16,7 +16,7 @@ from ema_tools.base.files import keep_apart, may_write, write_text
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.incomplete import NONE_OF_IT
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
-from ema_tools.data.motion_signals import Origin, Train, drive_torque, motor_speed, origins
+from ema_tools.data.motion_signals import Origin, Train, drive_torque, integrated, motor_speed, origins
 from ema_tools.data.tables import doubts
 from ema_tools.data.tables.convert import Converted, convert
 from ema_tools.data.tables.draft import Draft, draft_map
@@ -172,8 +172,8 @@ def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Ac
         raise InputError(f"{mapped.file}: gives {error}, or correct the units of the columns") from None
 
 
-def _shaft_rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tuple[Reals, Reals, Reals]:
-    """Drive torque, speed and acceleration at the shaft in all rows of all records, smoothed. Raises InputError when they cannot be had."""
+def _shaft_rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tuple[Reals, Reals, Reals, Reals]:
+    """Drive torque, speed, acceleration and angle, from the middle of each record's own, at the shaft in all rows of all records, smoothed. Raises InputError when they cannot be had."""
     parts = []
     for record in records:
         try:
@@ -188,9 +188,10 @@ def _shaft_rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train)
         smoother = Smoother.of(record.period_s)
         if record.rows >= smoother.least_rows + 4 * _PADDING:
             speed, torque = smoother.smooth(speed), smoother.smooth(torque)
-        parts.append((torque, speed, np.gradient(speed, record.period_s)))
-    torque, speed, acceleration = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    return torque, speed, acceleration
+        angle = integrated(speed, record.period_s)
+        parts.append((torque, speed, np.gradient(speed, record.period_s), angle - float(np.mean(angle))))
+    torque, speed, acceleration, angle = (np.concatenate([part[k] for part in parts]) for k in range(4))
+    return torque, speed, acceleration, angle
 
 
 def _torque(record: MotionRecord, mapped: TableMap, train: Train, speed_rad_s: Reals) -> Reals:
@@ -202,18 +203,18 @@ def _torque(record: MotionRecord, mapped: TableMap, train: Train, speed_rad_s: R
     return drive_torque(record, train, machine.get("torque_constant")).values
 
 
-def _least_squares(rows: tuple[Reals, Reals, Reals], inertia: float | None) -> tuple[Reals, Reals]:
-    """Inertia, viscous friction, dry friction and load, and their standard errors, [4]; the inertia as given where it is."""
-    torque, speed, acceleration = rows
+def _least_squares(rows: tuple[Reals, Reals, Reals, Reals], inertia: float | None) -> tuple[Reals, Reals]:
+    """Inertia, viscous friction, dry friction and load, and their standard errors, [4]; the inertia as given where it is, else told from a spring or a weight that goes with the place."""
+    torque, speed, acceleration, angle = rows
     moves = np.abs(speed) > _MOVES_SHARE * float(np.max(np.abs(speed), initial=0.0))
     direction = np.sign(speed)
-    columns = np.column_stack([acceleration, speed, direction, np.ones_like(speed)])[moves]
+    columns = np.column_stack([acceleration, speed, direction, np.ones_like(speed), angle])[moves]
     target = torque[moves] - (inertia * columns[:, 0] if inertia is not None else 0.0)
-    free = [k for k in range(4) if not (k == 0 and inertia is not None)]
+    free = [0, 1, 2, 3, 4] if inertia is None else [1, 2, 3]
     # one way alone friction and load are one: the friction then takes it, and no load is claimed
     if np.unique(direction[moves]).size < 2:
-        free.remove(3)
-    found, std = np.zeros(4), np.zeros(4)
+        free = [k for k in free if k < 3]
+    found, std = np.zeros(5), np.zeros(5)
     if inertia is not None:
         found[0] = inertia
     matrix = columns[:, free]
@@ -223,4 +224,4 @@ def _least_squares(rows: tuple[Reals, Reals, Reals], inertia: float | None) -> t
     residual = target - (matrix / scale) @ solved
     spread = np.linalg.pinv((matrix / scale).T @ (matrix / scale)) * float(residual @ residual) / max(1, target.size - len(free))
     found[free], std[free] = solved / scale, np.sqrt(np.diag(spread)) / scale
-    return found, std
+    return found[:4], std[:4]
