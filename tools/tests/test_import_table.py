@@ -557,6 +557,7 @@ def test_a_spring_that_outweighs_the_inertia_is_no_wrong_sign(tmp_path: Path, se
     assert "write sign = 1 in [columns.torque_Nm]" in said
     # nor is it taken for an inertia that nobody stated: a sweep tells the two, one frequency cannot
     if several:
+        (tmp_path / "i.json").unlink()
         actuator = read_actuator(imported(tmp_path, "c.csv", "\n".join(lines), MAP) / "actuator.toml", complete=False)
         assert actuator["screw.inertia_kgm2"] == pytest.approx(1e-6, rel=0.05)
     else:
