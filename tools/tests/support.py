@@ -67,6 +67,15 @@ def emps_path() -> Path:
     return path
 
 
+def lead_screw_folder() -> Path:
+    """The measured lead-screw drive's files as its drive wrote them, or the test is skipped."""
+    shared = Path(os.environ.get("EMA_SHARED", ROOT.parent / "shared"))
+    folder = shared / "measurements" / "lead_screw_drive_1"
+    if not (folder / "steady_state").is_dir():
+        pytest.skip(f"lead_screw_drive_1 is not in {folder.parent}: point EMA_SHARED at the folder above measurements")
+    return folder
+
+
 def chirp_record(actuator: Actuator | None = None, text: str = "chirp", bits: int = 64) -> Record:
     """The record that an actuator (the reference one) leaves under a command."""
     model = actuator or reference_actuator()

@@ -8,12 +8,9 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import shlex
 import sys
-from collections.abc import Callable, Iterable
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 from click.core import ParameterSource
@@ -24,65 +21,17 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError, MissingSignal
+from ema_tools.cli.importing import import_group
+from ema_tools.cli.options import command_line, json_option, precision_option, save, writable
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
     from ema_tools.results.reading import Result
 
-Command = TypeVar("Command", bound=Callable[..., Any])
-
 # Every reader of JSON holds it exactly, and the host program takes no larger one.
 SEED_MAX = 2**53 - 1
 
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
-
-
-def json_option(command: Command) -> Command:
-    """--json FILE and --force."""
-    command = click.option("--force", is_flag=True, help="Overwrite files that exist.")(command)
-    return click.option("--json", "json_path", metavar="FILE", help="Write the full result there.")(command)
-
-
-def precision_option(default: str) -> Callable[[Command], Command]:
-    """--precision 32 or 64."""
-    return click.option(
-        "--precision",
-        type=click.Choice(["32", "64"]),
-        default=default,
-        show_default=True,
-        help="Build of the module: 32 as onboard, 64 for analysis.",
-    )
-
-
-def save(json_path: str | Path | None, result: Result, force: bool) -> None:
-    """Write --json when it was asked for."""
-    if json_path:
-        from ema_tools.base.files import write_json
-        from ema_tools.results.codec import to_json
-
-        write_json(json_path, to_json(result), force)
-
-
-def writable(
-    *paths: str | None, json_path: str | None = None, force: bool, inputs: Iterable[str] = (), made: str | Path | None = None
-) -> None:
-    """Complain before the work, not after it: about outputs that exist, that are one of the inputs, or that are one file, and a --json whose folder does not exist.
-
-    `made`: the folder that the command makes for its outputs.
-    """
-    from ema_tools.base.files import has_folder, keep_apart, may_write
-
-    outputs = [path for path in (*paths, json_path) if path]
-    keep_apart(outputs, inputs)
-    if json_path and not (made and Path(json_path).parent == Path(made)):
-        has_folder(json_path)
-    for path in outputs:
-        may_write(path, force)
-
-
-def command_line() -> str:
-    """What the user typed, for a result's provenance."""
-    return shlex.join(["ema", *sys.argv[1:]])
 
 
 @click.group(context_settings=_CONTEXT)
@@ -747,43 +696,7 @@ def demo_command(folder: str | None, json_path: str | None, force: bool) -> None
     save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
-@cli.group(name="import")
-def import_group() -> None:
-    """Bring foreign measurements into this project's formats."""
-
-
-@import_group.command(name="emps")
-@click.argument("file")
-@click.option("-o", "--output", "folder", required=True, metavar="DIR", help="Folder for actuator.toml and record.csv.")
-@json_option
-def import_emps(file: str, folder: str, json_path: str | None, force: bool) -> None:
-    """EMPS, a measured ball-screw axis: its FILE.mat and the published reference model."""
-    from ema_tools.base.files import keep_apart
-    from ema_tools.data.emps import PUBLISHED, PUBLISHED_STD, targets
-    from ema_tools.data.emps import import_emps as work
-    from ema_tools.results.calibration import RodModel
-    from ema_tools.results.files import ImportResult
-    from ema_tools.results.provenance import provenance
-    from ema_tools.words.terminal import show
-
-    keep_apart([*targets(folder), *filter(None, (json_path,))], (file,))
-    writable(json_path=json_path, force=force, made=folder)
-    found = work(file, folder, force)
-    origin = provenance(command_line(), source=found.actuator.about["source"])
-    record = found.record
-    save(
-        json_path,
-        ImportResult("import emps", str(found.actuator_path), str(found.record_path), record.rows, record.period_s, origin),
-        force,
-    )
-    console = output()
-    show.say(
-        console,
-        f"{found.record_path}: {found.record.rows} rows, {found.record.rows * found.record.period_s:g} s; {found.actuator_path}: published reference model",
-    )
-    published = {"value": PUBLISHED, "std error": PUBLISHED_STD}
-    show.force_models(console, "Published", {title: RodModel(**asdict(model)) for title, model in published.items()})
-    show.say(console, f"next: ema compare {found.actuator_path} {found.record_path}")
+cli.add_command(import_group)
 
 
 @cli.command()

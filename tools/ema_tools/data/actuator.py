@@ -10,7 +10,7 @@ import difflib
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,8 +20,9 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from ema_tools.base.arrays import Integers, Reals
-from ema_tools.base.errors import InputError
+from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import one_line, read_text, readable, write_text
+from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forgotten, is_incomplete, left_out
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions
 
 ABOUT = ("name", "notes", "source")
@@ -120,7 +121,8 @@ class Actuator:
     """One actuator: every value by `section.field` and `effect.field`, choices as their place in the list.
 
     `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from. `remarks`: comments behind values, by their names, that replace those
-    of the file.
+    of the file. `absent`: values that the file leaves out, as that of a machine whose controller is not known may: what stands for them in `values` fills the module's arrays and is
+    never a value of this machine.
     """
 
     values: Mapping[str, float]
@@ -128,9 +130,16 @@ class Actuator:
     file: str = field(default="", compare=False)
     about: Mapping[str, str] = field(default_factory=dict, compare=False)
     remarks: Mapping[str, str] = field(default_factory=dict, compare=False)
+    absent: frozenset[str] = frozenset()
 
     def __getitem__(self, name: str) -> float:
+        if name in self.absent:
+            raise MissingSignal(f"{self.file or self.name}: {name} is not stated: add it to the file, or use what does without: {WITHOUT}")
         return self.values[name]
+
+    def has(self, name: str) -> bool:
+        """Whether a value is stated, or is one of something that there is none of."""
+        return name not in self.absent
 
     @property
     def name(self) -> str:
@@ -171,7 +180,10 @@ class Actuator:
             if not (math.isfinite(number) and row.lower <= number <= row.upper):
                 raise InputError(f"{shown(row)} = {number:g}: outside {_range(row)}: give a value inside")
             values[row.name] = float(number)
-        return replace(self, values=values, about={**self.about, **(about or {})}, remarks={**self.remarks, **(remarks or {})})
+        stated = self.absent - {row_of(name).name for name in changes}
+        return replace(
+            self, values=values, about={**self.about, **(about or {})}, remarks={**self.remarks, **(remarks or {})}, absent=stated
+        )
 
     def remark(self, name: str) -> str:
         """The comment behind a value, where it is not the one that every file has."""
@@ -191,7 +203,8 @@ class Actuator:
         document = copy.deepcopy(self.document) if self.document is not None else _fresh_document(self)
         _update_about(document, self.about)
         for row in all_rows():
-            _update(document, row, self[row.name])
+            if self.has(row.name) and not (self.absent and self[row.name] == NONE_OF_IT.get(row.name) and not _stands(document, row)):
+                _update(document, row, self[row.name])
         for name, text in self.remarks.items():
             trivia = _item_of(document, row_of(name)).trivia
             trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
@@ -246,6 +259,15 @@ def _item_of(document: tomlkit.TOMLDocument, row: Row) -> Any:
     return found
 
 
+def _stands(document: tomlkit.TOMLDocument, row: Row) -> bool:
+    """Whether a value stands in the file."""
+    try:
+        _item_of(document, row)
+    except KeyError:
+        return False
+    return True
+
+
 def _comment(document: tomlkit.TOMLDocument | None, row: Row) -> str:
     """The comment behind a value in a file; empty where there is none."""
     try:
@@ -293,7 +315,11 @@ def _fresh_document(actuator: Actuator) -> tomlkit.TOMLDocument:
     for section, rows in known.sections.items():
         table = tomlkit.table()
         table.add(tomlkit.comment(_SECTION_TITLES.get(section, section)))
-        for row in rows:
+        stated = [row for row in rows if actuator.has(row.name)]
+        # of a machine that is not known in full no section of mere absences, and nothing of what a search may do
+        if actuator.absent and (section in SETTINGS or all(row.name in NONE_OF_IT for row in stated)):
+            continue
+        for row in stated:
             table.add(row.field, _item(row, actuator[row.name]))
         document.add(section, table)
     active = actuator.active_effects
@@ -315,8 +341,11 @@ def reference_actuator() -> Actuator:
     return Actuator(values=defaults(), about={"name": "reference actuator"})
 
 
-def read_actuator(path: str | Path) -> Actuator:
-    """Read an actuator. Raises InputError in one line that names file, section.field, range and the nearest known name."""
+def read_actuator(path: str | Path, complete: bool = True) -> Actuator:
+    """Read an actuator. With `complete` off [control] and [drive] may be absent, as may lead and ratio, and with them whatever no balance of forces needs.
+
+    Raises InputError in one line that names file, section.field, range and the nearest known name.
+    """
     file = readable(Path(path).name)
     text = read_text(path)
     try:
@@ -338,6 +367,11 @@ def read_actuator(path: str | Path) -> Actuator:
             near = nearest(section, [*sections, "effects", "actuator"])
             raise InputError(f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, effects.<name>")
         _take(table, {row.field: row for row in sections[section]}, section, values, file)
+    if not complete and is_incomplete(content):
+        machine = [row for section, rows in sections.items() if section not in SETTINGS for row in rows]
+        _complain(forgotten(content, machine), file)
+        absent, nothing = left_out(content, machine)
+        return Actuator(values={**values, **nothing}, document=document, file=file, about=about, absent=absent)
     _require(content, sections, file)
     return Actuator(values=values, document=document, file=file, about=about)
 
@@ -390,9 +424,18 @@ def _take_effects(table: object, known: Definitions, values: dict[str, float], f
 
 def _require(content: Mapping[str, Any], sections: Mapping[str, tuple[Parameter, ...]], file: str) -> None:
     """Every value of the machine must stand in the file, so that none is taken silently from another machine."""
-    missing = [
-        row for section, rows in sections.items() if section not in SETTINGS for row in rows if row.field not in content.get(section, {})
-    ]
+    unknown = absent_sections(content)
+    if unknown:
+        both = " and ".join(f"[{section}]" for section in unknown)
+        raise InputError(f"{file}: {both} absent: this command simulates the machine and needs them; {WITHOUT}")
+    _complain(
+        [row for section, rows in sections.items() if section not in SETTINGS for row in rows if row.field not in content.get(section, {})],
+        file,
+    )
+
+
+def _complain(missing: Sequence[Parameter], file: str) -> None:
+    """Raises InputError for the first value that is missing."""
     if missing:
         row = missing[0]
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""

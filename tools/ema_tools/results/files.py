@@ -82,3 +82,57 @@ class DemoResult:
     command: Literal["demo"]
     page: str  # file
     results: tuple[str, ...]  # names of files beside it
+
+
+@dataclass(frozen=True)
+class DraftResult:
+    """A map to complete."""
+
+    command: Literal["import draft"]
+    source: str  # file that was looked at
+    map: str  # file
+    guessed: dict[str, str]  # columns of the record and the file's own names of what was taken for them
+    open: tuple[str, ...]  # entries that are still to be filled in
+    provenance: Provenance
+
+
+@dataclass(frozen=True)
+class ImportedRecord:
+    """One record of a constant rate."""
+
+    record: str  # file
+    rows: int
+    period_s: float  # from row to row
+    columns: tuple[str, ...]  # besides time_s
+
+
+@dataclass(frozen=True)
+class ImportedFile:
+    """What became of one file."""
+
+    source: str  # file
+    records: tuple[ImportedRecord, ...]
+    remarks: tuple[str, ...]  # what was done to it, or is odd about it
+
+
+@dataclass(frozen=True)
+class SignalSource:
+    """Of what a signal at the motor shaft or at the rod is made."""
+
+    origin: Literal["recorded", "converted", "integrated", "differentiated"]
+    column: str
+
+
+@dataclass(frozen=True)
+class TableImportResult:
+    """A maker's files as records, and an actuator to start from."""
+
+    command: Literal["import table"]
+    map: str  # file
+    actuator: str  # file
+    values: dict[str, float]  # of the actuator, those that are stated
+    estimated: tuple[str, ...]  # of these, those that come from the records and not from the map
+    files: tuple[ImportedFile, ...]
+    signals: dict[str, SignalSource]  # what the records say of the machine, and how
+    remarks: tuple[str, ...]  # about all records together
+    provenance: Provenance

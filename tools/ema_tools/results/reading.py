@@ -16,7 +16,7 @@ from ema_tools.results.detection import DetectionResult
 from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
-from ema_tools.results.files import DemoResult, ExportResult, ImportResult, ReportResult, SimulationResult
+from ema_tools.results.files import DemoResult, DraftResult, ExportResult, ImportResult, ReportResult, SimulationResult, TableImportResult
 from ema_tools.results.identification import IdentificationResult
 
 Result = (
@@ -26,6 +26,7 @@ Result = (
     | DetectionResult
     | DiagnosisResult
     | DiagnosisByLapsResult
+    | DraftResult
     | Effects
     | Experiment
     | ExportResult
@@ -34,6 +35,7 @@ Result = (
     | ReportResult
     | DemoResult
     | SimulationResult
+    | TableImportResult
 )
 
 _BY_COMMAND: Mapping[str, type[Result]] = {
@@ -43,7 +45,9 @@ _BY_COMMAND: Mapping[str, type[Result]] = {
     "effects": Effects,
     "export": ExportResult,
     "identify": IdentificationResult,
+    "import draft": DraftResult,
     "import emps": ImportResult,
+    "import table": TableImportResult,
     "next": Experiment,
     "report": ReportResult,
     "simulate": SimulationResult,

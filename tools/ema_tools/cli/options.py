@@ -1,0 +1,64 @@
+"""What the commands share: their common options, and what is written and complained about before the work."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+if TYPE_CHECKING:
+    from ema_tools.results.reading import Result
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def json_option(command: Command) -> Command:
+    """--json FILE and --force."""
+    command = click.option("--force", is_flag=True, help="Overwrite files that exist.")(command)
+    return click.option("--json", "json_path", metavar="FILE", help="Write the full result there.")(command)
+
+
+def precision_option(default: str) -> Callable[[Command], Command]:
+    """--precision 32 or 64."""
+    return click.option(
+        "--precision",
+        type=click.Choice(["32", "64"]),
+        default=default,
+        show_default=True,
+        help="Build of the module: 32 as onboard, 64 for analysis.",
+    )
+
+
+def save(json_path: str | Path | None, result: Result, force: bool) -> None:
+    """Write --json when it was asked for."""
+    if json_path:
+        from ema_tools.base.files import write_json
+        from ema_tools.results.codec import to_json
+
+        write_json(json_path, to_json(result), force)
+
+
+def writable(
+    *paths: str | None, json_path: str | None = None, force: bool, inputs: Iterable[str] = (), made: str | Path | None = None
+) -> None:
+    """Complain before the work, not after it: about outputs that exist, that are one of the inputs, or that are one file, and a --json whose folder does not exist.
+
+    `made`: the folder that the command makes for its outputs.
+    """
+    from ema_tools.base.files import has_folder, keep_apart, may_write
+
+    outputs = [path for path in (*paths, json_path) if path]
+    keep_apart(outputs, inputs)
+    if json_path and not (made and Path(json_path).parent == Path(made)):
+        has_folder(json_path)
+    for path in outputs:
+        may_write(path, force)
+
+
+def command_line() -> str:
+    """What the user typed, for a result's provenance."""
+    return shlex.join(["ema", *sys.argv[1:]])

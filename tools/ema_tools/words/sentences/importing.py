@@ -1,0 +1,41 @@
+"""What an import did to a file, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ema_tools.data.motion_signals import Origin
+from ema_tools.data.tables.rate import Remark, RemarkKind
+
+# Each with the names of the remark's numbers, `row` and `column`.
+_SAID: Mapping[RemarkKind, str] = {
+    "rounded": "the stamps of time are rounded: put on an even rate of {period_s:g} s",
+    "repeated": "row {row} is the first of {count:g} with the time of the row before: left out",
+    "filled": "{count:g} rows are missing: filled by straight lines",
+    "resampled": "time is uneven, steps of {shortest_s:.3g} to {longest_s:.3g} s: resampled to {period_s:g} s by straight lines",
+    "rates": "the columns have rates of their own: all are brought to that of {column}, {period_s:g} s, by straight lines",
+    "gap": "nothing is recorded for {length_s:.3g} s before row {row}: cut there",
+    "restart": "time begins again in row {row}: cut there",
+    "short": "from row {row} on only {count:g} rows belong together, too few for a record: left out",
+    "unwrapped": "{column} starts again {count:g} times, as a counter of one turn or of so many bits does: counted on",
+    "cut_row": "row {row} ends in the middle: left out",
+    "footer": "{count:g} rows of text below the numbers: left out",
+    "rms": "{column} is recorded as an effective value: taken as it is, so a torque constant must be per effective ampere",
+    "one_way": "the machine moves one way only and {column} holds it back: right for a load that is lowered; otherwise write sign = -1 in [columns.{column}]",
+}
+_MADE: Mapping[Origin, str] = {
+    "recorded": "recorded",
+    "converted": "from {column}",
+    "integrated": "{column} integrated where it is needed: from zero at the first row, and it drifts with an error of the speed",
+    "differentiated": "{column} differentiated where it is needed",
+}
+
+
+def remark_text(remark: Remark) -> str:
+    """One remark about a file."""
+    return _SAID[remark.kind].format(row=remark.row, column=remark.column, **(remark.numbers or {}))
+
+
+def origin_text(origin: Origin, column: str) -> str:
+    """Of what a signal is made."""
+    return _MADE[origin].format(column=column)

@@ -1,0 +1,53 @@
+"""docs/IMPORT.md tells the truth: its walk, its map, its tables. The walk is skipped where the measured files are not there."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from ema_tools.data.motion_records import COLUMNS
+from ema_tools.data.tables.table_map import COLUMN_KEYS, NUMBERS, QUANTITIES, WORDS
+from ema_tools.data.tables.text import DECIMALS, DELIMITERS, Stated
+from shown_output import blocks, missing_from
+from support import ROOT, complaint, lead_screw_folder, run_ema
+
+DOCUMENT = ROOT / "docs" / "IMPORT.md"
+TEXT = DOCUMENT.read_text(encoding="utf-8")
+
+
+def test_the_walk_is_what_the_commands_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = lead_screw_folder()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / data.name).symlink_to(data)
+    draft, table, refusal = blocks(DOCUMENT)
+    shown_draft, shown_table = blocks(DOCUMENT, "text")
+    (completed,) = blocks(DOCUMENT, "toml")
+    ran = run_ema(*shlex.split(draft)[1:])
+    assert ran.code == 0, ran.err
+    assert missing_from(shown_draft, ran.out) == ""
+    drafted = tomllib.loads(Path("build/map.toml").read_text(encoding="utf-8"))
+    wanted = tomllib.loads(completed)
+    # signs and what the data sheets say is all that is written by hand
+    for name, column in wanted["columns"].items():
+        assert {**drafted["columns"][name], **({"sign": -1} if "sign" in column else {})} == column
+    Path("build/map.toml").write_text(completed, encoding="utf-8")
+    ran = run_ema(*shlex.split(table)[1:])
+    assert ran.code == 0, ran.err
+    assert missing_from(shown_table, ran.out) == ""
+    head, mark, tail = completed.partition("[columns.torque_Nm]")
+    Path("map.toml").write_text(head + mark + tail.replace("sign = -1\n", ""), encoding="utf-8")
+    assert complaint(run_ema("import", "table", data.name, "--map", "map.toml", "-o", "other")) == refusal.strip()
+
+
+def test_the_tables_name_every_entry_and_nothing_else() -> None:
+    said = set(re.findall(r"`(\w+)`", TEXT[TEXT.index("## Entries of the map") :]))
+    known = {*COLUMN_KEYS, *NUMBERS, *QUANTITIES, *WORDS, *COLUMNS, "time_s", *(one.name for one in fields(Stated))}
+    assert known <= said
+    assert said - known <= {"true"}
+    for name in (*DELIMITERS, *DECIMALS):
+        assert f'`"{name}"`' in TEXT
