@@ -17,7 +17,8 @@ from ema_tools.data.records import Record, read_record, simulated
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results.codec import to_json
 from ema_tools.select.force_balance import EFFECTS_MAX, SIZE_IN_STD, ForceSteps, improve_by_forces
-from ema_tools.select.torque_patterns import Setting, pattern_of, patterns_of, required_Nm
+from ema_tools.select.balance_setting import Setting
+from ema_tools.select.torque_patterns import pattern_of, patterns_of
 from ema_tools.truth.plant import Sensors, simulate_truth
 from ema_tools.words.answers.laps import forces_of
 from support import chirp_record, emps_path, run_ema
@@ -47,7 +48,7 @@ def axis_record(hidden: dict[str, float], seed: int = 1) -> tuple[Actuator, Reco
 @pytest.fixture(scope="module")
 def hidden() -> tuple[Actuator, Record, ForceSteps]:
     actuator, record = axis_record(HIDDEN)
-    return actuator, record, improve_by_forces(actuator, record)
+    return actuator, record, improve_by_forces(actuator, (record,))
 
 
 def test_hidden_effects_are_named_with_their_sizes(hidden: tuple[Actuator, Record, ForceSteps]) -> None:
@@ -114,7 +115,7 @@ def test_the_new_actuator_closes_the_balance(hidden: tuple[Actuator, Record, For
 
 def test_healthy_axis_is_left_alone() -> None:
     actuator, record = axis_record({})
-    found = improve_by_forces(actuator, record)
+    found = improve_by_forces(actuator, (record,))
     assert found.steps == ()
     assert found.actuator.active_effects == ()
     assert found.refitted.holdout < 0.2
@@ -131,7 +132,7 @@ def test_several_effects_without_the_one_that_they_made_needless() -> None:
     }
     actuator, record = axis_record(true)
     shares: list[float] = []
-    found = improve_by_forces(actuator, record, lambda share, _text: shares.append(share))
+    found = improve_by_forces(actuator, (record,), progress=lambda share, _text: shares.append(share))
     assert set(found.actuator.active_effects) == {"cogging_torque", "spring_load", "load_dependent_friction"}
     for name, value in true.items():
         assert found.actuator[name] == pytest.approx(value, rel=0.03), name
@@ -148,15 +149,15 @@ def test_patterns_are_what_the_balance_makes_of_the_effects(changes: dict[str, f
     actuator = reference_actuator()
     record = chirp_record(actuator, "chirp:duration_s=3")
     smoother = quiet_smoother(actuator, record)
-    setting = Setting.of(actuator, record, smoother)
+    setting = Setting.of(actuator, (record,), (smoother,))
     effect = next(iter(changes)).split(".")[0]
     true = actuator.changed(changes)
     shape = {name: true[name] for name in patterns_of(setting, effect)[0].shape}
     pattern = pattern_of(setting, effect, shape)
-    expected = required_Nm(true, record, smoother) - required_Nm(actuator, record, smoother)
+    expected = setting.with_actuator(true).required_Nm() - setting.required_Nm()
     columns = pattern.columns
     coefficients = np.linalg.lstsq(columns, expected, rcond=None)[0]
-    moving = ~setting.model.resting
+    moving = ~setting.pieces[0].model.resting
     assert (columns @ coefficients)[moving] == pytest.approx(expected[moving], abs=1e-6 * float(np.max(np.abs(expected))))
     values = pattern.values(coefficients, actuator.values)
     for name, value in changes.items():
@@ -166,7 +167,7 @@ def test_patterns_are_what_the_balance_makes_of_the_effects(changes: dict[str, f
 def test_record_without_torque_is_refused() -> None:
     actuator, record = axis_record({})
     with pytest.raises(MissingSignal, match="current_A is not recorded"):
-        improve_by_forces(actuator, Record(1e-3, command_mm=record.command_mm, position_mm=record.position_mm))
+        improve_by_forces(actuator, (Record(1e-3, command_mm=record.command_mm, position_mm=record.position_mm),))
 
 
 @pytest.fixture(scope="module")
@@ -176,14 +177,14 @@ def emps(tmp_path_factory: pytest.TempPathFactory) -> tuple[Actuator, Record, Fo
     assert ran.code == 0, ran.err
     actuator = read_actuator(folder / "actuator.toml")
     record = read_record(folder / "record.csv", actuator)
-    return actuator, record, improve_by_forces(actuator, record)
+    return actuator, record, improve_by_forces(actuator, (record,))
 
 
 @pytest.mark.slow
 def test_emps_held_out_lap(emps: tuple[Actuator, Record, ForceSteps]) -> None:
     _, record, found = emps
-    assert found.laps.count == 4
-    assert found.laps.period_rows * record.period_s == pytest.approx(6.24)
+    assert found.division.count == 4
+    assert found.division.laps[0].period_rows * record.period_s == pytest.approx(6.24)
     assert found.given.training == pytest.approx(4.05, abs=0.05)
     assert found.given.holdout == pytest.approx(4.02, abs=0.05)
     errors = found.steps[-1].errors

@@ -1,8 +1,9 @@
-"""What a model lacks, named by the mechanical balance alone: for a record without healthy repeats, in a loop so stiff that the position hardly shows the mechanics.
+"""What a model lacks, named by the mechanical balance alone: for records without a known controller, or of a loop so stiff that the position hardly shows the mechanics.
 
 The motor's torque is linear in the base values and in the sizes of most effects, so that every effect of the library, in every shape, is fitted together with the base values in a
-moment. Greedy: the effect that lowers the error of the fitted laps most joins, if the laps that were held out confirm it; the rest is tried again beside it; what has become needless is
-dropped. Standard errors hold for a residual that is missing model rather than noise, which repeats from lap to lap (`ema_tools.base.leastsquares`).
+moment. Greedy: the effect that lowers the error of the fitted parts most joins, if the parts that were held out confirm it; the rest is tried again beside it; what has become needless is
+dropped. Parts are records where there are several, else laps, else stretches of time. Standard errors hold for a residual that is missing model rather than noise, which repeats
+(`ema_tools.base.leastsquares`).
 
 All errors are relative: 100 * norm of the balance's residual over norm of the motor's torque. The floor is how far the torque of one lap is from that of the others.
 """
@@ -14,24 +15,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import minimize, minimize_scalar
+from scipy.optimize import minimize
 
-from ema_tools.balances.effects import adjusted
-from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, quiet_smoother
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.fit.laps import Laps, laps_of
+from ema_tools.fit.division import Division
 from ema_tools.library.definitions import load_definitions
-from ema_tools.library.registry import effect_of_base_value
 from ema_tools.library.torques import Shape
-from ema_tools.select.torque_patterns import LEVEL, NOT_HERE, Pattern, Setting, continuous_of, pattern_of, patterns_of
-
-Rows = NDArray[np.bool_]
+from ema_tools.select.balance_bench import (
+    LOAD,
+    Bench,
+    Fitted,
+    FoldErrors,
+    Samples,
+    floor_of,
+    given_errors,
+    load_effect,
+    size_of_load,
+    solved,
+)
+from ema_tools.select.balance_setting import Setting
+from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, pattern_of, patterns_of
 
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
@@ -46,30 +54,8 @@ _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best on
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
-_REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
-_SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
-# A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
-LOAD = "screw.load_torque_Nm"
-
-
-def load_effect() -> str:
-    """The effect that is one with the base value LOAD."""
-    return effect_of_base_value(LOAD)
-
-
-def _size_of_load() -> str:
-    return load_definitions().effect(load_effect()).size.name
-
-
-@dataclass(frozen=True)
-class FoldErrors:
-    """Relative errors in %: of the laps fitted, of the laps held out, and of each part when it is held out and the others are fitted."""
-
-    training: float
-    holdout: float
-    each: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -98,7 +84,7 @@ class Refusal:
 @dataclass(frozen=True)
 class ForceSteps:
     """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %
-    and how the record was divided. `curves` are the torque and the residuals before and after, [samples], for a picture."""
+    and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture."""
 
     actuator: Actuator
     given: FoldErrors
@@ -106,237 +92,9 @@ class ForceSteps:
     steps: tuple[ForceStep, ...]
     refused: tuple[Refusal, ...]
     floor_percent: float
-    laps: Laps
-    period_s: float
+    division: Division
+    period_s: float | None
     curves: Mapping[str, Reals]
-
-
-@dataclass(frozen=True)
-class Samples:
-    """A setting on the balance's samples: the motor's torque, the part of it that is fitted, and the columns of the base values, [samples] and [samples, 4]."""
-
-    setting: Setting
-    drive: Reals
-    target: Reals
-    base: Reals
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """Base values and patterns fitted to the training laps: the patterns' columns [samples, k], all coefficients [4 + k], values by name and the residual of all samples.
-
-    Standard errors and errors are there after `Bench.judged`.
-    """
-
-    samples: Samples
-    patterns: tuple[Pattern, ...]
-    columns: Reals
-    coefficients: Reals
-    values: Mapping[str, float]
-    residual: Reals
-    std: Mapping[str, float] = field(default_factory=dict)
-    errors: FoldErrors = field(default_factory=lambda: FoldErrors(math.nan, math.nan, ()))
-
-    def square(self, rows: Rows) -> float:
-        """Mean squared residual of some samples."""
-        return float(np.mean(self.residual[rows] ** 2))
-
-    @property
-    def matrix(self) -> Reals:
-        """Columns of base values and patterns, [samples, 4 + k]."""
-        return np.column_stack([self.samples.base, self.columns])
-
-
-class Bench:
-    """One record's samples, which of them are fitted and held out, and fits on them."""
-
-    def __init__(self, actuator: Actuator, record: Record) -> None:
-        self.record = record
-        self.smoother: Smoother = quiet_smoother(actuator, record)
-        self.laps = laps_of(record)
-        start = Setting.of(actuator, record, self.smoother)
-        # rest is not tested: friction answers whatever there is
-        resting = self.smoother.decimated(start.model.resting.astype(np.float64))
-        self.sliding: Rows = np.abs(resting) < _REST_SHARE
-        self.fold = self.smoother.kept(self.laps.fold)
-        self.held: Rows = self.sliding & (self.fold == self.laps.folds - 1)
-        self.training: Rows = self.sliding & ~self.held
-        self.start = self.sampled(start)
-        self.load_named = False
-        self._bent: dict[tuple[tuple[str, float], ...], Samples] = {}
-
-    def decimated(self, columns: Reals) -> Reals:
-        """Columns [rows, k] on the samples, [samples, k]."""
-        return (
-            np.column_stack([self.smoother.decimated(column) for column in columns.T])
-            if columns.shape[1]
-            else np.zeros((self.fold.size, 0))
-        )
-
-    def sampled(self, setting: Setting) -> Samples:
-        """A setting on the samples."""
-        model, decimated = setting.model, self.smoother.decimated
-        return Samples(
-            setting, decimated(model.drive_Nm), decimated(model.drive_Nm - model.load_Nm - model.added_Nm), self.decimated(model.columns)
-        )
-
-    def changed(self, changes: Mapping[str, float]) -> Samples:
-        """The start with some values changed."""
-        return self.sampled(Setting.of(self.start.setting.actuator.changed(changes), self.record, self.smoother)) if changes else self.start
-
-    def with_bends(self, patterns: Sequence[Pattern]) -> Samples:
-        """The samples with the effects at work that change the balance itself."""
-        return self.changed({name: value for pattern in patterns if pattern.bends for name, value in pattern.shape.items()})
-
-    def relative(self, residual: Reals, drive: Reals, rows: Rows) -> float:
-        """Relative error of some samples, %."""
-        return 100.0 * float(np.linalg.norm(residual[rows])) / float(np.linalg.norm(drive[rows]))
-
-    def fit(self, samples: Samples, patterns: Sequence[Pattern], columns: Reals) -> Fitted:
-        """Base values and patterns with their columns [samples, k], fitted to the training laps."""
-        matrix = np.column_stack([samples.base, columns])
-        coefficients = solved(matrix[self.training], samples.target[self.training])
-        values = self.values_of(samples.setting, patterns, coefficients)
-        return Fitted(samples, tuple(patterns), columns, coefficients, values, samples.target - matrix @ coefficients)
-
-    def values_of(self, setting: Setting, patterns: Sequence[Pattern], coefficients: Reals) -> dict[str, float]:
-        """Values by name for coefficients [4 + k], the constant torque where it belongs."""
-        found = values_of(setting, patterns, coefficients)
-        if self.load_named:
-            known = self.start.setting.actuator[LOAD]
-            found[_size_of_load()], found[LOAD] = found[LOAD] - known, known
-        return found
-
-    def without_load(self) -> Fitted:
-        """The base values with the constant torque left as it was given."""
-        start, known = self.start, adjusted(self.start.setting.actuator)[LOAD]
-        base = start.base * (1.0, 1.0, 1.0, 0.0)
-        fit = self.fit(
-            Samples(start.setting, start.drive, start.target - known * start.base[:, 3], base), (), np.zeros((self.fold.size, 0))
-        )
-        return replace(fit, values={**fit.values, LOAD: start.setting.actuator[LOAD]})
-
-    def judged(self, fit: Fitted) -> Fitted:
-        """The fit with errors and standard errors."""
-        return replace(fit, errors=self._errors(fit), std=self._std(fit))
-
-    def held_out(self, fit: Fitted) -> Reals:
-        """The residual of every part when the others are fitted, [samples]."""
-        matrix, target = fit.matrix, fit.samples.target
-        found = np.zeros_like(target)
-        for part in range(self.laps.folds):
-            here = self.fold == part
-            rest = self.sliding & ~here
-            found[here] = target[here] - matrix[here] @ solved(matrix[rest], target[rest])
-        return found
-
-    def foretold(self, fit: Fitted, fitted: Rows, told: Rows) -> float:
-        """Relative error of some samples when the coefficients come from others, %."""
-        matrix, target = fit.matrix, fit.samples.target
-        return self.relative(target - matrix @ solved(matrix[fitted], target[fitted]), fit.samples.drive, told)
-
-    def _errors(self, fit: Fitted) -> FoldErrors:
-        drive, held_out = fit.samples.drive, self.held_out(fit)
-        each = tuple(self.relative(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.laps.folds))
-        return FoldErrors(self.relative(fit.residual, drive, self.training), self.relative(fit.residual, drive, self.held), each)
-
-    def _std(self, fit: Fitted) -> dict[str, float]:
-        """Standard errors of the values, jointly; sizes that are searched are taken as linear where they are."""
-        values = fit.values
-        bends = [name for pattern in fit.patterns if pattern.bends for name in pattern.shape]
-        held = {name: values[name] for name in bends}
-        slopes = []
-        for name in bends:
-            step = 0.05 * values[name]
-            low, high = (self.changed({**held, name: values[name] + sign * step}) for sign in (-1.0, 1.0))
-            slopes.append(((high.base - low.base) @ fit.coefficients[:4] - (high.target - low.target)) / (2.0 * step))
-        matrix = np.column_stack([fit.matrix, *slopes])[self.training]
-        covariance = _covariance(matrix, fit.residual[self.training])
-        point = np.concatenate([fit.coefficients, [values[name] for name in bends]])
-
-        def at(moved: Reals) -> Reals:
-            found = self.values_of(fit.samples.setting, fit.patterns, moved[: fit.coefficients.size])
-            found |= dict(zip(bends, moved[fit.coefficients.size :].tolist(), strict=True))
-            return np.array([found[name] for name in values])
-
-        steps = np.maximum(1e-3 * np.sqrt(np.maximum(np.diag(covariance), 0.0)), 1e-12 * np.maximum(np.abs(point), 1e-12))
-        slope = np.column_stack(
-            [
-                (at(point + step * unit) - at(point - step * unit)) / (2.0 * step)
-                for step, unit in zip(steps, np.eye(point.size), strict=True)
-            ]
-        )
-        spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slope, covariance, slope), 0.0))
-        # what stands still is a shape that was chosen from a few
-        return {name: float(value) for name, value in zip(values, spread, strict=True) if value > 0.0}
-
-    def searched(self, accepted: Fitted, effect: str, known: Sequence[Pattern]) -> Fitted:
-        """The best size of an effect that changes the balance itself, beside what was accepted: of those given, then between the neighbours of the best."""
-        (name,) = known[0].shape
-        row = row_of(name)
-
-        def at(size: float, samples: Samples | None = None) -> Fitted:
-            patterns = (*accepted.patterns, replace(known[0], shape={name: size}))
-            return self.fit(samples or self.with_bends(patterns), patterns, accepted.columns)
-
-        sizes = [pattern.shape[name] for pattern in known]
-        begun = tuple(sorted(one for pattern in accepted.patterns if pattern.bends for one in pattern.shape.items()))
-        fits = []
-        for size in sizes:
-            changes = (*begun, (name, size))
-            if changes not in self._bent:
-                self._bent[changes] = self.changed(dict(changes))
-            fits.append(at(size, self._bent[changes]))
-        place = min(range(len(fits)), key=lambda k: fits[k].square(self.training))
-        ends = (sizes[place - 1] if place else max(row.lower, 1e-3 * sizes[0]), sizes[place + 1] if place + 1 < len(sizes) else row.upper)
-        found = minimize_scalar(
-            lambda size: at(float(size)).square(self.training), bounds=ends, method="bounded", options={"xatol": 5e-3 * sizes[place]}
-        )
-        refined = at(float(found.x))
-        return min(refined, fits[place], key=lambda fit: fit.square(self.training))
-
-
-def solved(matrix: Reals, target: Reals) -> Reals:
-    """Least squares with columns [samples, k] brought to one scale, [k]; zero for a column without content."""
-    scale = _scale_of(matrix)
-    scaled = matrix / scale
-    return np.asarray(np.linalg.pinv(scaled.T @ scaled, rcond=_SINGULAR, hermitian=True) @ (scaled.T @ target) / scale)
-
-
-def _scale_of(matrix: Reals) -> Reals:
-    """Lengths of the columns, [k]; one for a column without content."""
-    scale = np.linalg.norm(matrix, axis=0)
-    return np.where(scale > 0.0, scale, 1.0)
-
-
-def values_of(setting: Setting, patterns: Sequence[Pattern], coefficients: Reals) -> dict[str, float]:
-    """Base and effects' values by name for coefficients [4 + k]."""
-    actuator = setting.actuator
-    here = adjusted(actuator)
-    effective = dict(
-        zip(MECHANICAL_PARAMETERS, (coefficients[:4] / (1.0, 1.0, here["screw.dynamic_ratio"] or 1.0, 1.0)).tolist(), strict=True)
-    )
-    found = {}
-    for name, value in effective.items():
-        # effects on parameters are linear
-        step = max(abs(actuator[name]), 1e-6)
-        slope = (adjusted(actuator.changed({name: actuator[name] + step}))[name] - here[name]) / step
-        found[name] = actuator[name] + (value - here[name]) / slope
-    levels = {**effective, LEVEL: float(coefficients[2])}
-    place = 4
-    for pattern in patterns:
-        width = pattern.columns.shape[1]
-        found |= pattern.values(coefficients[place : place + width], levels)
-        place += width
-    return found
-
-
-def _covariance(columns: Reals, residual: Reals) -> Reals:
-    """Covariance of the coefficients for a residual whose neighbours are alike, [k, k]."""
-    scale = _scale_of(columns)
-    scaled = columns / scale
-    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=_SINGULAR, hermitian=True)
-    return np.asarray(inverse @ leastsquares.long_run(scaled * residual[:, None]) @ inverse / np.outer(scale, scale))
 
 
 @dataclass(frozen=True)
@@ -350,10 +108,10 @@ class _Tried:
 
 
 class _Search:
-    """The greedy search on one record."""
+    """The greedy search."""
 
-    def __init__(self, actuator: Actuator, record: Record, report: Report) -> None:
-        self.bench = Bench(actuator, record)
+    def __init__(self, actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record], report: Report) -> None:
+        self.bench = Bench(actuator, records, holdout)
         self.report = report
         self.effects = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
@@ -363,7 +121,7 @@ class _Search:
 
     def prepare(self, setting: Setting) -> None:
         """All patterns in a setting."""
-        same_current = self.setting is not None and np.array_equal(self.setting.motion.current_A, setting.motion.current_A)
+        same_current = self.setting is not None and np.array_equal(self.setting.states.current_A, setting.states.current_A)
         self.setting = setting
         for effect in self.effects:
             # torques and loads do not look at the contact, so that without another current they are what they were
@@ -503,7 +261,9 @@ class _Search:
         # every part held out once
         change = (bench.held_out(accepted) ** 2 - bench.held_out(fit) ** 2)[bench.sliding]
         fall = float(np.mean(change))
-        spread = math.sqrt(float(leastsquares.long_run((change - fall)[:, None])[0, 0])) / change.size
+        of_record = bench.of_record[bench.sliding]
+        runs = (leastsquares.long_run((change - fall)[of_record == number, None]) for number in np.unique(of_record))
+        spread = math.sqrt(sum(float(one[0, 0]) for one in runs)) / change.size
         if fall < FALL_IN_STD * spread:
             return f"it does not lower the error of the held-out laps significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
         if any(after >= before for before, after in zip(accepted.errors.each, fit.errors.each, strict=True)):
@@ -561,7 +321,7 @@ class _Search:
                 accepted = self.settled(without)
                 dropped.append(pattern.effect)
         if self.bench.load_named and accepted.patterns:
-            size = _size_of_load()
+            size = size_of_load()
             judged = self.bench.judged(accepted)
             if abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf):
                 self.bench.load_named = False
@@ -571,15 +331,15 @@ class _Search:
 
     def elsewhere(self, before: Fitted, after: Fitted) -> dict[str, tuple[float, float]]:
         """Errors in % without and with the last effect where neither was fitted: the middle third of the places, and of the speeds, told from the others."""
-        motion, smoother = before.samples.setting.motion, self.bench.smoother
+        states = before.samples.setting.states
         found: dict[str, tuple[float, float]] = {}
-        for by, values in (("place", motion.motor_mm), ("speed", np.abs(motion.speed_rad_s))):
-            seen = smoother.kept(values)
-            low, high = np.quantile(seen[self.bench.sliding], (1.0 / 3.0, 2.0 / 3.0))
-            told = self.bench.sliding & (seen >= low) & (seen < high)
+        for by, values in (("place", states.screw_mm), ("speed", np.abs(states.speed_rad_s))):
+            seen = self.bench.kept(values)
+            low, high = np.quantile(seen[self.bench.fitted], (1.0 / 3.0, 2.0 / 3.0))
+            told = self.bench.fitted & (seen >= low) & (seen < high)
             found[by] = (
-                self.bench.foretold(before, self.bench.sliding & ~told, told),
-                self.bench.foretold(after, self.bench.sliding & ~told, told),
+                self.bench.foretold(before, self.bench.fitted & ~told, told),
+                self.bench.foretold(after, self.bench.fitted & ~told, told),
             )
         return found
 
@@ -608,22 +368,6 @@ def _at_bound(name: str, value: float) -> bool:
     return value >= row.upper - _BOUND * abs(row.upper) or value <= row.lower + _BOUND * abs(row.lower)
 
 
-def floor_of(bench: Bench, fit: Fitted) -> float:
-    """How far one complete lap is from the others in what a fit leaves of the torque, as relative error in %: no model of a lap can beat it. NaN when no lap is repeated."""
-    every, period = bench.smoother.every, bench.laps.period_rows
-    samples = period / every
-    count = int(fit.residual.size / samples) if period else 0
-    if count < 2:
-        return math.nan
-    # laps need not be a whole number of samples long
-    places = np.arange(int(samples))
-    laps, drive = (
-        np.array([np.interp(places + lap * samples, np.arange(values.size), values) for lap in range(count)])
-        for values in (fit.residual, fit.samples.drive)
-    )
-    return 100.0 * math.sqrt(count / (count - 1.0)) * float(np.linalg.norm(laps - laps.mean(axis=0))) / float(np.linalg.norm(drive))
-
-
 def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
     """What lowers the error nearly as much as the best and by the same torque, and what the library says looks like it."""
     found = []
@@ -639,17 +383,19 @@ def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*found, *declared]))
 
 
-def improve_by_forces(actuator: Actuator, record: Record, progress: Report | None = None) -> ForceSteps:
-    """Add what the mechanical balance of one record asks for, effect by effect; `progress` is told the share done and what is at work.
+def improve_by_forces(
+    actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record] = (), progress: Report | None = None
+) -> ForceSteps:
+    """Add what the mechanical balance of the records asks for, effect by effect, `holdout` never being fitted; `progress` is told the share done and what is at work.
 
-    Raises MissingSignal when the record has no mechanical balance.
+    Raises MissingSignal when a record has no mechanical balance.
     """
     report = progress or untold
-    report(0.0, "laps and balance")
-    search = _Search(actuator, record, report)
+    report(0.0, "parts and balance")
+    search = _Search(actuator, records, holdout, report)
     bench = search.bench
     search.prepare(bench.start.setting)
-    given = _given(actuator, bench)
+    given = given_errors(actuator, bench)
     steps: list[ForceStep] = []
     refused: list[Refusal] = []
     needless: list[Refusal] = []
@@ -683,10 +429,11 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {best.effect}, which came later") for name in dropped]
     report(1.0, "done")
+    states = accepted.samples.setting.states
     curves = {
-        "time_s": bench.smoother.kept(record.time_s),
-        "position_mm": bench.smoother.kept(accepted.samples.setting.motion.motor_mm),
-        "speed_rad_s": bench.smoother.kept(accepted.samples.setting.motion.speed_rad_s),
+        "time_s": _time_s(bench),
+        "position_mm": bench.kept(states.screw_mm),
+        "speed_rad_s": bench.kept(states.speed_rad_s),
         "torque_Nm": accepted.samples.drive,
         "residual_before_Nm": first.residual,
         "residual_after_Nm": accepted.residual,
@@ -699,15 +446,16 @@ def improve_by_forces(actuator: Actuator, record: Record, progress: Report | Non
         tuple(steps),
         refusals,
         floor_of(bench, accepted),
-        bench.laps,
-        record.period_s,
+        bench.division,
+        records[0].period_s if len(records) == 1 else None,
         curves,
     )
 
 
-def _given(actuator: Actuator, bench: Bench) -> FoldErrors:
-    """Errors of the actuator as it was given, from the balance as `ema compare` draws it."""
-    balance = mechanical(actuator, bench.record, bench.smoother)
-    parts = [bench.fold == part for part in range(bench.laps.folds)]
-    *training, held = (bench.relative(balance.residual, balance.measured, part) for part in parts)
-    return FoldErrors(bench.relative(balance.residual, balance.measured, ~parts[-1]), held, (*training, held))
+def _time_s(bench: Bench) -> Reals:
+    """Time of the samples, each record beginning where the one before it ended, [samples]."""
+    times, end = [], bench.records[0].first_time_s
+    for record in bench.records:
+        times.append(end + record.time_s - record.first_time_s)
+        end += record.rows * record.period_s
+    return bench.kept(np.concatenate(times))

@@ -5,26 +5,18 @@ An effect whose record has no torque in closed form is asked through the balance
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from ema_tools.balances.effects import adjusted
-from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.mechanical import Mechanical, mechanical_model
-from ema_tools.balances.motion import Motion, motion_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
-from ema_tools.data.actuator import Actuator
-from ema_tools.data.records import Record
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.registry import record_of
-from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, States, combined, values_in
+from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, combined, values_in
+from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
 
-LEVEL = "screw.csj_Nm"
-VISCOUS = "screw.viscous_Nm_s_per_rad"
 NOT_HERE = "it does not show between the motor's torque and the measured motion"
 # Base values that an effect's size may be a share of.
 _RELATIVE_TO = (LEVEL, VISCOUS)
@@ -64,60 +56,17 @@ class Pattern:
         return found
 
 
-@dataclass(frozen=True)
-class Setting:
-    """What the patterns of one record are made from: the actuator as far as it is known, its balance and its motion, each on every row."""
-
-    actuator: Actuator
-    record: Record
-    model: Mechanical
-    motion: Motion
-    _required: dict[str, Reals] = field(default_factory=dict)
-
-    @functools.cached_property
-    def states(self) -> States:
-        """The measured motion, as the torques of effects take it."""
-        return _states(self)
-
-    def required_Nm(self, halved: str = "") -> Reals:
-        """What the balance requires without any further effect, with one base value halved, [rows]."""
-        if halved not in self._required:
-            actuator = self.actuator.changed({halved: 0.5 * self.actuator[halved]}) if halved else self.actuator
-            self._required[halved] = required_Nm(actuator, self.record, self.model.smoother)
-        return self._required[halved]
-
-    @staticmethod
-    def of(actuator: Actuator, record: Record, smoother: Smoother) -> Setting:
-        """Raises MissingSignal."""
-        return Setting(
-            actuator, record, mechanical_model(actuator, record, smoother, held=True), motion_of(actuator, record, smoother, held=True)
-        )
-
-
 def _pair(angle: Reals) -> Reals:
     return np.column_stack([np.sin(angle), np.cos(angle)])
 
 
 def _in_band(setting: Setting, one: PeriodicTorque) -> list[int]:
     """Periods per motor turn that pass the filter at least at the record's slower speeds."""
-    slow = float(np.quantile(np.abs(setting.motion.speed_rad_s), 0.25))
-    highest = 0.5 * setting.model.smoother.cutoff_hz * 2.0 * np.pi / max(slow, 1e-9)
-    return [periods for periods in one.in_balance if periods <= highest]
-
-
-def _states(setting: Setting) -> States:
-    """The measured motion."""
-    motion, values = setting.motion, adjusted(setting.actuator)
-    return States(
-        setting.model.contact,
-        motion.speed_rad_s,
-        motion.angle_rad,
-        2.0 * np.pi * motion.motor_mm / setting.actuator["screw.lead_mm"],
-        motion.motor_mm,
-        motion.current_A,
-        values["motor.torque_constant_Nm_per_A"],
-        values["motor.back_emf_V_s_per_rad"],
+    highest = max(
+        0.5 * piece.model.smoother.cutoff_hz * 2.0 * np.pi / max(float(np.quantile(np.abs(piece.motion.speed_rad_s), 0.25)), 1e-9)
+        for piece in setting.pieces
     )
+    return [periods for periods in one.in_balance if periods <= highest]
 
 
 def _periodic(setting: Setting, effect: str, one: PeriodicTorque, shape: Shape) -> Pattern:
@@ -141,8 +90,7 @@ def _local_shapes(setting: Setting, effect: str, one: LocalTorque) -> list[Shape
 def _bending_shapes(setting: Setting, effect: str, one: Bending) -> list[Shape]:
     size = load_definitions().effect(effect).size.name
     if one.of_drive:
-        changed = setting.actuator.changed({size: one.sizes[0]})
-        if np.array_equal(mechanical_model(changed, setting.record, setting.model.smoother, held=True).drive_Nm, setting.model.drive_Nm):
+        if np.array_equal(setting.with_actuator(setting.actuator.changed({size: one.sizes[0]})).drive_Nm, setting.drive_Nm):
             return []
     return [{size: value} for value in one.sizes]
 
@@ -158,14 +106,6 @@ def _shapes(setting: Setting, effect: str) -> list[Shape] | None:
     return _bending_shapes(setting, effect, record.bending) if record.bending is not None else None
 
 
-def required_Nm(actuator: Actuator, record: Record, smoother: Smoother) -> Reals:
-    """What the balance says the motor must bring up, less what it does, on every row that slides; a constant torque apart. Raises MissingSignal."""
-    model = mechanical_model(actuator, record, smoother, held=True)
-    values = adjusted(actuator)
-    base = (values["screw.inertia_kgm2"], values[VISCOUS], values["screw.dynamic_ratio"] * values[LEVEL], values["screw.load_torque_Nm"])
-    return np.asarray(model.load_Nm + model.added_Nm + model.columns @ np.array(base) - model.drive_Nm)
-
-
 def _asked(setting: Setting, effect: Effect) -> Pattern | str:
     """The column of an effect of one shape, from the balances with and without it; or why there is none."""
     size = effect.size
@@ -173,7 +113,7 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
     def column(halved: str = "") -> Reals:
         base = {halved: 0.5 * setting.actuator[halved]} if halved else {}
         with_it = setting.actuator.changed({**base, size.name: size.nominal + probe})
-        return (required_Nm(with_it, setting.record, setting.model.smoother) - setting.required_Nm(halved)) / probe
+        return (setting.with_actuator(with_it).required_Nm() - setting.required_Nm(halved)) / probe
 
     reach = size.upper - size.nominal if size.upper > size.nominal else size.lower - size.nominal
     probe = _PROBE * reach
@@ -206,7 +146,7 @@ def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
     if record.local is not None:
         return _local(setting, effect, record.local, shape)
     if record.bending is not None:
-        return Pattern(effect, shape, np.zeros((setting.record.rows, 0)))
+        return Pattern(effect, shape, np.zeros((setting.rows, 0)))
     return _asked(setting, load_definitions().effect(effect))
 
 

@@ -89,5 +89,5 @@ def answer_by_laps(actuator: Actuator, record: Record, report: Report | None = N
     if not gate.answerable:
         remark = next(one for one in gate.remarks if one.severity == "blocks")
         raise InputError(f"{record.file}: {remark.text}: {remark.next}")
-    forces = improve_by_forces(actuator, record, lambda share, text: tell(0.95 * share, text))
+    forces = improve_by_forces(actuator, (record,), progress=lambda share, text: tell(0.95 * share, text))
     return LapsAnswer(record, actuator, gate, where(actuator, record), forces)

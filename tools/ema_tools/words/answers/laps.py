@@ -11,7 +11,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.results import diagnosis as result
 from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
-from ema_tools.select import force_balance as forces
+from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
 from ema_tools.tasks.diagnose_by_laps import LapsAnswer
 from ema_tools.words.answers.localisation import localisation
@@ -97,18 +97,18 @@ def forces_of(way: ForceSteps) -> result.Forces:
     """The balance, effect by effect."""
     known, effects = way.actuator, way.actuator.active_effects
     names = (*MECHANICAL_PARAMETERS, *(row.name for row in load_definitions().effect_values if row.effect in effects))
-    folds = way.laps.folds
+    division = way.division
     return result.Forces(
         result.ForceSummary(_errors(way.given), _errors(way.refitted), way.floor_percent),
         tuple(_step(step, step.effect in effects) for step in way.steps),
         tuple(map(_refusal, way.refused)),
         {name: known[name] for name in names},
-        result.LapsEntry(way.laps.count, way.laps.period_rows * way.period_s or None, folds, folds),
+        result.LapsEntry(division.count, division.laps[0].period_rows * (way.period_s or 0.0) or None, division.folds, division.folds),
         {name: tuple(values.tolist()) for name, values in way.curves.items()},
     )
 
 
-def _errors(one: forces.FoldErrors) -> result.ForceErrors:
+def _errors(one: FoldErrors) -> result.ForceErrors:
     return result.ForceErrors(one.training, one.holdout, one.each)
 
 

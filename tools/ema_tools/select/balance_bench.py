@@ -1,0 +1,339 @@
+"""Samples of the mechanical balance of one record or of several, divided into parts that are fitted and parts that are held out; and fits of base values and effects on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from ema_tools.balances.effects import adjusted
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, quiet_smoother
+from ema_tools.base import leastsquares
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.records import Record
+from ema_tools.fit.division import Division, divided
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import effect_of_base_value
+from ema_tools.select.balance_setting import LEVEL, Piece, Setting
+from ema_tools.select.torque_patterns import Pattern
+
+Rows = NDArray[np.bool_]
+
+_REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
+_SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
+# A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
+LOAD = "screw.load_torque_Nm"
+
+
+def load_effect() -> str:
+    """The effect that is one with the base value LOAD."""
+    return effect_of_base_value(LOAD)
+
+
+def size_of_load() -> str:
+    """The name of its size."""
+    return load_definitions().effect(load_effect()).size.name
+
+
+@dataclass(frozen=True)
+class FoldErrors:
+    """Relative errors in %: of the parts fitted, of the part held out, and of each part when it is held out and the others are fitted."""
+
+    training: float
+    holdout: float
+    each: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A setting on the balance's samples: the motor's torque, the part of it that is fitted, and the columns of the base values, [samples] and [samples, 4]."""
+
+    setting: Setting
+    drive: Reals
+    target: Reals
+    base: Reals
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Base values and patterns fitted to the training laps: the patterns' columns [samples, k], all coefficients [4 + k], values by name and the residual of all samples.
+
+    Standard errors and errors are there after `Bench.judged`.
+    """
+
+    samples: Samples
+    patterns: tuple[Pattern, ...]
+    columns: Reals
+    coefficients: Reals
+    values: Mapping[str, float]
+    residual: Reals
+    std: Mapping[str, float] = field(default_factory=dict)
+    errors: FoldErrors = field(default_factory=lambda: FoldErrors(math.nan, math.nan, ()))
+
+    def square(self, rows: Rows) -> float:
+        """Mean squared residual of some samples."""
+        return float(np.mean(self.residual[rows] ** 2))
+
+    @property
+    def matrix(self) -> Reals:
+        """Columns of base values and patterns, [samples, 4 + k]."""
+        return np.column_stack([self.samples.base, self.columns])
+
+
+class Bench:
+    """The records' samples, one record after another, which of them are fitted and held out, and fits on them."""
+
+    def __init__(self, actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record] = ()) -> None:
+        self.records = (*records, *holdout)
+        self.smoothers: tuple[Smoother, ...] = tuple(quiet_smoother(actuator, record) for record in self.records)
+        self.division: Division = divided(records, holdout)
+        start = Setting.of(actuator, self.records, self.smoothers)
+        # rest is not tested: friction answers whatever there is
+        resting = self.decimated(start.joined(lambda piece: piece.model.resting.astype(np.float64))[:, None])[:, 0]
+        self.sliding: Rows = np.abs(resting) < _REST_SHARE
+        self.fold = self.kept(np.concatenate(self.division.fold))
+        last = self.fold == self.division.folds - 1
+        self.held: Rows = self.sliding & last
+        self.training: Rows = self.sliding & ~last
+        # what the user held out is never fitted
+        self.fitted: Rows = self.training if self.division.apart else self.sliding
+        self.start = self.sampled(start)
+        self.load_named = False
+        self._bent: dict[tuple[tuple[str, float], ...], Samples] = {}
+
+    def by_record(self, values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Rows of all records [rows, ...], divided by record."""
+        return np.split(values, np.cumsum([record.rows for record in self.records])[:-1])
+
+    def decimated(self, columns: Reals) -> Reals:
+        """Columns [rows, k] on the samples, [samples, k]."""
+        return np.concatenate([_decimated(smoother, part) for smoother, part in zip(self.smoothers, self.by_record(columns), strict=True)])
+
+    def kept(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values [rows] at the samples, not filtered, [samples]."""
+        return np.concatenate([smoother.kept(part) for smoother, part in zip(self.smoothers, self.by_record(values), strict=True)])
+
+    @property
+    def of_record(self) -> NDArray[np.int64]:
+        """The record of every sample, [samples]."""
+        return self.kept(np.concatenate([np.full(record.rows, number) for number, record in enumerate(self.records)]))
+
+    def motion(self, setting: Setting, of_piece: Callable[[Piece], Reals]) -> Reals:
+        """A column of the pieces at the samples, [samples]."""
+        return self.kept(setting.joined(of_piece))
+
+    def sampled(self, setting: Setting) -> Samples:
+        """A setting on the samples."""
+        drive = setting.drive_Nm
+        target = setting.joined(lambda piece: piece.model.drive_Nm - piece.model.load_Nm - piece.model.added_Nm)
+        base = np.concatenate([piece.model.columns for piece in setting.pieces])
+        found = self.decimated(np.column_stack([drive, target, base]))
+        return Samples(setting, found[:, 0], found[:, 1], found[:, 2:])
+
+    def changed(self, changes: Mapping[str, float]) -> Samples:
+        """The start with some values changed."""
+        setting = self.start.setting
+        return self.sampled(setting.with_actuator(setting.actuator.changed(changes))) if changes else self.start
+
+    def with_bends(self, patterns: Sequence[Pattern]) -> Samples:
+        """The samples with the effects at work that change the balance itself."""
+        return self.changed({name: value for pattern in patterns if pattern.bends for name, value in pattern.shape.items()})
+
+    def relative(self, residual: Reals, drive: Reals, rows: Rows) -> float:
+        """Relative error of some samples, %."""
+        return 100.0 * float(np.linalg.norm(residual[rows])) / float(np.linalg.norm(drive[rows]))
+
+    def fit(self, samples: Samples, patterns: Sequence[Pattern], columns: Reals) -> Fitted:
+        """Base values and patterns with their columns [samples, k], fitted to the training laps."""
+        matrix = np.column_stack([samples.base, columns])
+        coefficients = solved(matrix[self.training], samples.target[self.training])
+        values = self.values_of(samples.setting, patterns, coefficients)
+        return Fitted(samples, tuple(patterns), columns, coefficients, values, samples.target - matrix @ coefficients)
+
+    def values_of(self, setting: Setting, patterns: Sequence[Pattern], coefficients: Reals) -> dict[str, float]:
+        """Values by name for coefficients [4 + k], the constant torque where it belongs."""
+        found = values_of(setting, patterns, coefficients)
+        if self.load_named:
+            known = self.start.setting.actuator[LOAD]
+            found[size_of_load()], found[LOAD] = found[LOAD] - known, known
+        return found
+
+    def without_load(self) -> Fitted:
+        """The base values with the constant torque left as it was given."""
+        start, known = self.start, adjusted(self.start.setting.actuator)[LOAD]
+        base = start.base * (1.0, 1.0, 1.0, 0.0)
+        fit = self.fit(
+            Samples(start.setting, start.drive, start.target - known * start.base[:, 3], base), (), np.zeros((self.fold.size, 0))
+        )
+        return replace(fit, values={**fit.values, LOAD: start.setting.actuator[LOAD]})
+
+    def judged(self, fit: Fitted) -> Fitted:
+        """The fit with errors and standard errors."""
+        return replace(fit, errors=self._errors(fit), std=self._std(fit))
+
+    def held_out(self, fit: Fitted) -> Reals:
+        """The residual of every part when the others are fitted, [samples]."""
+        matrix, target = fit.matrix, fit.samples.target
+        found = np.zeros_like(target)
+        for part in range(self.division.folds):
+            here = self.fold == part
+            rest = self.fitted & ~here
+            found[here] = target[here] - matrix[here] @ solved(matrix[rest], target[rest])
+        return found
+
+    def foretold(self, fit: Fitted, fitted: Rows, told: Rows) -> float:
+        """Relative error of some samples when the coefficients come from others, %."""
+        matrix, target = fit.matrix, fit.samples.target
+        return self.relative(target - matrix @ solved(matrix[fitted], target[fitted]), fit.samples.drive, told)
+
+    def _errors(self, fit: Fitted) -> FoldErrors:
+        drive, held_out = fit.samples.drive, self.held_out(fit)
+        each = tuple(self.relative(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.division.folds))
+        return FoldErrors(self.relative(fit.residual, drive, self.training), self.relative(fit.residual, drive, self.held), each)
+
+    def _std(self, fit: Fitted) -> dict[str, float]:
+        """Standard errors of the values, jointly; sizes that are searched are taken as linear where they are."""
+        values = fit.values
+        bends = [name for pattern in fit.patterns if pattern.bends for name in pattern.shape]
+        held = {name: values[name] for name in bends}
+        slopes = []
+        for name in bends:
+            step = 0.05 * values[name]
+            low, high = (self.changed({**held, name: values[name] + sign * step}) for sign in (-1.0, 1.0))
+            slopes.append(((high.base - low.base) @ fit.coefficients[:4] - (high.target - low.target)) / (2.0 * step))
+        matrix = np.column_stack([fit.matrix, *slopes])[self.training]
+        covariance = _covariance(matrix, fit.residual[self.training], self.of_record[self.training])
+        point = np.concatenate([fit.coefficients, [values[name] for name in bends]])
+
+        def at(moved: Reals) -> Reals:
+            found = self.values_of(fit.samples.setting, fit.patterns, moved[: fit.coefficients.size])
+            found |= dict(zip(bends, moved[fit.coefficients.size :].tolist(), strict=True))
+            return np.array([found[name] for name in values])
+
+        steps = np.maximum(1e-3 * np.sqrt(np.maximum(np.diag(covariance), 0.0)), 1e-12 * np.maximum(np.abs(point), 1e-12))
+        slope = np.column_stack(
+            [
+                (at(point + step * unit) - at(point - step * unit)) / (2.0 * step)
+                for step, unit in zip(steps, np.eye(point.size), strict=True)
+            ]
+        )
+        spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slope, covariance, slope), 0.0))
+        # what stands still is a shape that was chosen from a few
+        return {name: float(value) for name, value in zip(values, spread, strict=True) if value > 0.0}
+
+    def searched(self, accepted: Fitted, effect: str, known: Sequence[Pattern]) -> Fitted:
+        """The best size of an effect that changes the balance itself, beside what was accepted: of those given, then between the neighbours of the best."""
+        (name,) = known[0].shape
+        row = row_of(name)
+
+        def at(size: float, samples: Samples | None = None) -> Fitted:
+            patterns = (*accepted.patterns, replace(known[0], shape={name: size}))
+            return self.fit(samples or self.with_bends(patterns), patterns, accepted.columns)
+
+        sizes = [pattern.shape[name] for pattern in known]
+        begun = tuple(sorted(one for pattern in accepted.patterns if pattern.bends for one in pattern.shape.items()))
+        fits = []
+        for size in sizes:
+            changes = (*begun, (name, size))
+            if changes not in self._bent:
+                self._bent[changes] = self.changed(dict(changes))
+            fits.append(at(size, self._bent[changes]))
+        place = min(range(len(fits)), key=lambda k: fits[k].square(self.training))
+        ends = (sizes[place - 1] if place else max(row.lower, 1e-3 * sizes[0]), sizes[place + 1] if place + 1 < len(sizes) else row.upper)
+        found = minimize_scalar(
+            lambda size: at(float(size)).square(self.training), bounds=ends, method="bounded", options={"xatol": 5e-3 * sizes[place]}
+        )
+        refined = at(float(found.x))
+        return min(refined, fits[place], key=lambda fit: fit.square(self.training))
+
+
+def solved(matrix: Reals, target: Reals) -> Reals:
+    """Least squares with columns [samples, k] brought to one scale, [k]; zero for a column without content."""
+    scale = _scale_of(matrix)
+    scaled = matrix / scale
+    return np.asarray(np.linalg.pinv(scaled.T @ scaled, rcond=_SINGULAR, hermitian=True) @ (scaled.T @ target) / scale)
+
+
+def _scale_of(matrix: Reals) -> Reals:
+    """Lengths of the columns, [k]; one for a column without content."""
+    scale = np.linalg.norm(matrix, axis=0)
+    return np.where(scale > 0.0, scale, 1.0)
+
+
+def values_of(setting: Setting, patterns: Sequence[Pattern], coefficients: Reals) -> dict[str, float]:
+    """Base and effects' values by name for coefficients [4 + k]."""
+    actuator = setting.actuator
+    here = adjusted(actuator)
+    effective = dict(
+        zip(MECHANICAL_PARAMETERS, (coefficients[:4] / (1.0, 1.0, here["screw.dynamic_ratio"] or 1.0, 1.0)).tolist(), strict=True)
+    )
+    found = {}
+    for name, value in effective.items():
+        # effects on parameters are linear
+        step = max(abs(actuator[name]), 1e-6)
+        slope = (adjusted(actuator.changed({name: actuator[name] + step}))[name] - here[name]) / step
+        found[name] = actuator[name] + (value - here[name]) / slope
+    levels = {**effective, LEVEL: float(coefficients[2])}
+    place = 4
+    for pattern in patterns:
+        width = pattern.columns.shape[1]
+        found |= pattern.values(coefficients[place : place + width], levels)
+        place += width
+    return found
+
+
+def _covariance(columns: Reals, residual: Reals, of_record: NDArray[np.int64]) -> Reals:
+    """Covariance of the coefficients for a residual whose neighbours in one record are alike, [k, k]."""
+    scale = _scale_of(columns)
+    scaled = columns / scale
+    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=_SINGULAR, hermitian=True)
+    scores = scaled * residual[:, None]
+    total = sum(leastsquares.long_run(scores[of_record == number]) for number in np.unique(of_record))
+    return np.asarray(inverse @ total @ inverse / np.outer(scale, scale))
+
+
+def _decimated(smoother: Smoother, columns: Reals) -> Reals:
+    """Columns [rows, k] of one record on its samples, [samples, k]."""
+    if not columns.shape[1]:
+        return np.zeros((smoother.kept(columns).shape[0], 0))
+    return np.column_stack([smoother.decimated(column) for column in columns.T])
+
+
+def floor_of(bench: Bench, fit: Fitted) -> float:
+    """How far one complete lap is from the others in what a fit leaves of the torque, as relative error in %: no model of a lap can beat it. NaN where no record repeats itself."""
+    squares = total = 0.0
+    for number, (laps, smoother) in enumerate(zip(bench.division.laps, bench.smoothers, strict=True)):
+        here = bench.of_record == number
+        found = _scatter_of_laps(fit.residual[here], fit.samples.drive[here], laps.period_rows / smoother.every)
+        if found is not None:
+            squares, total = squares + found[0], total + found[1]
+    return 100.0 * math.sqrt(squares / total) if total > 0.0 else math.nan
+
+
+def _scatter_of_laps(residual: Reals, drive: Reals, period: float) -> tuple[float, float] | None:
+    """Squared distance of the laps of one record from their mean, `period` samples each, and the square of the drive; None where no lap is repeated."""
+    count = int(residual.size / period) if period else 0
+    if count < 2:
+        return None
+    # laps need not be a whole number of samples long
+    places = np.arange(int(period))
+    left, of_drive = (
+        np.array([np.interp(places + lap * period, np.arange(values.size), values) for lap in range(count)]) for values in (residual, drive)
+    )
+    return count / (count - 1.0) * float(np.sum((left - left.mean(axis=0)) ** 2)), float(np.sum(of_drive**2))
+
+
+def given_errors(actuator: Actuator, bench: Bench) -> FoldErrors:
+    """Errors of the actuator as it was given, from the balance as `ema compare` draws it."""
+    found = [mechanical(actuator, record, smoother) for record, smoother in zip(bench.records, bench.smoothers, strict=True)]
+    residual, measured = (np.concatenate([getattr(one, name) for one in found]) for name in ("residual", "measured"))
+    parts = [bench.fold == part for part in range(bench.division.folds)]
+    *training, held = (bench.relative(residual, measured, part) for part in parts)
+    return FoldErrors(bench.relative(residual, measured, ~parts[-1]), held, (*training, held))

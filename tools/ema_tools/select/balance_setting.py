@@ -1,0 +1,101 @@
+"""Records seen by the mechanical balance under one actuator: what the torques of effects are made from, the rows of all records one after another."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ema_tools.balances.effects import adjusted
+from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.mechanical import Mechanical, mechanical_model
+from ema_tools.balances.motion import Motion, motion_of
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.library.torques import States
+
+LEVEL = "screw.csj_Nm"
+VISCOUS = "screw.viscous_Nm_s_per_rad"
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One record: its balance and its motion, each on every row."""
+
+    record: Record
+    model: Mechanical
+    motion: Motion
+
+    @staticmethod
+    def of(actuator: Actuator, record: Record, smoother: Smoother) -> Piece:
+        """Raises MissingSignal."""
+        return Piece(record, mechanical_model(actuator, record, smoother, held=True), motion_of(actuator, record, smoother, held=True))
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The actuator as far as it is known, and the records' balances under it. What is joined has the rows of all records one after another, [rows]."""
+
+    actuator: Actuator
+    pieces: tuple[Piece, ...]
+    _required: dict[str, Reals] = field(default_factory=dict)
+
+    @staticmethod
+    def of(actuator: Actuator, records: Sequence[Record], smoothers: Sequence[Smoother]) -> Setting:
+        """Raises MissingSignal."""
+        return Setting(actuator, tuple(Piece.of(actuator, record, smoother) for record, smoother in zip(records, smoothers, strict=True)))
+
+    def with_actuator(self, actuator: Actuator) -> Setting:
+        """The same records under another actuator. Raises MissingSignal, InputError."""
+        return Setting.of(actuator, [piece.record for piece in self.pieces], [piece.model.smoother for piece in self.pieces])
+
+    @property
+    def rows(self) -> int:
+        """Of all records."""
+        return sum(piece.record.rows for piece in self.pieces)
+
+    def joined(self, of_piece: Callable[[Piece], Reals]) -> Reals:
+        """A column of every record, [rows]."""
+        return np.concatenate([of_piece(piece) for piece in self.pieces])
+
+    @property
+    def drive_Nm(self) -> Reals:
+        """The motor's torque, [rows]."""
+        return self.joined(lambda piece: piece.model.drive_Nm)
+
+    @functools.cached_property
+    def states(self) -> States:
+        """The measured motion, as the torques of effects take it."""
+        values = adjusted(self.actuator)
+        motor_mm = self.joined(lambda piece: piece.motion.motor_mm)
+        return States(
+            self.joined(lambda piece: piece.model.contact),
+            self.joined(lambda piece: piece.motion.speed_rad_s),
+            self.joined(lambda piece: piece.motion.angle_rad),
+            2.0 * np.pi * motor_mm / self.actuator["screw.lead_mm"],
+            motor_mm,
+            self.joined(lambda piece: piece.motion.current_A),
+            values["motor.torque_constant_Nm_per_A"],
+            values["motor.back_emf_V_s_per_rad"],
+        )
+
+    def required_Nm(self, halved: str = "") -> Reals:
+        """What the balance says the motor must bring up, less what it does, on every row that slides, a constant torque apart; with one base value halved, [rows]."""
+        if halved not in self._required:
+            setting = self.with_actuator(self.actuator.changed({halved: 0.5 * self.actuator[halved]})) if halved else self
+            values = adjusted(setting.actuator)
+            base = np.array(
+                (
+                    values["screw.inertia_kgm2"],
+                    values[VISCOUS],
+                    values["screw.dynamic_ratio"] * values[LEVEL],
+                    values["screw.load_torque_Nm"],
+                )
+            )
+            self._required[halved] = setting.joined(
+                lambda piece: piece.model.load_Nm + piece.model.added_Nm + piece.model.columns @ base - piece.model.drive_Nm
+            )
+        return self._required[halved]
