@@ -17,7 +17,7 @@ from ema_tools.benchmarks.frozen import read_frozen
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import FORMAT, SPARE, Series, _choices, _rows, from_json, to_json
 from ema_tools.results.comparison import BalanceErrorEntry, ChannelErrorEntry, ComparisonResult
-from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.identification import EstimateEntry, IdentificationResult, NotIdentified
 from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, WeightedErrors
 from ema_tools.results.reading import Result, kind_of, read_result, result_of
@@ -215,6 +215,6 @@ def test_every_frozen_answer_reads_as_its_type_and_is_written_as_it_was() -> Non
     assert len(answers) > 50
     for data in answers:
         found = result_of(data, "frozen")
-        assert isinstance(found, DiagnosisResult | DiagnosisByLapsResult)
+        assert isinstance(found, DiagnosisResult | DiagnosisByBalanceResult)
         again = json.loads(json.dumps(to_json(found)))
         assert {key: value for key, value in again.items() if key not in ("format", "provenance")} == data

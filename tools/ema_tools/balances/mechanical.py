@@ -81,11 +81,11 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
     return resting
 
 
-def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None, held: bool = False) -> Mechanical:
-    """Drive torque, what the effects add, and the columns of the base parameters; `held` as in `drive_current`. Raises MissingSignal."""
+def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Mechanical:
+    """Drive torque, what the effects add, and the columns of the base parameters. Raises MissingSignal."""
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
-    motion = motion_of(actuator, record, use, held)
+    motion = motion_of(actuator, record, use)
     ripple = at_points(actuator, motion, "MOTOR")
     drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:

@@ -65,19 +65,19 @@ def whole_and_rest(rows: float) -> tuple[int, float]:
     return whole, max(rows - whole, 0.0)
 
 
-def drive_current(actuator: Actuator, record: Record, held: bool = False) -> Reals:
+def drive_current(actuator: Actuator, record: Record) -> Reals:
     """The motor current, [rows]: as recorded, or from the command of a current drive that is never short of voltage.
 
-    A drive without lag and delay has the command of the row, as published models take it, which leads by half a row what is held from row to row. That half counts as soon as
-    a delay is known, or with `held`: the drive then has the mean of what it holds over half a row to both sides. Raises MissingSignal.
+    What a row asks for is held until the next one: the drive has the mean of what it holds over half a row to both sides, half a row late. Published models of sampled drives leave
+    that half out; an actuator may say that it is such a model. Raises MissingSignal.
     """
     values = adjusted(actuator)
     current_drive = values["drive.mode"] == 1.0
     lag_s = values["drive.current_loop_s"]
     delay = values["drive.output_delay_s"] / record.period_s
     late, rest = whole_and_rest(delay)
-    whole, share = whole_and_rest(delay + 0.5)
-    stands = (delay == 0.0 and not held) or not current_drive or lag_s > 0.0
+    whole, share = whole_and_rest(delay if actuator.command_at_row else delay + 0.5)
+    stands = not current_drive or lag_s > 0.0 or actuator.command_at_row
     if record.current_A is not None:
         # the row shows what the drive holds at its instant: with a part of a row of delay, still the command before
         shown = late + (1 if rest > 0.0 else 0)
@@ -86,7 +86,7 @@ def drive_current(actuator: Actuator, record: Record, held: bool = False) -> Rea
         raise MissingSignal("current_A is not recorded")
     asked = record.voltage_V * (values["drive.current_scale_A"] / values["drive.command_scale_V"])
     if lag_s == 0.0:
-        return asked if stands else between_rows(asked, whole, share)
+        return between_rows(asked, whole, share)
     # exact for a reference that is held: over a row the older command acts first
     fade, newer = math.exp(-record.period_s / lag_s), math.exp(-(1.0 - rest) * record.period_s / lag_s)
     weights = (0.0, 1.0 - newer, newer - fade)
@@ -117,9 +117,9 @@ def motor_position(actuator: Actuator, record: Record) -> Reals:
     raise MissingSignal(f"motor_position_mm is not recorded, and the rod follows the motor with {between}")
 
 
-def motion_of(actuator: Actuator, record: Record, smoother: Smoother, held: bool = False) -> Motion:
+def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
     """Smoothed motor signals. Raises MissingSignal."""
     motor_mm = motor_position(actuator, record)
     angle = smoother.smooth(motor_mm) / actuator.lead_mm_per_rad
     speed = np.gradient(angle, record.period_s)
-    return Motion(smoother.smooth(drive_current(actuator, record, held)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
+    return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)

@@ -26,6 +26,7 @@ from ema_tools.cli.options import command_line, json_option, precision_option, s
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
+    from ema_tools.results.diagnosis import Method
     from ema_tools.results.reading import Result
 
 # Every reader of JSON holds it exactly, and the host program takes no larger one.
@@ -292,7 +293,7 @@ def identify(
 
 @cli.command()
 @click.argument("actuator")
-@click.argument("record")
+@click.argument("record", nargs=-1, required=True, metavar="REC...")
 @click.option(
     "--healthy",
     multiple=True,
@@ -300,44 +301,52 @@ def identify(
     help="A record of the healthy machine under the same command; give two or more. Those of the hold-out's command serve the hold-out.",
 )
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
+@click.option(
+    "--method",
+    type=click.Choice(["balance", "simulation"]),
+    help="By the balance of forces, which takes several records of any motion, or by simulation of all signals; chosen by itself otherwise, and said.",
+)
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
 @json_option
 def diagnose(
     actuator: str,
-    record: str,
+    record: tuple[str, ...],
     healthy: tuple[str, ...],
     holdout: str | None,
+    method: Method | None,
     page: str | None,
     fitted: str | None,
     json_path: str | None,
     force: bool,
 ) -> None:
-    """Say which physical effect ACTUATOR's model lacks on RECORD, or that none is missing, or that the library does not hold it.
+    """Say which physical effect ACTUATOR's model lacks on REC, or that none is missing, or that the library does not hold it.
 
-    With --healthy the question is what has changed on this machine, without it what the model lacks.
+    With --healthy the question is what has changed on this machine, without it what the model lacks. Several records are held out in turn: what helps on all of them is no chance.
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record, simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose import Answer
-    from ema_tools.tasks.method import diagnosed
+    from ema_tools.tasks.method import chosen, diagnosed
     from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.terminal import show
 
-    writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, (holdout,))))
+    writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, *record, *healthy, *filter(None, (holdout,))))
     model = read_actuator(actuator)
-    measured = read_record(record, model)
+    records = [read_record(path, model) for path in record]
+    measured = records[0]
     references = [read_record(path, model) for path in healthy]
     other = read_record(holdout, model) if holdout else None
+    way = chosen(model, records, references, other, method)
     with progress("diagnosing", 100) as bar:
-        found = diagnosed(model, measured, references, other, lambda share, text: bar.update(100.0 * share, text))
+        found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way)
     drawn = None
     if json_path or page:
         drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
-    compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, laps of the record")
-    origin = provenance(command_line(), actuator=model.name, record=measured.file, healthy=compared)
-    result = diagnosis(found, origin, drawn)
+    compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
+    origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
+    result = diagnosis(found, origin, drawn, way.because)
     save(json_path, result, force)
     _page(page, result, force)
     kept = fitted if found.recommended else None

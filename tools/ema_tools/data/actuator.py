@@ -25,7 +25,7 @@ from ema_tools.base.files import one_line, read_text, readable, write_text
 from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forgotten, is_incomplete, left_out
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions
 
-ABOUT = ("name", "notes", "source")
+ABOUT = ("name", "notes", "source", "command_acts")
 # These sections are settings of the method, not of the machine: what is absent takes its nominal value.
 SETTINGS = ("search", "verdict")
 
@@ -116,6 +116,10 @@ def written(row: Row, number: float) -> Any:
     return int(number) if isinstance(row, Parameter) and row.is_option else float(number)
 
 
+# A key of [actuator], and its value for a model that leaves out that a command is held from row to row.
+COMMAND_ACTS, AT_ROW = "command_acts", "at its row"
+
+
 @dataclass(frozen=True)
 class Actuator:
     """One actuator: every value by `section.field` and `effect.field`, choices as their place in the list.
@@ -145,6 +149,11 @@ class Actuator:
     def name(self) -> str:
         """The actuator's own name in one line, else its file's."""
         return one_line(self.about.get("name", "")) or one_line(Path(self.file).stem) or "reference actuator"
+
+    @property
+    def command_at_row(self) -> bool:
+        """Whether the model takes what a row asks of the drive as acting at that row, as published models of sampled drives do, and not held until the next."""
+        return self.about.get(COMMAND_ACTS) == AT_ROW
 
     @property
     def record_period_s(self) -> float:

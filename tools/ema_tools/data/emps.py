@@ -15,7 +15,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import may_write, readable, reason
-from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.actuator import AT_ROW, COMMAND_ACTS, Actuator, reference_actuator
 from ema_tools.data.linear_axis import ForceModel, to_values
 from ema_tools.data.records import Record, write_record
 
@@ -134,7 +134,8 @@ def import_emps(path: str | Path, folder: str | Path, force: bool = False) -> Im
     signals, gains = read_emps(path)
     file = readable(Path(path).name)
     record = emps_record(signals, file)
-    actuator = emps_actuator(gains, record.period_s, file)
+    # the published model takes the command of a row as acting at that row
+    actuator = emps_actuator(gains, record.period_s, file).changed({}, about={COMMAND_ACTS: AT_ROW})
     actuator_path, record_path = targets(folder)
     for target in (actuator_path, record_path):
         may_write(target, force)

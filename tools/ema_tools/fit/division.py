@@ -13,6 +13,9 @@ from ema_tools.data.records import Record
 from ema_tools.fit.laps import FOLDS, Laps, laps_of
 
 By = Literal["lap", "block", "record"]
+# What is fitted and held out, one and several, in words.
+PART: dict[By, str] = {"lap": "lap", "block": "stretch", "record": "record"}
+PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
 
 # So many records are each held out in turn; of more, every so-manieth by speed is held out at once, so that each part has all speeds [effort]
 _EACH_RECORD = 8

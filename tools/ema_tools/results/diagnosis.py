@@ -1,4 +1,4 @@
-"""What `ema diagnose` writes: by simulation of all signals, or by the laps of one record."""
+"""What `ema diagnose` writes: by simulation of all signals, or by the balance of forces."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Validity
 
 Verdict = Literal["adequate", "missing", "unknown"]
+Method = Literal["balance", "simulation"]
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,8 @@ class DiagnosisResult:
     name: str | None = None  # of the record
     verdict: Verdict
     sentence: str = ""
+    method: Method = "simulation"
+    method_reason: str = ""  # why this method
     mode: Literal["against healthy repeats", "without healthy repeats"] = "against healthy repeats"
     cannot_see: str | None = None  # what this kind of evidence hides
     effects: tuple[EffectEntry, ...] = ()  # best first
@@ -59,8 +62,8 @@ class DiagnosisResult:
 class ForceErrors:
     """Relative errors of the mechanical balance, % of the drive's force."""
 
-    training_percent: float | None  # of the laps fitted
-    holdout_percent: float | None  # of the laps held out
+    training_percent: float | None  # of the parts fitted
+    holdout_percent: float | None  # of the part held out
     each_held_out_percent: tuple[float | None, ...]  # of each part when it is held out
 
 
@@ -119,12 +122,13 @@ class ForceSummary:
 
 @dataclass(frozen=True)
 class LapsEntry:
-    """How the record was divided."""
+    """How the records were divided."""
 
-    count: int
-    period_s: float | None
+    count: int  # laps, stretches of time or records
+    period_s: float | None  # of the laps
     parts: int
     held_out_part: int
+    by: Literal["lap", "block", "record"] = "lap"
 
 
 @dataclass(frozen=True)
@@ -140,19 +144,24 @@ class Forces:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DiagnosisByLapsResult:
-    """Which effects are missing, by the mechanical balance of a command that repeats."""
+class DiagnosisByBalanceResult:
+    """Which effects are missing, by the mechanical balance of one record or of several."""
 
     command: Literal["diagnose"] = "diagnose"
-    name: str | None = None  # of the record
+    name: str | None = None  # of the first record
+    records: tuple[str, ...] = ()  # that were fitted or held out in turn
+    holdout: tuple[str, ...] = ()  # to which nothing was fitted
     verdict: Verdict
     sentence: str = ""
-    mode: Literal["laps of one record"]
+    method: Method = "balance"
+    method_reason: str = ""  # why this method
+    mode: Literal["laps of one record", "stretches of one record", "several records"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
     faults: dict[str, EffectEntry] = field(default_factory=dict)  # none: the balance knows no play
     error: ErrorsEntry
     error_unit: str
     next_experiment: str = ""  # what to do next
+    unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     steps: tuple[StepEntry, ...] = ()
     forces: Forces
     gate: Validity = field(default_factory=Validity)

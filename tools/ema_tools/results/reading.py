@@ -13,7 +13,7 @@ from ema_tools.results.calibration import CalibrationResult
 from ema_tools.results.codec import check_format, from_json
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.detection import DetectionResult
-from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
 from ema_tools.results.files import DemoResult, DraftResult, ExportResult, ImportResult, ReportResult, SimulationResult, TableImportResult
@@ -25,7 +25,7 @@ Result = (
     | ComparisonResult
     | DetectionResult
     | DiagnosisResult
-    | DiagnosisByLapsResult
+    | DiagnosisByBalanceResult
     | DraftResult
     | Effects
     | Experiment
@@ -58,7 +58,7 @@ def kind_of(data: Mapping[str, Any], source: str) -> type[Result]:
     """The type of a result: by its command, and by its keys where one command writes two kinds. Raises InputError for what is no result."""
     command = data.get("command")
     if command == "diagnose":
-        return DiagnosisByLapsResult if "forces" in data else DiagnosisResult
+        return DiagnosisByBalanceResult if "forces" in data else DiagnosisResult
     if command == "next" and "detect" in data:
         return DetectionResult
     if command == "demo":

@@ -189,9 +189,26 @@ class Bench:
         return found
 
     def foretold(self, fit: Fitted, fitted: Rows, told: Rows) -> float:
-        """Relative error of some samples when the coefficients come from others, %."""
-        matrix, target = fit.matrix, fit.samples.target
-        return self.relative(target - matrix @ solved(matrix[fitted], target[fitted]), fit.samples.drive, told)
+        """Relative error of some samples when the effects' coefficients come from others, %.
+
+        The base values are those of the samples themselves: what is asked is whether the effects are the same there, not whether friction goes on as a straight line.
+        """
+        base, target = fit.samples.base, fit.samples.target
+        effects = solved(fit.matrix[fitted], target[fitted])[base.shape[1] :]
+        left = target[told] - fit.columns[told] @ effects
+        left = left - base[told] @ solved(base[told], left)
+        return 100.0 * float(np.linalg.norm(left)) / float(np.linalg.norm(fit.samples.drive[told]))
+
+    def seen_share(self, fit: Fitted, rows: Rows) -> float:
+        """How much of the last effect beside the base values these samples show, as a share of the squares of all; 1 for one whose size is not solved for."""
+        width = fit.patterns[-1].columns.shape[1] if fit.patterns else 0
+        if not width:
+            return 1.0
+        shown = []
+        for here in (rows, self.fitted):
+            columns, base = fit.columns[here, -width:], fit.samples.base[here]
+            shown.append(sum(float(np.sum((column - base @ solved(base, column)) ** 2)) for column in columns.T))
+        return shown[0] / shown[1] if shown[1] > 0.0 else 0.0
 
     def _errors(self, fit: Fitted) -> FoldErrors:
         drive, held_out = fit.samples.drive, self.held_out(fit)

@@ -32,7 +32,7 @@ class Piece:
     @staticmethod
     def of(actuator: Actuator, record: Record, smoother: Smoother) -> Piece:
         """Raises MissingSignal."""
-        return Piece(record, mechanical_model(actuator, record, smoother, held=True), motion_of(actuator, record, smoother, held=True))
+        return Piece(record, mechanical_model(actuator, record, smoother), motion_of(actuator, record, smoother))
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.fit.division import Division
+from ema_tools.fit.division import PART, PARTS, Division
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
@@ -48,7 +48,12 @@ FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its 
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
 # ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
 LEAST_OF_FIRST = 0.005
-WORSE_ELSEWHERE = 1.01  # by how much it may raise the error at places and speeds to which nothing was fitted [judgement]
+# By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them [judgement]
+WORSE_ELSEWHERE, WORSE_THIRD = 1.01, 1.1
+_SEEN_ELSEWHERE = (
+    0.1  # an effect of which the other two thirds show less than this, as a share of what all show, cannot be told from them [judgement]
+)
+_THIRDS = 3  # of the places and of the speeds, each told from the other two: what is seen in one of them only is no law [judgement]
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
@@ -56,6 +61,8 @@ _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as th
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
+
+_THIRD_WORDS = {"places": ("near", "middle", "far"), "speeds": ("low", "middle", "high")}
 
 
 @dataclass(frozen=True)
@@ -184,7 +191,7 @@ class _Search:
         if known[0].bends:
             fit = bench.searched(accepted, effect, known)
             if fit.square(rows) >= accepted.square(rows):
-                return Refusal(effect, "in no size it lowers the error of the laps fitted")
+                return Refusal(effect, f"in no size it lowers the error of the {PARTS[bench.division.by]} fitted")
             return self._tried(accepted, effect, fit)
         basis, _ = np.linalg.qr(accepted.matrix[rows])
         ranked = []
@@ -265,13 +272,16 @@ class _Search:
         runs = (leastsquares.long_run((change - fall)[of_record == number, None]) for number in np.unique(of_record))
         spread = math.sqrt(sum(float(one[0, 0]) for one in runs)) / change.size
         if fall < FALL_IN_STD * spread:
-            return f"it does not lower the error of the held-out laps significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
+            return f"it does not lower the error of the held-out {PARTS[bench.division.by]} significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
         if any(after >= before for before, after in zip(accepted.errors.each, fit.errors.each, strict=True)):
-            return "it raises the error of a lap when that one is held out"
+            return f"it raises the error of a {PART[bench.division.by]} when that one is held out"
         here = self.elsewhere(accepted, fit)
-        before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(len(here)) for side in (0, 1))
+        before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(max(len(here), 1)) for side in (0, 1))
         if after > WORSE_ELSEWHERE * before:
             return f"it does not carry over to places and speeds to which nothing was fitted: {before:.3g} % to {after:.3g} %"
+        for where, (before, after) in here.items():
+            if after > WORSE_THIRD * before:
+                return f"it does not carry over to {where} to which nothing was fitted: {before:.3g} % to {after:.3g} %"
         share = self.share(accepted, tried.gain)
         if share < LEAST_SHARE:
             return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * LEAST_SHARE:g} %"
@@ -330,17 +340,19 @@ class _Search:
         return (self.bench.judged(accepted) if dropped else accepted), tuple(dropped)
 
     def elsewhere(self, before: Fitted, after: Fitted) -> dict[str, tuple[float, float]]:
-        """Errors in % without and with the last effect where neither was fitted: the middle third of the places, and of the speeds, told from the others."""
-        states = before.samples.setting.states
+        """Errors in % without and with the last effect where neither was fitted: each third of the places, and of the speeds, told from the others where those show the effect."""
+        states, rows = before.samples.setting.states, self.bench.fitted
         found: dict[str, tuple[float, float]] = {}
-        for by, values in (("place", states.screw_mm), ("speed", np.abs(states.speed_rad_s))):
+        for by, values in (("places", states.screw_mm), ("speeds", np.abs(states.speed_rad_s))):
             seen = self.bench.kept(values)
-            low, high = np.quantile(seen[self.bench.fitted], (1.0 / 3.0, 2.0 / 3.0))
-            told = self.bench.fitted & (seen >= low) & (seen < high)
-            found[by] = (
-                self.bench.foretold(before, self.bench.fitted & ~told, told),
-                self.bench.foretold(after, self.bench.fitted & ~told, told),
-            )
+            third = np.searchsorted(np.quantile(seen[rows], np.arange(1, _THIRDS) / _THIRDS), seen, side="right")
+            for number, word in enumerate(_THIRD_WORDS[by]):
+                told = rows & (third == number)
+                if told.any() and self.bench.seen_share(after, rows & ~told) > _SEEN_ELSEWHERE:
+                    found[f"{word} {by}"] = (
+                        self.bench.foretold(before, rows & ~told, told),
+                        self.bench.foretold(after, rows & ~told, told),
+                    )
         return found
 
 

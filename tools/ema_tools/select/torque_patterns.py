@@ -90,8 +90,8 @@ def _local_shapes(setting: Setting, effect: str, one: LocalTorque) -> list[Shape
 def _bending_shapes(setting: Setting, effect: str, one: Bending) -> list[Shape]:
     size = load_definitions().effect(effect).size.name
     if one.of_drive:
-        if np.array_equal(setting.with_actuator(setting.actuator.changed({size: one.sizes[0]})).drive_Nm, setting.drive_Nm):
-            return []
+        changed = setting.with_actuator(setting.actuator.changed({size: one.sizes[0]}))
+        return [{size: value} for value in one.sizes] if not np.array_equal(changed.drive_Nm, setting.drive_Nm) else []
     return [{size: value} for value in one.sizes]
 
 

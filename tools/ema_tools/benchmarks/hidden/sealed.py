@@ -51,7 +51,7 @@ def remembering() -> Iterator[None]:
 
 def diagnosed(actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None) -> dict[str, Any]:
     """What `ema diagnose ACTUATOR RECORD --healthy ... --holdout ... --json` writes, by the way that the command takes. Raises InputError for what it refuses."""
-    return to_json(diagnosis(method.diagnosed(actuator, record, healthy, holdout), {}))
+    return to_json(diagnosis(method.diagnosed(actuator, [record], healthy, holdout), {}))
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ema_tools.results import diagnosis as result
 from ema_tools.results.parts import CurvesEntry, Provenance
 from ema_tools.tasks.diagnose import Answer
-from ema_tools.tasks.diagnose_by_laps import LapsAnswer
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
+from ema_tools.words.answers.balance import diagnosis_by_balance
 from ema_tools.words.answers.diagnosis import diagnosis as by_simulation
-from ema_tools.words.answers.laps import diagnosis_by_laps
 
 
 def diagnosis(
-    found: Answer | LapsAnswer, provenance: Provenance, curves: CurvesEntry | None = None
-) -> result.DiagnosisResult | result.DiagnosisByLapsResult:
-    """What was found on the record."""
-    return by_simulation(found, provenance, curves) if isinstance(found, Answer) else diagnosis_by_laps(found, provenance, curves)
+    found: Answer | BalanceAnswer, provenance: Provenance, curves: CurvesEntry | None = None, because: str = ""
+) -> result.DiagnosisResult | result.DiagnosisByBalanceResult:
+    """What was found on the record; `because`: why by this method."""
+    if isinstance(found, Answer):
+        return replace(by_simulation(found, provenance, curves), method_reason=because)
+    return replace(diagnosis_by_balance(found, provenance, curves), method_reason=because)

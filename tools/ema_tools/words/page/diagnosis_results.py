@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
-from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
@@ -113,7 +113,7 @@ class Diagnosed:
         return f"{self.added} added, on {self.name}" if self.added else f"Diagnosis of {self.name}"
 
 
-def diagnosed(found: DiagnosisResult | DiagnosisByLapsResult | Addition, source: str, stem: str) -> Diagnosed:
+def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, source: str, stem: str) -> Diagnosed:
     """What the page shows of a diagnosis or an addition. Raises InputError for curves of unlike lengths."""
     added = found.effect if isinstance(found, Addition) else ""
     gate, where, next_experiment, verdict = Validity(), Localisation(), "", "missing"
@@ -163,7 +163,7 @@ def _full_name(effect: str, field_name: str) -> str:
     return f"screw.{field_name}" if field_name.startswith(f"{effect}_") else f"effects.{effect}.{field_name}"
 
 
-def _steps(found: DiagnosisResult | DiagnosisByLapsResult | Addition, suspects: tuple[ShownSuspect, ...]) -> tuple[ShownSignal, ...]:
+def _steps(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, suspects: tuple[ShownSuspect, ...]) -> tuple[ShownSignal, ...]:
     """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
     steps = [ShownSignal(one.effects, one.added, one.error_training, one.error_holdout) for one in found.steps or ()]
     # the model as it was given is the first model, which the page shows anyhow
@@ -183,7 +183,7 @@ def _steps(found: DiagnosisResult | DiagnosisByLapsResult | Addition, suspects: 
     return (*steps[:-1], last)
 
 
-def _last_values(found: DiagnosisResult | DiagnosisByLapsResult | Addition) -> tuple[Value, ...]:
+def _last_values(found: DiagnosisResult | DiagnosisByBalanceResult | Addition) -> tuple[Value, ...]:
     """Values of the last model: those that were added, or those of every accepted effect and of the faults that changed beside them."""
     if isinstance(found, Addition):
         return tuple(Value(name, one.value, one.std, one.at_bound) for name, one in found.parameters.items())

@@ -17,7 +17,7 @@ from ema_tools.results import codec
 from ema_tools.results import reading as results
 from ema_tools.results.addition import Addition
 from ema_tools.results.comparison import ComparisonResult
-from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.identification import KEYS, IdentificationResult, ProfileEntry, ShapeEntry
 from ema_tools.results.identification import EstimateEntry as ResultEstimate
 from ema_tools.results.parts import Place
@@ -151,7 +151,7 @@ def parse_result(data: Mapping[str, Any], source: str, stem: str) -> Result:
 
 def shown(found: results.Result, source: str, stem: str) -> Result:
     """What the page shows of a result. Raises InputError for a result that has no page, and for numbers that do not belong together."""
-    if isinstance(found, DiagnosisResult | DiagnosisByLapsResult | Addition):
+    if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult | Addition):
         return diagnosed(found, source, stem)
     if isinstance(found, IdentificationResult):
         return identified(found, source, stem)

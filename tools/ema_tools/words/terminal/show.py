@@ -11,11 +11,12 @@ from rich.text import Text
 from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.detection import rate_text
+from ema_tools.fit.division import PARTS
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
-from ema_tools.results.diagnosis import DiagnosisByLapsResult, DiagnosisResult, ForceStepEntry
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
@@ -189,10 +190,10 @@ def _several(console: Console, found: Mapping[str, ValueEntry], search: ValuesSe
     console.print(rows)
 
 
-def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByLapsResult, searched: Searched | None) -> None:
+def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByBalanceResult, searched: Searched | None) -> None:
     """What `ema diagnose` found by its method; `searched` is there for the one by simulation."""
-    if isinstance(found, DiagnosisByLapsResult):
-        laps(console, found)
+    if isinstance(found, DiagnosisByBalanceResult):
+        balance(console, found)
     elif searched is not None:
         diagnosis(console, found, searched)
 
@@ -201,6 +202,7 @@ def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> N
     """What `ema diagnose` found, in the order in which a user asks; `searched` ranks effects and faults together."""
     say(console, found.sentence)
     console.print()
+    say(console, f"By simulation: {found.method_reason}.")
     say(console, found.gate.sentence)
     say(console, found.where.sentence)
     if found.cannot_see:
@@ -232,21 +234,23 @@ def _candidates(console: Console, found: Searched) -> None:
     console.print(rows)
 
 
-def laps(console: Console, found: DiagnosisByLapsResult) -> None:
-    """What `ema diagnose` found by the laps of one record."""
+def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
+    """What `ema diagnose` found by the balance of forces."""
     say(console, found.sentence)
     console.print()
+    say(console, f"By the balance of forces: {found.method_reason}.")
     say(console, found.gate.sentence)
     say(console, found.where.sentence)
     console.print()
     forces = found.forces
+    parts = PARTS[forces.laps.by]
     rows = table(
         "Force error, in % of the drive's force",
         "step",
         "looks like",
         "size in the last fit",
-        "laps fitted",
-        "laps held out",
+        f"{parts} fitted",
+        f"{parts} held out",
         text_columns=3,
     )
     for title, first in (("as given", forces.error.given), ("base values refitted", forces.error.refitted)):

@@ -1,44 +1,56 @@
-"""The result of `ema diagnose`, by the laps of one record."""
+"""The result of `ema diagnose`, by the balance of forces."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import row_of
+from ema_tools.fit.division import By
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.results import diagnosis as result
 from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
-from ema_tools.tasks.diagnose_by_laps import LapsAnswer
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, field_of
 from ema_tools.words.answers.validity import validity
-from ema_tools.words.sentences.laps import next_step, sentence
+from ema_tools.words.sentences.balance import next_step, sentence
 
 REFITTED = "base values refitted"
+_MODES: dict[By, Literal["laps of one record", "stretches of one record", "several records"]] = {
+    "lap": "laps of one record",
+    "block": "stretches of one record",
+    "record": "several records",
+}
 
 
-def diagnosis_by_laps(found: LapsAnswer, provenance: Provenance, curves: CurvesEntry | None = None) -> result.DiagnosisByLapsResult:
-    """What was found on the record."""
+def diagnosis_by_balance(
+    found: BalanceAnswer, provenance: Provenance, curves: CurvesEntry | None = None
+) -> result.DiagnosisByBalanceResult:
+    """What was found on the records."""
     way = found.forces
     last = way.steps[-1].errors if way.steps else way.refitted
     kept = {step.effect for step in found.accepted}
-    return result.DiagnosisByLapsResult(
+    return result.DiagnosisByBalanceResult(
         name=found.record.file,
         verdict=found.verdict,
         sentence=sentence(found),
-        mode="laps of one record",
+        records=tuple(record.file for record in found.records),
+        holdout=tuple(record.file for record in found.holdout),
+        mode=_MODES[way.division.by],
         effects=(*(_accepted(way, step) for step in found.accepted), *(_refused(one) for one in way.refused if one.effect not in kept)),
         error=ErrorsEntry(way.given.training, last.training, way.floor_percent, way.given.holdout, last.holdout),
         error_unit="% of the drive's force",
         next_experiment=next_step(found),
+        unexplained=found.unexplained,
         steps=_steps(way),
         forces=forces_of(way),
-        gate=validity(found.gate),
+        gate=validity(found.gates[0]),
         where=localisation(found.where),
         provenance=provenance,
         curves=curves,
@@ -103,7 +115,9 @@ def forces_of(way: ForceSteps) -> result.Forces:
         tuple(_step(step, step.effect in effects) for step in way.steps),
         tuple(map(_refusal, way.refused)),
         {name: known[name] for name in names},
-        result.LapsEntry(division.count, division.laps[0].period_rows * (way.period_s or 0.0) or None, division.folds, division.folds),
+        result.LapsEntry(
+            division.count, division.laps[0].period_rows * (way.period_s or 0.0) or None, division.folds, division.folds, division.by
+        ),
         {name: tuple(values.tolist()) for name, values in way.curves.items()},
     )
 
