@@ -17,6 +17,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 
 EDGE_S = 0.05  # time at both ends whose rows carry the filters' edges: 50 rows at 1 kHz, several periods of the highest cutoff [precision]
+_EDGE_ROWS_MIN = 10  # and at least one period of the usual cutoff, for slow records [precision]
 _ORDER = 4  # of the filter; run both ways it falls by the eighth power [judgement]
 _RATE_OVER_CUTOFF = 10  # rows per period of the cutoff: differences of rows are then derivatives to within 7 % at the cutoff [precision]
 _CUTOFF_MAX_HZ = 100.0  # far above what moves an actuator's rod, below most sensor noise [judgement]
@@ -54,7 +55,7 @@ class Smoother:
     @property
     def edge_rows(self) -> int:
         """Rows dropped at each end."""
-        return max(1, round(EDGE_S / self.period_s))
+        return max(_EDGE_ROWS_MIN, round(EDGE_S / self.period_s))
 
     @property
     def least_rows(self) -> int:

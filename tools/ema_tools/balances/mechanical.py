@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother, gain_of_noise
-from ema_tools.balances.motion import Motion, at_points, drive_current, motion_of, motor_position
+from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, train_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
-from ema_tools.base.noise import white_noise
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
+from ema_tools.data.motion_signals import disturbance_torque
 from ema_tools.plant.native import library
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
@@ -81,7 +81,7 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
     return resting
 
 
-def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Mechanical:
+def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None) -> Mechanical:
     """Drive torque, what the effects add, and the columns of the base parameters. Raises MissingSignal."""
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
@@ -110,7 +110,7 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use),
+        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use) + use.smooth(_disturbance_Nm(actuator, record)),
         extra_Nm=np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward)),
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
@@ -123,35 +123,44 @@ def mechanical_model(actuator: Actuator, record: Record, smoother: Smoother | No
     )
 
 
-def _soft_mass_Nm(actuator: Actuator, record: Record, motion: Motion, smoother: Smoother) -> Reals:
+def _soft_mass_Nm(actuator: Actuator, record: AnyRecord, motion: Motion, smoother: Smoother) -> Reals:
     """What a mass behind a soft transmission takes more than one that is rigidly coupled, as torque against extension, [rows]."""
     transmission = transmission_of(actuator)
     if not transmission:
         return np.zeros(record.rows)
+    if record.position_mm is None:
+        raise MissingSignal(f"position_mm is not recorded, and the rod follows the motor with {transmission}")
     mass_kg, lead_m = actuator[f"{transmission}.mass_kg"], 1e-3 * actuator.lead_mm_per_rad
     rod_m = 1e-3 * smoother.smooth(record.position_mm) / (1.0 + adjusted(actuator)["encoder.rod_gain_error"])
     acceleration = np.gradient(np.gradient(rod_m, record.period_s), record.period_s)
     return np.asarray(mass_kg * lead_m * (acceleration - lead_m * motion.acceleration_rad_s2))
 
 
-def _speed_noise_rad_s(actuator: Actuator, record: Record, smoother: Smoother) -> float:
-    """Standard deviation that the position's white noise leaves on the smoothed speed."""
-    return white_noise(motor_position(actuator, record)) / actuator.lead_mm_per_rad * gain_of_noise(smoother, 1)
+def _speed_noise_rad_s(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> float:
+    """Standard deviation that the motion's white noise leaves on the smoothed speed."""
+    noise, derivatives = noise_of_motion(actuator, record)
+    return noise * gain_of_noise(smoother, 1 - derivatives)
 
 
-def quiet_smoother(actuator: Actuator, record: Record) -> Smoother:
+def _disturbance_Nm(actuator: Actuator, record: AnyRecord) -> Reals:
+    """Known torque against extension, [rows]."""
+    return disturbance_torque(record, train_of(actuator)) if isinstance(record, MotionRecord) else np.zeros(record.rows)
+
+
+def quiet_smoother(actuator: Actuator, record: AnyRecord) -> Smoother:
     """The usual filter, or a lower one while sensor noise in the inertia torque exceeds its allowed share of the drive torque."""
     values = adjusted(actuator)
-    drive = values["motor.torque_constant_Nm_per_A"] * drive_current(actuator, record)
-    noise_Nm = values["screw.inertia_kgm2"] * white_noise(motor_position(actuator, record)) / actuator.lead_mm_per_rad
+    drive = values["motor.torque_constant_Nm_per_A"] * current_of(actuator, record)
+    noise, derivatives = noise_of_motion(actuator, record)
+    noise_Nm = values["screw.inertia_kgm2"] * noise
     smoother = Smoother.of(record.period_s)
     allowed = NOISE_SHARE * float(np.std(drive))
-    while noise_Nm * gain_of_noise(smoother, 2) > allowed and smoother.cutoff_hz > CUTOFF_MIN_HZ:
+    while noise_Nm * gain_of_noise(smoother, 2 - derivatives) > allowed and smoother.cutoff_hz > CUTOFF_MIN_HZ:
         smoother = Smoother(record.period_s, 0.5 * smoother.cutoff_hz)
     return smoother
 
 
-def filter_of(actuator: Actuator, record: Record) -> Smoother:
+def filter_of(actuator: Actuator, record: AnyRecord) -> Smoother:
     """The filter of a record's mechanical balance; the usual one where there is no such balance."""
     try:
         return quiet_smoother(actuator, record)
@@ -159,7 +168,7 @@ def filter_of(actuator: Actuator, record: Record) -> Smoother:
         return Smoother.of(record.period_s)
 
 
-def mechanical(actuator: Actuator, record: Record, smoother: Smoother | None = None) -> Balance:
+def mechanical(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None) -> Balance:
     """Drive torque minus what the mechanics need, Nm at the motor shaft. At rest friction answers the torque up to its static level.
 
     Raises MissingSignal.

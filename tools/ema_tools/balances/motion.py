@@ -13,20 +13,27 @@ from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
+from ema_tools.base.noise import white_noise
 from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
+from ema_tools.data.motion_signals import Train, drive_torque, motor_angle, motor_speed
 from ema_tools.data.records import Record
 from ema_tools.plant.native import library
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Motor signals on every row: current A, speed rad/s, acceleration rad/s2, angle rad, all smoothed; and the unsmoothed motor position mm."""
+    """Motor signals on every row: current A, speed rad/s, acceleration rad/s2, angle rad, all smoothed; and the unsmoothed motor position mm.
+
+    `placed`: whether angle and position are the machine's own, and not counted from wherever the record begins.
+    """
 
     current_A: Reals
     speed_rad_s: Reals
     acceleration_rad_s2: Reals
     angle_rad: Reals
     motor_mm: Reals
+    placed: bool = True
 
 
 def at_points(
@@ -117,9 +124,58 @@ def motor_position(actuator: Actuator, record: Record) -> Reals:
     raise MissingSignal(f"motor_position_mm is not recorded, and the rod follows the motor with {between}")
 
 
-def motion_of(actuator: Actuator, record: Record, smoother: Smoother) -> Motion:
+def train_of(actuator: Actuator) -> Train:
+    """What lies between motor shaft and rod, as far as the actuator states it."""
+    known = actuator.has("screw.lead_mm") and actuator.has("gearbox.ratio")
+    loose = actuator.values["screw.blk_mm"] != 0.0 or bool(transmission_of(actuator))
+    return Train(actuator.lead_mm_per_rad if known else None, loose)
+
+
+def _scale_mm_per_rad(actuator: Actuator) -> float:
+    """Rod travel per motor angle; of a bare motor that of the values which stand for lead and ratio, so that the module's equations can be asked."""
+    return actuator.values["screw.lead_mm"] / (2.0 * math.pi * actuator.values["gearbox.ratio"])
+
+
+def current_of(actuator: Actuator, record: AnyRecord) -> Reals:
+    """The motor current, [rows]; of a machine whose torque or force is recorded the current that makes this torque. Raises MissingSignal."""
+    if isinstance(record, Record):
+        return drive_current(actuator, record)
+    constant = actuator["motor.torque_constant_Nm_per_A"] if actuator.has("motor.torque_constant_Nm_per_A") else None
+    torque = drive_torque(record, train_of(actuator), constant)
+    return torque.values / adjusted(actuator)["motor.torque_constant_Nm_per_A"]
+
+
+def noise_of_motion(actuator: Actuator, record: AnyRecord) -> tuple[float, int]:
+    """Standard deviation of the white noise of the signal that the motion is made of, in terms of the motor's angle: rad, 0, or rad/s, 1, by what was recorded. Raises MissingSignal."""
+    if isinstance(record, Record):
+        return white_noise(motor_position(actuator, record)) / actuator.lead_mm_per_rad, 0
+    angle = motor_angle(record, train_of(actuator))
+    if angle.origin == "integrated":
+        return white_noise(motor_speed(record, train_of(actuator)).values), 1
+    return white_noise(angle.values), 0
+
+
+def motion_of(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Motion:
     """Smoothed motor signals. Raises MissingSignal."""
+    if isinstance(record, MotionRecord):
+        return _recorded_motion(actuator, record, smoother)
     motor_mm = motor_position(actuator, record)
     angle = smoother.smooth(motor_mm) / actuator.lead_mm_per_rad
     speed = np.gradient(angle, record.period_s)
     return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
+
+
+def _recorded_motion(actuator: Actuator, record: MotionRecord, smoother: Smoother) -> Motion:
+    """The same of a machine of which anything may be recorded: a recorded speed is not differentiated from its own integral."""
+    train = train_of(actuator)
+    angle, speed = motor_angle(record, train), motor_speed(record, train)
+    smooth_angle = smoother.smooth(angle.values)
+    smooth_speed = np.gradient(smooth_angle, record.period_s) if speed.origin == "differentiated" else smoother.smooth(speed.values)
+    return Motion(
+        smoother.smooth(current_of(actuator, record)),
+        smooth_speed,
+        np.gradient(smooth_speed, record.period_s),
+        smooth_angle,
+        _scale_mm_per_rad(actuator) * angle.values,
+        angle.origin != "integrated",
+    )

@@ -112,11 +112,31 @@ class MotionRecord:
         )
 
 
+# A recording of any machine.
+AnyRecord = Record | MotionRecord
+
+
 def of_controlled(record: Record) -> MotionRecord:
     """A record of a machine whose controller is known, as one of any machine."""
     return MotionRecord(record.period_s, record.file, record.first_time_s).with_columns(
         {name: record.recorded(name) for name in record.present}
     )
+
+
+def motion_signal(record: AnyRecord) -> Reals:
+    """The first of the recorded motions, [rows]. Raises InputError where there is none."""
+    for name in MOTIONS:
+        values: Reals | None = getattr(record, name, None)
+        if values is not None:
+            return values
+    raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}")
+
+
+def mean_speed(record: AnyRecord) -> float:
+    """Of the first of the recorded motions, in its unit per second."""
+    name = next(name for name in MOTIONS if getattr(record, name, None) is not None)
+    values = motion_signal(record)
+    return float(np.mean(values)) if name.endswith("_s") else float(values[-1] - values[0]) / (record.period_s * (values.size - 1))
 
 
 def check_signals(record: MotionRecord, voltage_serves: bool = False) -> None:

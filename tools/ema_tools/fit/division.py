@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord, mean_speed
 from ema_tools.fit.laps import FOLDS, Laps, laps_of
 
 By = Literal["lap", "block", "record"]
@@ -36,7 +36,7 @@ class Division:
     apart: bool = False
 
 
-def divided(records: Sequence[Record], holdout: Sequence[Record] = ()) -> Division:
+def divided(records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = ()) -> Division:
     """The division of records, to which is added what the user held out."""
     laps = tuple(laps_of(record) for record in (*records, *holdout))
     by: By = "record" if len(records) > 1 else "lap" if laps[0].period_rows else "block"
@@ -52,11 +52,11 @@ def divided(records: Sequence[Record], holdout: Sequence[Record] = ()) -> Divisi
     return Division(by, count, folds + 1, (*parts, *(np.full(record.rows, folds) for record in holdout)), laps, True)
 
 
-def _numbers(records: Sequence[Record], folds: int) -> list[int]:
+def _numbers(records: Sequence[AnyRecord], folds: int) -> list[int]:
     """The part of each record: its own, or by turns in the order of their speeds."""
     if len(records) <= folds:
         return list(range(len(records)))
-    order = np.argsort([float(np.mean(np.diff(record.position_mm))) / record.period_s for record in records], kind="stable")
+    order = np.argsort([mean_speed(record) for record in records], kind="stable")
     numbers = np.empty(len(records), dtype=int)
     numbers[order] = np.arange(len(records)) % folds
     return [int(number) for number in numbers]

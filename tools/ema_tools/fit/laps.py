@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from ema_tools.base.arrays import Reals
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord, motion_signal
 
 # Two stretches of a command are the same when their mean squared difference is below this share of twice its variance [judgement]
 SAME = 0.002
@@ -71,9 +71,9 @@ def period_of(command_mm: Reals) -> int:
     return int(after[0] + np.argmin(unlike[after[0] : last + 1]))
 
 
-def laps_of(record: Record) -> Laps:
-    """The laps of a record by its command; equal parts of the time for one that does not repeat."""
-    period = period_of(record.command_mm)
+def laps_of(record: AnyRecord) -> Laps:
+    """The laps of a record by its command, or by its motion where no command is recorded; equal parts of the time for one that does not repeat."""
+    period = period_of(motion_signal(record) if record.command_mm is None else record.command_mm)
     rows = np.arange(record.rows)
     if not period:
         return Laps(np.asarray(rows * FOLDS // record.rows), FOLDS, 0)

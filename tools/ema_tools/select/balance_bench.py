@@ -17,7 +17,7 @@ from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, qui
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division, divided
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import effect_of_base_value
@@ -90,7 +90,7 @@ class Fitted:
 class Bench:
     """The records' samples, one record after another, which of them are fitted and held out, and fits on them."""
 
-    def __init__(self, actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record] = ()) -> None:
+    def __init__(self, actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = ()) -> None:
         self.records = (*records, *holdout)
         self.smoothers: tuple[Smoother, ...] = tuple(quiet_smoother(actuator, record) for record in self.records)
         self.division: Division = divided(records, holdout)

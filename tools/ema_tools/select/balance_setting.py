@@ -14,7 +14,7 @@ from ema_tools.balances.mechanical import Mechanical, mechanical_model
 from ema_tools.balances.motion import Motion, motion_of
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord
 from ema_tools.library.torques import States
 
 LEVEL = "screw.csj_Nm"
@@ -25,12 +25,12 @@ VISCOUS = "screw.viscous_Nm_s_per_rad"
 class Piece:
     """One record: its balance and its motion, each on every row."""
 
-    record: Record
+    record: AnyRecord
     model: Mechanical
     motion: Motion
 
     @staticmethod
-    def of(actuator: Actuator, record: Record, smoother: Smoother) -> Piece:
+    def of(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Piece:
         """Raises MissingSignal."""
         return Piece(record, mechanical_model(actuator, record, smoother), motion_of(actuator, record, smoother))
 
@@ -44,7 +44,7 @@ class Setting:
     _required: dict[str, Reals] = field(default_factory=dict)
 
     @staticmethod
-    def of(actuator: Actuator, records: Sequence[Record], smoothers: Sequence[Smoother]) -> Setting:
+    def of(actuator: Actuator, records: Sequence[AnyRecord], smoothers: Sequence[Smoother]) -> Setting:
         """Raises MissingSignal."""
         return Setting(actuator, tuple(Piece.of(actuator, record, smoother) for record, smoother in zip(records, smoothers, strict=True)))
 

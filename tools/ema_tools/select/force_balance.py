@@ -22,7 +22,7 @@ from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import PART, PARTS, Division
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.torques import Shape
@@ -117,7 +117,7 @@ class _Tried:
 class _Search:
     """The greedy search."""
 
-    def __init__(self, actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record], report: Report) -> None:
+    def __init__(self, actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord], report: Report) -> None:
         self.bench = Bench(actuator, records, holdout)
         self.report = report
         self.effects = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
@@ -396,7 +396,7 @@ def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
 
 
 def improve_by_forces(
-    actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record] = (), progress: Report | None = None
+    actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), progress: Report | None = None
 ) -> ForceSteps:
     """Add what the mechanical balance of the records asks for, effect by effect, `holdout` never being fitted; `progress` is told the share done and what is at work.
 
