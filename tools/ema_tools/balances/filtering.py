@@ -76,17 +76,18 @@ class Smoother:
         return values[self.edge_rows : -self.edge_rows]
 
     def decimated(self, values: Reals) -> Reals:
-        """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples]. Raises MissingSignal for fewer than the least rows."""
+        """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples] or [samples, k] of [rows, k]. Raises MissingSignal for fewer than the least rows."""
         if len(values) < self.least_rows:
             raise MissingSignal(f"{len(values)} rows are too few for any filter, {self.least_rows} are needed")
         inner = self.inner(values)
-        return inner if self.every == 1 else np.asarray(signal.sosfiltfilt(self.low_pass, inner))[:: self.every]
+        return inner if self.every == 1 else np.asarray(signal.sosfiltfilt(self.low_pass, inner, axis=0))[:: self.every]
 
     def kept(self, values: NDArray[Any]) -> NDArray[Any]:
         """The rows at which `decimated` has its samples, without filtering, [samples]."""
         return self.inner(values)[:: self.every]
 
 
+@functools.cache
 def gain_of_noise(smoother: Smoother, derivatives: int) -> float:
     """What smoothing and differences make of white noise of unit standard deviation: the norm of their impulse response."""
     impulse = np.zeros(2 * round(10.0 / (smoother.cutoff_hz * smoother.period_s)) + 1)

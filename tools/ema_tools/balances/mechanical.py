@@ -81,11 +81,11 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
     return resting
 
 
-def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None) -> Mechanical:
-    """Drive torque, what the effects add, and the columns of the base parameters. Raises MissingSignal."""
+def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None, motion: Motion | None = None) -> Mechanical:
+    """Drive torque, what the effects add, and the columns of the base parameters; `motion`: of the record, where it is known already. Raises MissingSignal."""
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
-    motion = motion_of(actuator, record, use)
+    motion = motion or motion_of(actuator, record, use)
     ripple = at_points(actuator, motion, "MOTOR")
     drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:
@@ -110,7 +110,7 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use) + use.smooth(_disturbance_Nm(actuator, record)),
+        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use) + _disturbance_Nm(actuator, record, use),
         extra_Nm=np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward)),
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
@@ -142,9 +142,11 @@ def _speed_noise_rad_s(actuator: Actuator, record: AnyRecord, smoother: Smoother
     return noise * gain_of_noise(smoother, 1 - derivatives)
 
 
-def _disturbance_Nm(actuator: Actuator, record: AnyRecord) -> Reals:
-    """Known torque against extension, [rows]."""
-    return disturbance_torque(record, train_of(actuator)) if isinstance(record, MotionRecord) else np.zeros(record.rows)
+def _disturbance_Nm(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Reals:
+    """Known torque against extension, smoothed, [rows]."""
+    if not isinstance(record, MotionRecord) or (record.disturbance_Nm is None and record.disturbance_N is None):
+        return np.zeros(record.rows)
+    return smoother.smooth(disturbance_torque(record, train_of(actuator)))
 
 
 def quiet_smoother(actuator: Actuator, record: AnyRecord) -> Smoother:

@@ -325,7 +325,8 @@ def diagnose(
     With --healthy the question is what has changed on this machine, without it what the model lacks. Several records are held out in turn: what helps on all of them is no chance.
     """
     from ema_tools.data.actuator import read_actuator
-    from ema_tools.data.records import read_record, simulated
+    from ema_tools.data.any_record import read_any_record
+    from ema_tools.data.records import Record, simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
@@ -333,16 +334,16 @@ def diagnose(
     from ema_tools.words.terminal import show
 
     writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, *record, *healthy, *filter(None, (holdout,))))
-    model = read_actuator(actuator)
-    records = [read_record(path, model) for path in record]
+    model = read_actuator(actuator, complete=False)
+    records = [read_any_record(path, model) for path in record]
     measured = records[0]
-    references = [read_record(path, model) for path in healthy]
-    other = read_record(holdout, model) if holdout else None
+    references = [read_any_record(path, model) for path in healthy]
+    other = read_any_record(holdout, model) if holdout else None
     way = chosen(model, records, references, other, method)
     with progress("diagnosing", 100) as bar:
         found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way)
     drawn = None
-    if json_path or page:
+    if (json_path or page) and isinstance(measured, Record) and not model.absent:
         drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)

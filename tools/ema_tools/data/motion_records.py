@@ -47,11 +47,15 @@ _UNEVEN_SHARE = 0.01  # share of a step by which a row's time may be off an even
 
 @dataclass(frozen=True)
 class MotionRecord:
-    """One recording; every array has shape [rows], what is not recorded is None. `file` is shown in messages."""
+    """One recording; every array has shape [rows], what is not recorded is None. `file` is shown in messages.
+
+    `start_rad`: what the motor's angle is taken to be in the first row where only a speed is recorded, and nobody knows it.
+    """
 
     period_s: float
     file: str = "record"
     first_time_s: float = 0.0
+    start_rad: float = 0.0
     command_mm: Reals | None = None
     position_mm: Reals | None = None
     motor_position_mm: Reals | None = None

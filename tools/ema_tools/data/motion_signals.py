@@ -63,13 +63,13 @@ def _first(record: MotionRecord, columns: tuple[tuple[str, float], ...]) -> Sign
 
 
 def motor_angle(record: MotionRecord, train: Train) -> Signal:
-    """Angle of the motor shaft in rad, [rows]; from a speed by integration, then zero at the first row. Raises MissingSignal."""
+    """Angle of the motor shaft in rad, [rows]; from a speed by integration, then `start_rad` at the first row. Raises MissingSignal."""
     found = _first(record, _columns(train, angle=True))
     if found is not None:
         return found
     speed = _first(record, _columns(train, angle=False))
     if speed is not None:
-        return Signal(integrated(speed.values, record.period_s), "integrated", speed.column)
+        return Signal(record.start_rad + integrated(speed.values, record.period_s), "integrated", speed.column)
     raise MissingSignal(_why_not(record, train))
 
 

@@ -114,7 +114,9 @@ class Bench:
 
     def decimated(self, columns: Reals) -> Reals:
         """Columns [rows, k] on the samples, [samples, k]."""
-        return np.concatenate([_decimated(smoother, part) for smoother, part in zip(self.smoothers, self.by_record(columns), strict=True)])
+        if not columns.shape[1]:
+            return np.zeros((self.fold.size, 0))
+        return np.concatenate([smoother.decimated(part) for smoother, part in zip(self.smoothers, self.by_record(columns), strict=True)])
 
     def kept(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values [rows] at the samples, not filtered, [samples]."""
@@ -314,13 +316,6 @@ def _covariance(columns: Reals, residual: Reals, of_record: NDArray[np.int64]) -
     scores = scaled * residual[:, None]
     total = sum(leastsquares.long_run(scores[of_record == number]) for number in np.unique(of_record))
     return np.asarray(inverse @ total @ inverse / np.outer(scale, scale))
-
-
-def _decimated(smoother: Smoother, columns: Reals) -> Reals:
-    """Columns [rows, k] of one record on its samples, [samples, k]."""
-    if not columns.shape[1]:
-        return np.zeros((smoother.kept(columns).shape[0], 0))
-    return np.column_stack([smoother.decimated(column) for column in columns.T])
 
 
 def floor_of(bench: Bench, fit: Fitted) -> float:

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.mechanical import Mechanical, mechanical_model
-from ema_tools.balances.motion import Motion, motion_of
+from ema_tools.balances.motion import Motion, motion_of, train_of
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.motion_records import AnyRecord
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.library.torques import States
 
+# Another place and another screw, of no simple relation to the first [judgement]
+_ANOTHER_RAD, _OTHERWISE = 1.0, 0.73
+_SCREW = ("screw.lead_mm", "gearbox.ratio")
 LEVEL = "screw.csj_Nm"
 VISCOUS = "screw.viscous_Nm_s_per_rad"
 
@@ -28,11 +31,22 @@ class Piece:
     record: AnyRecord
     model: Mechanical
     motion: Motion
+    read_with: tuple[object, ...]  # what of the actuator the motion was made with
 
     @staticmethod
-    def of(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Piece:
-        """Raises MissingSignal."""
-        return Piece(record, mechanical_model(actuator, record, smoother), motion_of(actuator, record, smoother))
+    def of(actuator: Actuator, record: AnyRecord, smoother: Smoother, like: Piece | None = None) -> Piece:
+        """`like`: the same record under another actuator, whose motion serves again where nothing that it is made with has changed. Raises MissingSignal."""
+        read_with = _read_with(actuator, record)
+        same = like is not None and like.record is record and like.model.smoother == smoother and read_with and like.read_with == read_with
+        motion = like.motion if like is not None and same else motion_of(actuator, record, smoother)
+        return Piece(record, mechanical_model(actuator, record, smoother, motion), motion, read_with)
+
+
+def _read_with(actuator: Actuator, record: AnyRecord) -> tuple[object, ...]:
+    """What the motion of a record is made with; nothing for one whose position effects may read wrongly."""
+    if not isinstance(record, MotionRecord):
+        return ()
+    return (train_of(actuator), adjusted(actuator)["motor.torque_constant_Nm_per_A"], *(actuator.values[name] for name in _SCREW))
 
 
 @dataclass(frozen=True)
@@ -50,7 +64,26 @@ class Setting:
 
     def with_actuator(self, actuator: Actuator) -> Setting:
         """The same records under another actuator. Raises MissingSignal, InputError."""
-        return Setting.of(actuator, [piece.record for piece in self.pieces], [piece.model.smoother for piece in self.pieces])
+        return Setting(actuator, tuple(Piece.of(actuator, piece.record, piece.model.smoother, piece) for piece in self.pieces))
+
+    @functools.cached_property
+    def elsewhere(self) -> Setting:
+        """The same as if every record whose place is not known had begun at another one."""
+        moved = [
+            replace(piece.record, start_rad=_ANOTHER_RAD) if isinstance(piece.record, MotionRecord) else piece.record
+            for piece in self.pieces
+        ]
+        return Setting.of(self.actuator, moved, [piece.model.smoother for piece in self.pieces])
+
+    @functools.cached_property
+    def on_another_screw(self) -> Setting:
+        """The same as if the lead and the ratio that are not stated were others."""
+        changes = {name: _OTHERWISE * self.actuator.values[name] for name in _SCREW if not self.actuator.has(name)}
+        if not changes:
+            return self
+        # still not stated: nothing is converted by them
+        other = replace(self.actuator.changed(changes), absent=self.actuator.absent)
+        return self.with_actuator(other)
 
     @property
     def rows(self) -> int:
@@ -66,6 +99,11 @@ class Setting:
         """The motor's torque, [rows]."""
         return self.joined(lambda piece: piece.model.drive_Nm)
 
+    @property
+    def placed(self) -> bool:
+        """Whether every record says where the machine is, and not only how it moves."""
+        return all(piece.motion.placed for piece in self.pieces)
+
     @functools.cached_property
     def states(self) -> States:
         """The measured motion, as the torques of effects take it."""
@@ -75,7 +113,7 @@ class Setting:
             self.joined(lambda piece: piece.model.contact),
             self.joined(lambda piece: piece.motion.speed_rad_s),
             self.joined(lambda piece: piece.motion.angle_rad),
-            2.0 * np.pi * motor_mm / self.actuator["screw.lead_mm"],
+            2.0 * np.pi * motor_mm / self.actuator.values["screw.lead_mm"],
             motor_mm,
             self.joined(lambda piece: piece.motion.current_A),
             values["motor.torque_constant_Nm_per_A"],

@@ -25,6 +25,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import PART, PARTS, Division
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import record_of
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
     LOAD,
@@ -41,6 +42,7 @@ from ema_tools.select.balance_bench import (
 from ema_tools.select.balance_setting import Setting
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, pattern_of, patterns_of
 
+SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
@@ -59,6 +61,7 @@ _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best on
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
+_WHOLE = 1e-6  # periods per turn that are so near to a whole multiple are one [precision]
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
 
@@ -135,7 +138,12 @@ class _Search:
             if same_current and load_definitions().effect(effect).site in ("TORQUE", "LOAD"):
                 continue
             self.patterns[effect] = found = patterns_of(setting, effect)
-            self.columns[effect] = [] if isinstance(found, str) else [self.bench.decimated(pattern.columns) for pattern in found]
+            self.columns[effect] = [] if isinstance(found, str) else self._decimated(found)
+
+    def _decimated(self, patterns: Sequence[Pattern]) -> list[Reals]:
+        """The columns of patterns on the samples, all of them filtered at once."""
+        ends = np.cumsum([pattern.columns.shape[1] for pattern in patterns])[:-1]
+        return np.split(self.bench.decimated(np.concatenate([pattern.columns for pattern in patterns], axis=1)), ends, axis=1)
 
     def settled(self, fit: Fitted) -> Fitted:
         """A fit whose last effect changed the balance itself, with all patterns made again from it."""
@@ -187,6 +195,9 @@ class _Search:
         known = self.patterns[effect]
         if isinstance(known, str):
             return Refusal(effect, known)
+        known, columns_of = self._told_apart(accepted, effect, known)
+        if not known:
+            return Refusal(effect, SAME_SWING)
         bench, rows = self.bench, self.bench.training
         if known[0].bends:
             fit = bench.searched(accepted, effect, known)
@@ -195,7 +206,7 @@ class _Search:
             return self._tried(accepted, effect, fit)
         basis, _ = np.linalg.qr(accepted.matrix[rows])
         ranked = []
-        for pattern, columns in zip(known, self.columns[effect], strict=True):
+        for pattern, columns in zip(known, columns_of, strict=True):
             here = columns[rows]
             own = here - basis @ (basis.T @ here)
             if np.linalg.norm(own) < _OWN * np.linalg.norm(here):
@@ -217,6 +228,15 @@ class _Search:
                 return self._tried(accepted, effect, fit)
         assert first is not None
         return Refusal(effect, f"physically impossible: {outside(first, effect)}", _of(effect, first.values))
+
+    def _told_apart(self, accepted: Fitted, effect: str, known: Sequence[Pattern]) -> tuple[Sequence[Pattern], list[Reals]]:
+        """The patterns that can be another cause than what was accepted, with their columns: where no record says where the machine is, waves of whole multiples are one swing that is no pure sine."""
+        columns = self.columns[effect]
+        turns = [_periods(one) for one in accepted.patterns if record_of(one.effect).periodic is not None]
+        if accepted.samples.setting.placed or record_of(effect).periodic is None or not turns:
+            return known, columns
+        kept = [place for place, one in enumerate(known) if not any(_multiples(_periods(one), other) for other in turns)]
+        return [known[place] for place in kept], [columns[place] for place in kept]
 
     def taken_up(self, columns: Reals, base: Reals) -> str:
         """Which base value takes a pattern [samples, k] up."""
@@ -359,6 +379,16 @@ class _Search:
 def _of(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     """The values of one effect."""
     return {name: value for name, value in values.items() if name.startswith(f"{effect}.")}
+
+
+def _periods(pattern: Pattern) -> float:
+    """Of a wave per turn of the motor, one where its effect has no such number."""
+    return float(pattern.shape.get(f"{pattern.effect}.periods", 1.0))
+
+
+def _multiples(one: float, other: float) -> bool:
+    ratio = max(one, other) / min(one, other)
+    return abs(ratio - round(ratio)) < _WHOLE
 
 
 def _like(column: Reals, others: Reals) -> bool:

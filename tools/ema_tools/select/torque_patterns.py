@@ -17,9 +17,12 @@ from ema_tools.library.registry import record_of
 from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, combined, values_in
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
 
+NOT_PLACED = "the records say how the machine moves and not where it is: record a position or an angle"
+NO_SCREW = "it acts along the stroke, and the actuator states neither lead nor ratio"
 NOT_HERE = "it does not show between the motor's torque and the measured motion"
 # Base values that an effect's size may be a share of.
 _RELATIVE_TO = (LEVEL, VISCOUS)
+_STRETCHES = 8  # of a record, by turns, from whose one half the phase of a wave in the other half is taken [judgement]
 _PROBE = 1e-3  # probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows [precision]
 
 
@@ -72,6 +75,29 @@ def _in_band(setting: Setting, one: PeriodicTorque) -> list[int]:
 def _periodic(setting: Setting, effect: str, one: PeriodicTorque, shape: Shape) -> Pattern:
     columns = -one.torque(setting.states)[:, None] * _pair(shape.get(f"{effect}.periods", 1.0) * one.angle(setting.states))
     return Pattern(effect, shape, columns, LEVEL if one.of_level else "", f"{effect}.phase_rad", one.cosine)
+
+
+def _aligned(setting: Setting, pattern: Pattern) -> Pattern:
+    """A wave whose phase is another in every record, since nobody knows where each begins: one column for its amplitude.
+
+    The phase in one half of a record's stretches is that which the other half shows, so that noise, which has no phase, gives nothing.
+    """
+    found, place = np.zeros(setting.rows), 0
+    for piece in setting.pieces:
+        rows, model = piece.record.rows, piece.model
+        pair, here = pattern.columns[place : place + rows], slice(place, place + rows)
+        half = (np.arange(rows) * _STRETCHES // rows) % 2
+        inner = np.zeros(rows, dtype=bool)
+        inner[model.smoother.edge_rows : -model.smoother.edge_rows] = True
+        target, matrix = model.drive_Nm - model.load_Nm - model.added_Nm, np.column_stack([model.columns, pair])
+        column = np.zeros(rows)
+        for side in (0, 1):
+            other = inner & (half != side)
+            wave = np.linalg.lstsq(matrix[other], target[other], rcond=None)[0][-2:]
+            column[half == side] = pair[half == side] @ (wave / (float(np.hypot(*wave)) or 1.0))
+        found[here] = column
+        place += rows
+    return Pattern(pattern.effect, pattern.shape, found[:, None], pattern.size_per)
 
 
 def _local(setting: Setting, effect: str, one: LocalTorque, shape: Shape) -> Pattern:
@@ -132,17 +158,38 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
 
 def patterns_of(setting: Setting, effect: str) -> Sequence[Pattern] | str:
     """Every shape of an effect that is tried; or in one sentence why none can be."""
-    shapes = _shapes(setting, effect)
-    found = [pattern_of(setting, effect, shape) for shape in ([{}] if shapes is None else shapes)]
+    shapes = [{}] if (known := _shapes(setting, effect)) is None else known
+    why = _not_known(setting, effect, shapes[0]) if shapes else ""
+    if why:
+        return why
+    found = [pattern_of(setting, effect, shape) for shape in shapes]
     refused = next((one for one in found if isinstance(one, str)), NOT_HERE)
     return tuple(one for one in found if not isinstance(one, str)) or refused
+
+
+def _not_known(setting: Setting, effect: str, shape: Shape) -> str:
+    """Why an effect that acts at a place cannot be told from records that do not say where the machine is; empty where it can."""
+    if not setting.placed and record_of(effect).periodic is None and _differ(effect, shape, setting, setting.elsewhere):
+        return NOT_PLACED
+    return NO_SCREW if _differ(effect, shape, setting, setting.on_another_screw) else ""
+
+
+def _differ(effect: str, shape: Shape, one: Setting, other: Setting) -> bool:
+    if one is other or record_of(effect).bending is not None:
+        return False
+    here, there = pattern_of(one, effect, shape), pattern_of(other, effect, shape)
+    if isinstance(here, str) or isinstance(there, str):
+        return False
+    largest = float(np.max(np.abs(here.columns), initial=0.0))
+    return not np.allclose(here.columns, there.columns, rtol=1e-6, atol=1e-6 * largest)
 
 
 def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
     """An effect in one shape; or in one sentence why there is no such pattern."""
     record = record_of(effect)
     if record.periodic is not None:
-        return _periodic(setting, effect, record.periodic, shape)
+        wave = _periodic(setting, effect, record.periodic, shape)
+        return wave if setting.placed else _aligned(setting, wave)
     if record.local is not None:
         return _local(setting, effect, record.local, shape)
     if record.bending is not None:

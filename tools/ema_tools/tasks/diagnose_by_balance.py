@@ -14,9 +14,10 @@ from ema_tools.balances.mechanical import mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare.localisation import Where, where
+from ema_tools.compare.motion_validity import judge_motion
 from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.records import Record
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import Verdict
@@ -28,17 +29,17 @@ _FLOOR_MARGIN = 1.2  # what the first model leaves beyond the floor must be more
 
 @dataclass(frozen=True)
 class BalanceAnswer:
-    """Everything that was found, `known` being the actuator as given; errors are relative force errors in %. `gates`: of every record fitted; `where`: of the first."""
+    """Everything that was found, `known` being the actuator as given; errors are relative force errors in %. `gates`: of every record fitted; `where`: of the first where it can be simulated."""
 
-    records: tuple[Record, ...]
-    holdout: tuple[Record, ...]
+    records: tuple[AnyRecord, ...]
+    holdout: tuple[AnyRecord, ...]
     known: Actuator
     gates: tuple[RecordValidity, ...]
-    where: Where
+    where: Where | None
     forces: ForceSteps
 
     @property
-    def record(self) -> Record:
+    def record(self) -> AnyRecord:
         """The first of the records."""
         return self.records[0]
 
@@ -97,7 +98,7 @@ class BalanceAnswer:
         return "unknown" if exceeds else "adequate"
 
 
-def has_balance(actuator: Actuator, record: Record) -> bool:
+def has_balance(actuator: Actuator, record: AnyRecord) -> bool:
     """Whether a record has a mechanical balance."""
     try:
         mechanical(actuator, record)
@@ -106,18 +107,18 @@ def has_balance(actuator: Actuator, record: Record) -> bool:
     return True
 
 
-def has_laps(record: Record) -> bool:
+def has_laps(record: AnyRecord) -> bool:
     """Whether a record repeats itself often enough to hold laps out."""
     found = laps_of(record)
     return bool(found.period_rows) and found.count >= LAPS_MIN
 
 
 def answer_by_balance(
-    actuator: Actuator, records: Sequence[Record], holdout: Sequence[Record] = (), report: Report | None = None
+    actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), report: Report | None = None
 ) -> BalanceAnswer:
     """Diagnoses records by their balance; nothing is fitted to `holdout`. Raises InputError for a record that cannot answer."""
     tell = report or untold
-    gates = tuple(judge(actuator, record) for record in records)
+    gates = tuple(judge_motion(actuator, record) if isinstance(record, MotionRecord) else judge(actuator, record) for record in records)
     for record, gate in zip(records, gates, strict=True):
         if not gate.answerable:
             remark = next(one for one in gate.remarks if one.severity == "blocks")
@@ -128,4 +129,6 @@ def answer_by_balance(
         except MissingSignal as error:
             raise InputError(f"{record.file}: no balance of forces: {error}: record the motion and the drive (current_A)") from None
     forces = improve_by_forces(actuator, records, holdout, lambda share, text: tell(0.95 * share, text))
-    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, where(actuator, records[0]), forces)
+    first = records[0]
+    there = where(actuator, first) if not isinstance(first, MotionRecord) else None
+    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces)

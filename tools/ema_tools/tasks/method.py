@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from ema_tools.base.errors import InputError
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
+from ema_tools.data.any_record import lacks
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.data.records import Record
 from ema_tools.results.diagnosis import Method
 from ema_tools.tasks.diagnose import Answer, answer
@@ -24,9 +26,9 @@ class Chosen:
 
 def chosen(
     actuator: Actuator,
-    records: Sequence[Record],
-    healthy: Sequence[Record] = (),
-    holdout: Record | None = None,
+    records: Sequence[AnyRecord],
+    healthy: Sequence[AnyRecord] = (),
+    holdout: AnyRecord | None = None,
     asked: Method | None = None,
 ) -> Chosen:
     """The method that was asked for, or the one that serves the records.
@@ -42,6 +44,16 @@ def chosen(
         raise InputError(
             "--healthy: the balance compares records with the model alone: leave it out, or calibrate the actuator on them first (ema calibrate)"
         )
+    lacking = next((record for record in (*records, *healthy, *filter(None, (holdout,))) if isinstance(record, MotionRecord)), None)
+    if lacking is not None or actuator.absent:
+        told = _not_simulated(actuator, lacking)
+        if asked == "simulation":
+            raise InputError(f"--method simulation: {told}: --method balance does without")
+        if healthy:
+            raise InputError(
+                f"--healthy: {told}, and the balance compares records with the model alone: calibrate the actuator on them first (ema calibrate)"
+            )
+        return Chosen("balance", told if asked is None else "as asked for")
     if asked is not None:
         return Chosen(asked, "as asked for")
     if len(records) > 1:
@@ -61,9 +73,9 @@ def chosen(
 
 def diagnosed(
     actuator: Actuator,
-    records: Sequence[Record],
-    healthy: Sequence[Record] = (),
-    holdout: Record | None = None,
+    records: Sequence[AnyRecord],
+    healthy: Sequence[AnyRecord] = (),
+    holdout: AnyRecord | None = None,
     report: Report | None = None,
     way: Chosen | None = None,
 ) -> Answer | BalanceAnswer:
@@ -71,4 +83,12 @@ def diagnosed(
     way = way or chosen(actuator, records, healthy, holdout)
     if way.method == "balance":
         return answer_by_balance(actuator, records, () if holdout is None else (holdout,), report)
-    return answer(actuator, records[0], healthy, holdout, report)
+    measured = [record for record in (records[0], *healthy) if isinstance(record, Record)]
+    return answer(actuator, measured[0], measured[1:], holdout if isinstance(holdout, Record) else None, report)
+
+
+def _not_simulated(actuator: Actuator, record: AnyRecord | None) -> str:
+    """Why a machine cannot be simulated under a record."""
+    if record is not None and lacks(record):
+        return f"{record.file} holds no {' and no '.join(lacks(record))}, without which nothing is simulated"
+    return f"{actuator.file or actuator.name} does not state the controller, without which nothing is simulated"

@@ -12,6 +12,7 @@ from ema_tools.fit.division import By
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.results import diagnosis as result
+from ema_tools.results.localisation import Localisation
 from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
@@ -51,7 +52,7 @@ def diagnosis_by_balance(
         steps=_steps(way),
         forces=forces_of(way),
         gate=validity(found.gates[0]),
-        where=localisation(found.where),
+        where=localisation(found.where) if found.where is not None else Localisation(),
         provenance=provenance,
         curves=curves,
     )

@@ -1,0 +1,34 @@
+"""A recording of any machine: read as one of a machine whose controller is known where the actuator and the file have what that needs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import AnyRecord, MotionRecord, read_motion_record
+from ema_tools.data.records import read_record
+
+_NEEDED = ("command_mm", "position_mm")
+
+
+def read_any_record(path: str | Path, actuator: Actuator) -> AnyRecord:
+    """Read a recording. Raises InputError in one line that names file, row and field."""
+    if actuator.absent:
+        return read_motion_record(path)
+    try:
+        return read_record(path, actuator)
+    except InputError as refused:
+        # what is not a controlled machine's record may be one of any machine; if it is not, the first complaint says more
+        try:
+            found = read_motion_record(path)
+        except InputError:
+            raise refused from None
+        if all(name in found.present for name in _NEEDED):
+            raise
+        return found
+
+
+def lacks(record: AnyRecord) -> tuple[str, ...]:
+    """What a record lacks to be simulated."""
+    return tuple(name for name in _NEEDED if name not in record.present) if isinstance(record, MotionRecord) else ()
