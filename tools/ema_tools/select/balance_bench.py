@@ -27,6 +27,7 @@ from ema_tools.select.torque_patterns import Pattern
 Rows = NDArray[np.bool_]
 
 _REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
+_ABSENT = 1e-3  # what shows so little of a column, as a share of its length, says nothing of it [precision]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
@@ -187,7 +188,7 @@ class Bench:
         for part in range(self.division.folds):
             here = self.fold == part
             rest = self.fitted & ~here
-            found[here] = target[here] - matrix[here] @ solved(matrix[rest], target[rest])
+            found[here] = target[here] - matrix[here] @ solved(matrix[rest], target[rest], matrix)
         return found
 
     def foretold(self, fit: Fitted, fitted: Rows, told: Rows) -> float:
@@ -196,7 +197,7 @@ class Bench:
         The base values are those of the samples themselves: what is asked is whether the effects are the same there, not whether friction goes on as a straight line.
         """
         base, target = fit.samples.base, fit.samples.target
-        effects = solved(fit.matrix[fitted], target[fitted])[base.shape[1] :]
+        effects = solved(fit.matrix[fitted], target[fitted], fit.matrix)[base.shape[1] :]
         left = target[told] - fit.columns[told] @ effects
         left = left - base[told] @ solved(base[told], left)
         return 100.0 * float(np.linalg.norm(left)) / float(np.linalg.norm(fit.samples.drive[told]))
@@ -273,9 +274,12 @@ class Bench:
         return min(refined, fits[place], key=lambda fit: fit.square(self.training))
 
 
-def solved(matrix: Reals, target: Reals) -> Reals:
-    """Least squares with columns [samples, k] brought to one scale, [k]; zero for a column without content."""
+def solved(matrix: Reals, target: Reals, whole: Reals | None = None) -> Reals:
+    """Least squares with columns [samples, k] brought to one scale, [k]; zero for a column without content, or with next to none of what it has in `whole` [all samples, k]."""
     scale = _scale_of(matrix)
+    if whole is not None:
+        seen = np.linalg.norm(matrix, axis=0) > _ABSENT * np.linalg.norm(whole, axis=0)
+        matrix = matrix * seen
     scaled = matrix / scale
     return np.asarray(np.linalg.pinv(scaled.T @ scaled, rcond=_SINGULAR, hermitian=True) @ (scaled.T @ target) / scale)
 

@@ -57,6 +57,7 @@ _SEEN_ELSEWHERE = (
 )
 _THIRDS = 3  # of the places and of the speeds, each told from the other two: what is seen in one of them only is no law [judgement]
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
+_AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
@@ -265,7 +266,7 @@ class _Search:
             if effect != load_effect()
             and len(self.columns[effect]) == 1
             and np.any(self.columns[effect][0])
-            and _like(self.columns[effect][0][:, 0], load)
+            and _like(self.columns[effect][0][:, 0], load, _AS_LOAD)
         )
 
     def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> _Tried:
@@ -391,9 +392,9 @@ def _multiples(one: float, other: float) -> bool:
     return abs(ratio - round(ratio)) < _WHOLE
 
 
-def _like(column: Reals, others: Reals) -> bool:
-    """Whether a column [samples] is a sum of others [samples, k]."""
-    return float(np.linalg.norm(column - others @ solved(others, column))) < _OWN * float(np.linalg.norm(column))
+def _like(column: Reals, others: Reals, share: float = _OWN) -> bool:
+    """Whether a column [samples] is a sum of others [samples, k], but for a share of its length."""
+    return float(np.linalg.norm(column - others @ solved(others, column))) < share * float(np.linalg.norm(column))
 
 
 def outside(fit: Fitted, effect: str = "") -> str:
