@@ -12,6 +12,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import DRIVES, MOTIONS, VOLTAGES, MotionRecord, motion_signal
 
 _MOVING = 1e-9  # of its largest value: a motion that spans less does not change at all [precision]
+_A_TENTH = 0.1  # of the time, and of the largest speed, that a record moves to either side before its signs are doubted [judgement]
 _AGAINST = (
     -0.5
 )  # correlation of the drive with the way it moves: friction alone makes it positive, a load of its own size makes it none [judgement]
@@ -39,12 +40,12 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
         remarks.append(
             RecordRemark("signals", "blocks", "the drive is zero throughout", "look which column holds the torque, force or current")
         )
-    both_ways = bool(np.any(speed > 0.0) and np.any(speed < 0.0))
-    if both_ways and np.ptp(drive) > 0.0:
+    low, high = np.quantile(speed, (_A_TENTH, 1.0 - _A_TENTH))
+    if low < 0.0 < high and min(-low, high) > _A_TENTH * float(np.max(np.abs(speed))) and np.ptp(drive) > 0.0:
         alike = float(np.corrcoef(drive, speed)[0, 1])
         if alike < _AGAINST:
             text = f"the drive goes against the motion (correlation {alike:.2f})"
-            remarks.append(RecordRemark("signs", "blocks", text, "turn the sign of the drive or of the motion in the map"))
+            remarks.append(RecordRemark("signs", "weakens", text, "look whether the sign of the drive or of the motion is turned in the map"))
     fastest = float(np.max(np.abs(speed)))
     return RecordValidity(present, tuple(remarks), {"speed_max_rad_s": fastest, "moving_share": float(np.mean(~model.resting))})
 

@@ -50,8 +50,9 @@ FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its 
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
 # ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
 LEAST_OF_FIRST = 0.005
-# By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them [judgement]
+# By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them ... [judgement]
 WORSE_ELSEWHERE, WORSE_THIRD = 1.01, 1.1
+WORSE_OF_GAIN = 0.1  # ... where it matters beside what it takes off the squared error in all [judgement]
 _SEEN_ELSEWHERE = (
     0.1  # an effect of which the other two thirds show less than this, as a share of what all show, cannot be told from them [judgement]
 )
@@ -123,6 +124,7 @@ class _Search:
 
     def __init__(self, actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord], report: Report) -> None:
         self.bench = Bench(actuator, records, holdout)
+        self.bench.keep_undetermined()
         self.report = report
         self.effects = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
@@ -243,7 +245,7 @@ class _Search:
         """Which base value takes a pattern [samples, k] up."""
         if not np.any(columns):
             return NOT_HERE
-        name = MECHANICAL_PARAMETERS[int(np.argmax(np.abs(base.T @ columns[:, 0]) / np.linalg.norm(base, axis=0)))]
+        name = MECHANICAL_PARAMETERS[int(np.argmax(np.abs(base.T @ columns[:, 0]) / np.maximum(np.linalg.norm(base, axis=0), 1e-300)))]
         shown = load_effect() if name == LOAD and self.bench.load_named else name
         return f"no gain over {shown}, which is refitted at every step and takes the same torque up"
 
@@ -259,14 +261,15 @@ class _Search:
 
     def same_as_load(self) -> tuple[str, ...]:
         """Effects that nothing but a constant torque is seen of."""
-        load = self.bench.start.base[:, 3:]
+        rows = self.bench.training
+        load = self.bench.start.base[rows, 3:]
         return tuple(
             effect
             for effect in self.effects
             if effect != load_effect()
             and len(self.columns[effect]) == 1
             and np.any(self.columns[effect][0])
-            and _like(self.columns[effect][0][:, 0], load, _AS_LOAD)
+            and _like(self.columns[effect][0][rows, 0], load, _AS_LOAD)
         )
 
     def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> _Tried:
@@ -300,8 +303,9 @@ class _Search:
         before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(max(len(here), 1)) for side in (0, 1))
         if after > WORSE_ELSEWHERE * before:
             return f"it does not carry over to places and speeds to which nothing was fitted: {before:.3g} % to {after:.3g} %"
+        gain = accepted.errors.training**2 - fit.errors.training**2
         for where, (before, after) in here.items():
-            if after > WORSE_THIRD * before:
+            if after > WORSE_THIRD * before and after**2 - before**2 > WORSE_OF_GAIN * gain:
                 return f"it does not carry over to {where} to which nothing was fitted: {before:.3g} % to {after:.3g} %"
         share = self.share(accepted, tried.gain)
         if share < LEAST_SHARE:

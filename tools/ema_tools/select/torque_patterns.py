@@ -5,6 +5,7 @@ An effect whose record has no torque in closed form is asked through the balance
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -52,7 +53,9 @@ class Pattern:
         if self.bends:
             return dict(self.shape)
         amount = float(np.hypot(*coefficients)) if self.phase else float(coefficients[0])
-        found = {size: amount / base[self.size_per] if self.size_per else amount, **self.shape}
+        per = base[self.size_per] if self.size_per else 1.0
+        # a share of nothing is no size
+        found = {size: amount / per if per else math.inf, **self.shape}
         if self.phase:
             sine, cosine = float(coefficients[0]), float(coefficients[1])
             found[self.phase] = float(np.arctan2(-sine, cosine) if self.cosine else np.arctan2(cosine, sine))

@@ -52,8 +52,11 @@ class BalanceAnswer:
     @property
     def accepted(self) -> tuple[ForceStep, ...]:
         """The steps whose effects are in the last model."""
+        gone = {one.effect for one in self.forces.refused}
         return tuple(
-            step for step in self.forces.steps if step.effect in self.forces.actuator.active_effects or record_of(step.effect).base_value
+            step
+            for step in self.forces.steps
+            if step.effect in self.forces.actuator.active_effects or (record_of(step.effect).base_value and step.effect not in gone)
         )
 
     @property

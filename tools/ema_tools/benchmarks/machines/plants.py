@@ -45,7 +45,9 @@ KINDS: Mapping[str, Kind] = {
     "belt": Kind(8e-4, 0.25, 2e-3, 60.0, 60.0, 60.0 / (2.0 * math.pi * 3.0), 3.0, 0.3, "position_mm", "force_N", 2e-3, periods=4),
     "lead screw": Kind(2e-6, 0.003, 3e-5, 25.0, 0.0, 2.0 / (2.0 * math.pi), 1.0, 0.02, "motor_speed_rad_s", "torque_Nm", 5e-3),
     "ball screw": Kind(3e-5, 0.05, 3e-4, 100.0, 90.0, 5.0 / (2.0 * math.pi), 1.0, 0.1, "position_mm", "current_A", 1e-3, periods=2),
-    "joint with an arm": Kind(2e-4, 0.06, 6e-4, 80.0, 120.0, 0.0, 100.0, 0.09, "motor_angle_rad", "current_A", 1e-3, arm_Nm=0.05, periods=3),
+    "joint with an arm": Kind(
+        2e-4, 0.06, 6e-4, 80.0, 120.0, 0.0, 100.0, 0.09, "motor_angle_rad", "current_A", 1e-3, arm_Nm=0.05, periods=3
+    ),
     "linear motor": Kind(2e-4, 0.02, 3e-4, 80.0, 90.0, 30.0 / (2.0 * math.pi), 1.0, 0.3, "position_mm", "force_N", 5e-4, periods=2),
 }
 # What is hidden: its medium size as a share of what it acts on, and whether records of every kind show it.
@@ -214,9 +216,11 @@ def _measured(
         columns[one.motion] = one.mm_per_rad * read
     else:
         columns[one.motion] = speed + random.normal(0.0, 0.002 * one.fastest_rad_s, speed.size)
-    columns[one.drive] = {"torque_Nm": noisy, "current_A": noisy / one.constant_Nm_per_A, "force_N": noisy / (1e-3 * (one.mm_per_rad or 1.0))}[
-        one.drive
-    ]
+    columns[one.drive] = {
+        "torque_Nm": noisy,
+        "current_A": noisy / one.constant_Nm_per_A,
+        "force_N": noisy / (1e-3 * (one.mm_per_rad or 1.0)),
+    }[one.drive]
     if one.arm_Nm:
         columns["disturbance_Nm"] = one.arm_Nm * np.sin(read / one.ratio)
     return MotionRecord(one.period_s, name).with_columns({key: np.asarray(values, dtype=np.float64) for key, values in columns.items()})

@@ -103,7 +103,9 @@ def perform(trial: MachineTrial) -> dict[str, Any]:
 
 def right(row: dict[str, Any]) -> bool:
     """Whether the hidden effect, or one that such records cannot tell from it, is accepted, and first."""
-    first = next((alike for name, alike in zip(row.get("accepted", []), row.get("classes", []), strict=True) if name not in ALWAYS), [])
+    first: list[str] = next(
+        (alike for name, alike in zip(row.get("accepted", []), row.get("classes", []), strict=True) if name not in ALWAYS), []
+    )
     return row["effect"] in first
 
 
