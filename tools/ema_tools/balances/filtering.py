@@ -17,6 +17,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 
 EDGE_S = 0.05  # time at both ends whose rows carry the filters' edges: 50 rows at 1 kHz, several periods of the highest cutoff [precision]
+_BLUNT = 1.001  # slower than the rate at which the usual cutoff is its largest, but for rounding [precision]
 _EDGE_ROWS_MIN = 10  # and at least one period of the usual cutoff, for slow records [precision]
 _ORDER = 4  # of the filter; run both ways it falls by the eighth power [judgement]
 _RATE_OVER_CUTOFF = 10  # rows per period of the cutoff: differences of rows are then derivatives to within 7 % at the cutoff [precision]
@@ -46,6 +47,15 @@ class Smoother:
     def of(period_s: float) -> Smoother:
         """The usual one: a tenth of the sample rate, at most 100 Hz."""
         return Smoother(period_s, min(_CUTOFF_MAX_HZ, 1.0 / (_RATE_OVER_CUTOFF * period_s)))
+
+    @property
+    def blunts(self) -> bool:
+        """Whether the records are so slow that the filter takes the edges of a reversal away, which what is compared with it must then lose as well."""
+        return self.period_s > _BLUNT * 1.0 / (_RATE_OVER_CUTOFF * _CUTOFF_MAX_HZ)
+
+    def as_seen(self, values: Reals) -> Reals:
+        """A torque that was worked out row by row, as the filtered drive shows it, [rows] or [rows, k]."""
+        return np.asarray(signal.sosfiltfilt(_butterworth(2.0 * self.cutoff_hz * self.period_s), values, axis=0)) if self.blunts else values
 
     @property
     def every(self) -> int:

@@ -25,6 +25,7 @@ from ema_tools.plant.native import library
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
 SLOW_SHARE = 0.01  # the shaft rests where it stays below this share of its largest speed ... [judgement]
 REST_S = 0.01  # ... for at least this time: a reversal is shorter [judgement]
+_REST_ROWS = 10  # ... and so many rows of a slow record [judgement]
 NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
 CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lower one takes the motion itself away [judgement]
 
@@ -33,26 +34,21 @@ CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lo
 class Mechanical:
     """The mechanical balance as a linear model on smoothed rows, all [rows] or [rows, 4].
 
-    drive = load + extra contact + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
+    drive = load + added + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
     one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
-    `load` and `extra` are what effects and efficiency add; `static_extra` is what they add to the static level backward and forward, where the shaft rests.
+    `load` and `added` are what effects and efficiency add, the latter while sliding; `static_extra` is what they add to the static level backward and forward, where the shaft rests.
     """
 
     smoother: Smoother
     drive_Nm: Reals
     load_Nm: Reals
-    extra_Nm: Reals
+    added_Nm: Reals
     static_extra_Nm: tuple[Reals, Reals]
     contact: Reals
     asymmetry: float
     columns: Reals
     time_s: Reals
     resting: NDArray[np.bool_]
-
-    @property
-    def added_Nm(self) -> Reals:
-        """Torque of the friction that effects and efficiency add while sliding, against extension, [rows]."""
-        return self.extra_Nm * self.contact
 
     def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
         """What balances the torque, up to the static level, on every row; holds where the shaft rests. `parameters` [4] of the columns."""
@@ -76,7 +72,7 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
     edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(np.int8), [0]))))
     resting = np.zeros(slow.size, dtype=bool)
     for first, last in zip(edges[::2], edges[1::2], strict=True):
-        if (last - first) * smoother.period_s >= REST_S:
+        if (last - first) * smoother.period_s >= max(REST_S, _REST_ROWS * smoother.period_s):
             resting[first:last] = True
     return resting
 
@@ -107,17 +103,17 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
     resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
     backward = contact < 0.0
+    extra = np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward))
+    level = use.as_seen(contact * (1.0 + asymmetry * np.sign(contact)))
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        load_Nm=load - torque + _soft_mass_Nm(actuator, record, motion, use) + _disturbance_Nm(actuator, record, use),
-        extra_Nm=np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward)),
+        load_Nm=use.as_seen(load - torque + _soft_mass_Nm(actuator, record, motion, use)) + _disturbance_Nm(actuator, record, use),
+        added_Nm=use.as_seen(extra * contact),
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
         asymmetry=asymmetry,
-        columns=np.column_stack(
-            [motion.acceleration_rad_s2, motion.speed_rad_s, contact * (1.0 + asymmetry * np.sign(contact)), np.ones_like(contact)]
-        ),
+        columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, level, np.ones_like(contact)]),
         time_s=record.time_s,
         resting=resting,
     )

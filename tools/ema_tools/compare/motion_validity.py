@@ -45,7 +45,9 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
         alike = float(np.corrcoef(drive, speed)[0, 1])
         if alike < _AGAINST:
             text = f"the drive goes against the motion (correlation {alike:.2f})"
-            remarks.append(RecordRemark("signs", "weakens", text, "look whether the sign of the drive or of the motion is turned in the map"))
+            remarks.append(
+                RecordRemark("signs", "weakens", text, "look whether the sign of the drive or of the motion is turned in the map")
+            )
     fastest = float(np.max(np.abs(speed)))
     return RecordValidity(present, tuple(remarks), {"speed_max_rad_s": fastest, "moving_share": float(np.mean(~model.resting))})
 

@@ -27,11 +27,12 @@ from ema_tools.select.torque_patterns import Pattern
 Rows = NDArray[np.bool_]
 
 _REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
-_DETERMINED = 0.25  # a base value that is known no better than this share is what the actuator states: data sheets err by less [judgement]
+_DETERMINED = 0.25  # an inertia that is known no better than this share is what the actuator states: data sheets err by less [judgement]
 _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, says nothing of it [precision]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
+INERTIA = "screw.inertia_kgm2"
 
 
 def load_effect() -> str:
@@ -106,8 +107,8 @@ class Bench:
         self.training: Rows = self.sliding & ~last
         # what the user held out is never fitted
         self.fitted: Rows = self.training if self.division.apart else self.sliding
-        # base values that the records do not determine keep what the actuator states
-        self.stated: tuple[int, ...] = ()
+        # base values that the records do not determine, by their place: the value that is taken
+        self.taken: dict[int, float] = {}
         self.start = self.sampled(start)
         self.load_named = False
         self._bent: dict[tuple[tuple[str, float], ...], Samples] = {}
@@ -148,30 +149,32 @@ class Bench:
 
     def _as_stated(self, samples: Samples) -> Samples:
         """The samples with the base values that are not fitted at work in the target, their columns empty."""
-        if not self.stated:
+        if not self.taken:
             return samples
-        here = adjusted(samples.setting.actuator)
-        scale = (1.0, 1.0, here["screw.dynamic_ratio"], 1.0)
+        scale = (1.0, 1.0, adjusted(samples.setting.actuator)["screw.dynamic_ratio"], 1.0)
         target, base = samples.target.copy(), samples.base.copy()
-        for place in self.stated:
-            target -= here[MECHANICAL_PARAMETERS[place]] * scale[place] * base[:, place]
+        for place, value in self.taken.items():
+            target -= value * scale[place] * base[:, place]
             base[:, place] = 0.0
         return replace(samples, target=target, base=base)
 
     def keep_undetermined(self) -> tuple[str, ...]:
-        """Takes the base values as stated that the records give no value inside its range, or none that its standard error leaves much of; their names."""
+        """Takes an inertia as stated that the records do not determine, and the end of its range for another base value that they put beyond it; the names of what was taken."""
         while True:
             fit = self.fit(self.start, (), np.zeros((self.fold.size, 0)))
             std = self._std(fit)
             found = [
                 place
                 for place, name in enumerate(MECHANICAL_PARAMETERS)
-                if place not in self.stated and name != LOAD and _not_determined(name, fit.values[name], std.get(name, math.inf))
+                if place not in self.taken and name != LOAD and _not_determined(name, fit.values[name], std.get(name, math.inf))
             ]
             if not found:
-                return tuple(MECHANICAL_PARAMETERS[place] for place in self.stated)
+                return tuple(MECHANICAL_PARAMETERS[place] for place in self.taken)
             # the least determined first: the others may be right without it
-            self.stated += (max(found, key=lambda place: std.get(MECHANICAL_PARAMETERS[place], math.inf) / _reach(fit, place)),)
+            place = max(found, key=lambda place: std.get(MECHANICAL_PARAMETERS[place], math.inf) / _reach(fit, place))
+            name, row = MECHANICAL_PARAMETERS[place], row_of(MECHANICAL_PARAMETERS[place])
+            stated = self.start.setting.actuator[name]
+            self.taken[place] = stated if name == INERTIA else float(np.clip(fit.values[name], row.lower, row.upper))
             self.start = self._as_stated(self.start)
             self._bent.clear()
 
@@ -198,7 +201,7 @@ class Bench:
     def values_of(self, setting: Setting, patterns: Sequence[Pattern], coefficients: Reals) -> dict[str, float]:
         """Values by name for coefficients [4 + k], the constant torque where it belongs."""
         found = values_of(setting, patterns, coefficients)
-        found |= {MECHANICAL_PARAMETERS[place]: setting.actuator[MECHANICAL_PARAMETERS[place]] for place in self.stated}
+        found |= {MECHANICAL_PARAMETERS[place]: value for place, value in self.taken.items()}
         if self.load_named:
             known = self.start.setting.actuator[LOAD]
             found[size_of_load()], found[LOAD] = found[LOAD] - known, known
@@ -312,7 +315,7 @@ class Bench:
 
 def _not_determined(name: str, value: float, std: float) -> bool:
     row = row_of(name)
-    return not row.lower <= value <= row.upper or std > _DETERMINED * abs(value)
+    return not row.lower <= value <= row.upper or (name == INERTIA and std > _DETERMINED * abs(value))
 
 
 def _reach(fit: Fitted, place: int) -> float:

@@ -94,6 +94,12 @@ class Setting:
         """A column of every record, [rows]."""
         return np.concatenate([of_piece(piece) for piece in self.pieces])
 
+    def as_seen(self, columns: Reals) -> Reals:
+        """Torques worked out row by row, as the filtered drives show them, [rows, k]."""
+        ends = np.cumsum([piece.record.rows for piece in self.pieces])[:-1]
+        parts = zip(self.pieces, np.split(columns, ends), strict=True)
+        return np.concatenate([piece.model.smoother.as_seen(part) for piece, part in parts])
+
     @property
     def drive_Nm(self) -> Reals:
         """The motor's torque, [rows]."""

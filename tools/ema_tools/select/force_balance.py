@@ -382,8 +382,8 @@ class _Search:
 
 
 def _of(effect: str, values: Mapping[str, float]) -> dict[str, float]:
-    """The values of one effect."""
-    return {name: value for name, value in values.items() if name.startswith(f"{effect}.")}
+    """The values of one effect that are numbers."""
+    return {name: value for name, value in values.items() if name.startswith(f"{effect}.") and math.isfinite(value)}
 
 
 def _periods(pattern: Pattern) -> float:
@@ -403,7 +403,9 @@ def _like(column: Reals, others: Reals, share: float = _OWN) -> bool:
 
 def outside(fit: Fitted, effect: str = "") -> str:
     """The first value that lies outside its range, of one effect or of all and the base; empty when all lie inside."""
-    for name, value in (_of(effect, fit.values) if effect else fit.values).items():
+    for name, value in fit.values.items():
+        if effect and not name.startswith(f"{effect}."):
+            continue
         row = row_of(name)
         if not row.lower <= value <= row.upper:
             return f"{name} would be {value:.3g}, outside {row.lower:g} .. {row.upper:g}{' ' + row.unit if row.unit else ''}"

@@ -77,7 +77,7 @@ def _in_band(setting: Setting, one: PeriodicTorque) -> list[int]:
 
 def _periodic(setting: Setting, effect: str, one: PeriodicTorque, shape: Shape) -> Pattern:
     columns = -one.torque(setting.states)[:, None] * _pair(shape.get(f"{effect}.periods", 1.0) * one.angle(setting.states))
-    return Pattern(effect, shape, columns, LEVEL if one.of_level else "", f"{effect}.phase_rad", one.cosine)
+    return Pattern(effect, shape, setting.as_seen(columns), LEVEL if one.of_level else "", f"{effect}.phase_rad", one.cosine)
 
 
 def _aligned(setting: Setting, pattern: Pattern) -> Pattern:
@@ -105,7 +105,7 @@ def _aligned(setting: Setting, pattern: Pattern) -> Pattern:
 
 def _local(setting: Setting, effect: str, one: LocalTorque, shape: Shape) -> Pattern:
     torque = one.torque(setting.states, {name.removeprefix(f"{effect}."): value for name, value in shape.items()})
-    return Pattern(effect, shape, -torque[:, None], LEVEL if one.of_level else "")
+    return Pattern(effect, shape, setting.as_seen(-torque[:, None]), LEVEL if one.of_level else "")
 
 
 def _local_shapes(setting: Setting, effect: str, one: LocalTorque) -> list[Shape]:

@@ -163,13 +163,15 @@ def records(machine: Machine, command: str) -> list[MotionRecord]:
     one, values = KINDS[machine.kind], machine.values()
     hidden, level = machine.hidden, values["friction"]
     limit = 8.0 * level + 2.0 * one.arm_Nm
+    # a loop that a twentieth of the largest speed of error makes overcome the friction
+    stiffness = values["gain"] * max(60.0 * values["inertia"], level / (0.05 * one.fastest_rad_s))
     own = np.array(
         [
             values["inertia"],
             level,
             values["viscous"],
-            values["gain"] * 60.0 * values["inertia"],
-            values["gain"] * 900.0 * values["inertia"],
+            stiffness,
+            15.0 * stiffness,
             limit,
             hidden.get("constant_load", 0.0) * level,
             hidden.get("coulomb_asymmetry", 0.0),
