@@ -25,7 +25,7 @@ from ema_tools.plant.native import library
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
 SLOW_SHARE = 0.01  # the shaft rests where it stays below this share of its largest speed ... [judgement]
 REST_S = 0.01  # ... for at least this time: a reversal is shorter [judgement]
-_REST_ROWS = 10  # ... and so many rows of a slow record [judgement]
+_REST_ROWS = 3  # ... and so many rows of a slow record: a reversal passes within one [judgement]
 NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
 CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lower one takes the motion itself away [judgement]
 

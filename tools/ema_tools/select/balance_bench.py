@@ -216,6 +216,12 @@ class Bench:
         )
         return replace(fit, values={**fit.values, LOAD: start.setting.actuator[LOAD]})
 
+    def with_load_as_given(self, fit: Fitted) -> Fitted:
+        """A fit with the constant torque left as it was given."""
+        samples, known = fit.samples, adjusted(self.start.setting.actuator)[LOAD]
+        held = replace(samples, target=samples.target - known * samples.base[:, 3], base=samples.base * (1.0, 1.0, 1.0, 0.0))
+        return self.fit(held, fit.patterns, fit.columns)
+
     def judged(self, fit: Fitted) -> Fitted:
         """The fit with errors and standard errors."""
         return replace(fit, errors=self._errors(fit), std=self._std(fit))

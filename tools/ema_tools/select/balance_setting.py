@@ -32,10 +32,13 @@ class Piece:
     model: Mechanical
     motion: Motion
     read_with: tuple[object, ...]  # what of the actuator the motion was made with
+    foretold: bool = False  # whether the current is what the model asks for, not what was recorded
 
     @staticmethod
     def of(actuator: Actuator, record: AnyRecord, smoother: Smoother, like: Piece | None = None) -> Piece:
         """`like`: the same record under another actuator, whose motion serves again where nothing that it is made with has changed. Raises MissingSignal."""
+        if like is not None and like.foretold:
+            return replace(like, model=mechanical_model(actuator, record, smoother, like.motion))
         read_with = _read_with(actuator, record)
         same = like is not None and like.record is record and like.model.smoother == smoother and read_with and like.read_with == read_with
         motion = like.motion if like is not None and same else motion_of(actuator, record, smoother)
@@ -104,6 +107,23 @@ class Setting:
     def drive_Nm(self) -> Reals:
         """The motor's torque, [rows]."""
         return self.joined(lambda piece: piece.model.drive_Nm)
+
+    @functools.cached_property
+    def foretold(self) -> Setting:
+        """The same with the drive that the base values ask for in place of the recorded one, in whose error an effect that reads the drive would find itself."""
+        constant = adjusted(self.actuator)["motor.torque_constant_Nm_per_A"]
+        pieces = []
+        for piece in self.pieces:
+            model = piece.model
+            moves = ~model.resting
+            target = model.drive_Nm - model.load_Nm - model.added_Nm
+            base = np.linalg.lstsq(model.columns[moves], target[moves], rcond=None)[0]
+            asked = np.where(moves, model.load_Nm + model.added_Nm + model.columns @ base, model.drive_Nm)
+            motion = replace(piece.motion, current_A=asked / constant)
+            pieces.append(
+                replace(piece, motion=motion, model=mechanical_model(self.actuator, piece.record, model.smoother, motion), foretold=True)
+            )
+        return Setting(self.actuator, tuple(pieces))
 
     @property
     def placed(self) -> bool:

@@ -40,7 +40,7 @@ from ema_tools.select.balance_bench import (
     solved,
 )
 from ema_tools.select.balance_setting import Setting
-from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, pattern_of, patterns_of
+from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
@@ -201,6 +201,12 @@ class _Search:
         known, columns_of = self._told_apart(accepted, effect, known)
         if not known:
             return Refusal(effect, SAME_SWING)
+        texture = next((one.effect for one in accepted.patterns if is_texture(accepted.samples.setting, one.effect, one.shape)), "")
+        if texture and self.bench.division.by != "record" and is_texture(accepted.samples.setting, effect, known[0].shape):
+            return Refusal(
+                effect,
+                f"{texture} was accepted, and one record of one motion does not tell textures along the way apart: record another motion",
+            )
         bench, rows = self.bench, self.bench.training
         if known[0].bends:
             fit = bench.searched(accepted, effect, known)
@@ -358,7 +364,14 @@ class _Search:
         if self.bench.load_named and accepted.patterns:
             size = size_of_load()
             judged = self.bench.judged(accepted)
-            if abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf):
+            held = self.bench.with_load_as_given(accepted)
+            gain = float(np.sum(held.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
+            slight = (
+                abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf)
+                or self.share(held, gain) < LEAST_SHARE
+                or gain < LEAST_OF_FIRST * self.first
+            )
+            if slight:
                 self.bench.load_named = False
                 accepted = self.with_patterns(accepted.patterns, accepted.samples)
                 dropped.append(load_effect())

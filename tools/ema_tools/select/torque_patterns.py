@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -170,6 +170,16 @@ def patterns_of(setting: Setting, effect: str) -> Sequence[Pattern] | str:
     return tuple(one for one in found if not isinstance(one, str)) or refused
 
 
+def is_texture(setting: Setting, effect: str, shape: Shape) -> bool:
+    """Whether an effect is a pattern along the way: a wave, or something at one place of it."""
+    record, states = record_of(effect), setting.states
+    if record.local is None:
+        return record.periodic is not None
+    field_by_field = {name.removeprefix(f"{effect}."): value for name, value in shape.items()}
+    moved = replace(states, screw_mm=states.screw_mm + float(np.ptp(states.screw_mm)))
+    return not np.array_equal(record.local.torque(states, field_by_field), record.local.torque(moved, field_by_field))
+
+
 def _not_known(setting: Setting, effect: str, shape: Shape) -> str:
     """Why an effect that acts at a place cannot be told from records that do not say where the machine is; empty where it can."""
     if not setting.placed and record_of(effect).periodic is None and _differ(effect, shape, setting, setting.elsewhere):
@@ -197,7 +207,7 @@ def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
         return _local(setting, effect, record.local, shape)
     if record.bending is not None:
         return Pattern(effect, shape, np.zeros((setting.rows, 0)))
-    return _asked(setting, load_definitions().effect(effect))
+    return _asked(setting.foretold if load_definitions().effect(effect).site == "FRICTION" else setting, load_definitions().effect(effect))
 
 
 def continuous_of(effect: str) -> tuple[str, ...]:

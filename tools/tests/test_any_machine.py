@@ -1,0 +1,182 @@
+"""Machines whose controller nobody knows: several records of motion and drive alone, of a plant that shares nothing with the module."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.base.compiled import HAS_NUMBA
+from ema_tools.base.errors import InputError
+from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records
+from ema_tools.benchmarks.machines.trials import HEALTHY, MachineTrial, actuator_of, perform, plan, right, wrong
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.motion_records import MotionRecord, of_controlled, write_motion_record
+from ema_tools.fit.division import divided
+from ema_tools.select.balance_setting import Setting
+from ema_tools.select.force_balance import SAME_SWING, improve_by_forces
+from ema_tools.select.torque_patterns import NO_SCREW, NOT_PLACED, patterns_of
+from ema_tools.tasks.method import chosen, diagnosed
+from support import chirp_record, run_ema
+
+quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a record without Numba")
+
+
+@quick
+@pytest.mark.parametrize(
+    ("kind", "command", "effect"),
+    [
+        ("bare motor", "sweeps", "cogging_torque"),
+        ("ball screw", "pick and place", "spring_load"),
+        pytest.param("bare motor", "start and stop", "stribeck_friction", marks=pytest.mark.slow),
+        pytest.param("belt", "sweeps", "quadratic_viscous", marks=pytest.mark.slow),
+        pytest.param("joint with an arm", "sweeps", "constant_load", marks=pytest.mark.slow),
+        pytest.param("linear motor", "pick and place", "viscous_asymmetry", marks=pytest.mark.slow),
+        pytest.param("lead screw", "steady speeds", "constant_load", marks=pytest.mark.slow),
+    ],
+)
+def test_the_hidden_effect_is_named_without_a_controller(kind: str, command: str, effect: str) -> None:
+    row = perform(MachineTrial(kind, 0, command, effect, "medium"))
+    assert right(row) and not wrong(row), row
+    assert row["verdict"] == "missing" and row["error"][1] < 0.5 * row["error"][0]
+
+
+@quick
+@pytest.mark.parametrize("command", ["sweeps", pytest.param("steady speeds", marks=pytest.mark.slow)])
+def test_a_healthy_machine_is_accused_of_nothing(command: str) -> None:
+    row = perform(MachineTrial("bare motor", 0, command, HEALTHY))
+    assert not wrong(row), row
+
+
+def test_the_plan_asks_only_for_what_records_can_show() -> None:
+    trials = plan(1)
+    assert len({trial.key for trial in trials}) == len(trials)
+    assert {trial.effect for trial in trials} == {HEALTHY, *EFFECTS}
+    assert not any(trial.effect == "spring_load" and trial.kind == "bare motor" for trial in trials)
+
+
+def spinning(speed_rad_s: float, seed: int, wave_Nm: float = 0.0, start_rad: float = 0.0) -> MotionRecord:
+    """A shaft of known friction that turns: 5 s, speed and torque alone."""
+    random, time = np.random.default_rng(seed), np.arange(1000) * 5e-3
+    speed = speed_rad_s * (1.0 + 0.02 * np.sin(3.0 * time))
+    angle = start_rad + np.cumsum(speed) * 5e-3
+    wave = wave_Nm * (np.sin(angle) + 0.3 * np.sin(2.0 * angle))
+    torque = 0.02 * np.sign(speed) + 1e-4 * speed + wave + random.normal(0.0, 2e-4, time.size)
+    return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
+
+
+def test_a_swing_once_per_turn_is_named_where_nobody_knows_where_records_begin() -> None:
+    actuator = actuator_of("lead screw", 0)
+    runs = [spinning(speed, seed, 2e-3, 1.7 * seed) for seed, speed in enumerate((2.0, -3.0, 5.0, -7.0, 9.0))]
+    found = improve_by_forces(actuator, runs)
+    (wave,) = [step for step in found.steps if "cogging_torque" in (step.effect, *step.alike)]
+    assert wave.values[f"{wave.effect}.periods" if f"{wave.effect}.periods" in wave.values else "cogging_torque.periods"] == 1.0
+    size = next(value for name, value in wave.values.items() if name.startswith(wave.effect) and "periods" not in name)
+    assert wave.effect != "cogging_torque" or size == pytest.approx(2e-3, rel=0.05)
+    # its second harmonic is no effect of its own
+    reasons = {one.effect: one.reason for one in found.refused}
+    assert SAME_SWING in reasons.values() or len([step for step in found.steps if "periods" in str(step.values)]) == 1
+
+
+def test_noise_alone_has_no_phase() -> None:
+    found = improve_by_forces(
+        actuator_of("lead screw", 0), [spinning(speed, seed) for seed, speed in enumerate((2.0, -3.0, 5.0, -7.0, 9.0))]
+    )
+    assert not found.steps
+
+
+def test_what_acts_at_a_place_is_not_asked_of_records_without_one() -> None:
+    screw, motor = actuator_of("lead screw", 0), actuator_of("bare motor", 0)
+    placeless = Setting.of(screw, [spinning(5.0, 1)], [improve_smoother(screw)])
+    assert patterns_of(placeless, "spring_load") == NOT_PLACED and patterns_of(placeless, "jam_spot") == NOT_PLACED
+    bare = Setting.of(motor, [spinning(5.0, 1)], [improve_smoother(motor)])
+    assert patterns_of(bare, "pitch_ripple") == NO_SCREW
+    assert not isinstance(patterns_of(bare, "quadratic_viscous"), str)
+
+
+def improve_smoother(actuator: object) -> object:
+    """The filter of such a record."""
+    from ema_tools.balances.mechanical import quiet_smoother
+
+    return quiet_smoother(actuator, spinning(5.0, 1))  # type: ignore[arg-type]
+
+
+def test_records_are_held_out_in_turn_and_many_by_speed() -> None:
+    few = divided([spinning(speed, 1) for speed in (1.0, 2.0, 3.0)])
+    assert (few.by, few.count, few.folds) == ("record", 3, 3) and [int(part[0]) for part in few.fold] == [0, 1, 2]
+    many = divided([spinning(float(speed), 1) for speed in range(1, 13)])
+    assert many.folds == 4 and [int(part[0]) for part in many.fold] == [0, 1, 2, 3] * 3
+    apart = divided([spinning(1.0, 1)], [spinning(2.0, 1)])
+    alone = divided([spinning(1.0, 1)])
+    assert apart.apart and apart.folds == alone.folds + 1 and int(apart.fold[1][0]) == alone.folds
+    assert alone.by == "lap" and divided([MotionRecord(5e-3).with_columns({"motor_speed_rad_s": np.arange(100.0)})]).by == "block"
+
+
+def test_what_was_recorded_changes_nothing() -> None:
+    """The balance of a record of a controlled machine is that of the same record read as one of any machine."""
+    from ema_tools.balances.mechanical import mechanical, quiet_smoother
+
+    actuator = reference_actuator()
+    record = chirp_record(actuator, "chirp:duration_s=3")
+    smoother = quiet_smoother(actuator, record)
+    one, other = mechanical(actuator, record, smoother), mechanical(actuator, of_controlled(record), smoother)
+    assert other.residual == pytest.approx(one.residual, abs=1e-9 * float(np.max(np.abs(one.measured))))
+
+
+def test_the_method_is_chosen_and_said() -> None:
+    actuator = reference_actuator()
+    record = chirp_record(actuator, "chirp:duration_s=1")
+    bare = spinning(5.0, 1)
+    assert chosen(actuator, [record]).method == "simulation"
+    assert chosen(actuator, [record, record]).method == "balance"
+    assert chosen(actuator, [bare]).because == "run 1 holds no command_mm and no position_mm, without which nothing is simulated"
+    with pytest.raises(InputError, match="--method simulation: 2 records"):
+        chosen(actuator, [record, record], asked="simulation")
+    with pytest.raises(InputError, match="--method simulation: run 1 holds no command_mm"):
+        chosen(actuator, [bare], asked="simulation")
+    with pytest.raises(InputError, match="--healthy: "):
+        chosen(actuator, [bare], [bare])
+    with pytest.raises(InputError, match="--healthy"):
+        chosen(actuator, [record], [record], asked="balance")
+
+
+@quick
+@pytest.mark.slow
+def test_the_command_writes_what_programs_read(tmp_path: Path) -> None:
+    actuator = actuator_of("bare motor", 0)
+    actuator.write(tmp_path / "machine.toml")
+    names = []
+    for number, record in enumerate(records(Machine("bare motor", 0, {"quadratic_viscous": 0.5}), "sweeps")):
+        names.append(tmp_path / f"{number}.csv")
+        write_motion_record(names[-1], record)
+    ran = run_ema(
+        "diagnose",
+        tmp_path / "machine.toml",
+        *names[:2],
+        "--holdout",
+        names[2],
+        "--json",
+        tmp_path / "d.json",
+        "--fitted",
+        tmp_path / "new.toml",
+    )
+    assert ran.code == 0, ran.err
+    result = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
+    assert (result["method"], result["mode"]) == ("balance", "several records")
+    assert result["effects"][0]["name"] == "quadratic_viscous" and result["effects"][0]["accepted"]
+    assert result["error"]["holdout_after"] < 0.5 * result["error"]["holdout_before"]
+    assert result["holdout"] == ["2.csv"] and result["records"] == ["0.csv", "1.csv"]
+    assert "By the balance of forces: 0.csv holds no command_mm" in ran.out.replace("\n", " ")
+    again = run_ema("diagnose", tmp_path / "new.toml", *names[:2])
+    assert again.code == 0 and "quadratic_viscous" not in again.out.split("Force error")[0]
+
+
+def test_diagnosing_more_than_one_healthy_state_is_not_offered() -> None:
+    with pytest.raises(InputError, match="2 records with --healthy"):
+        diagnosed(
+            reference_actuator(),
+            [chirp_record(reference_actuator(), "chirp:duration_s=1")] * 2,
+            [chirp_record(reference_actuator(), "chirp:duration_s=1")],
+        )
