@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import tomllib
@@ -24,8 +25,8 @@ def test_the_walk_is_what_the_commands_do(tmp_path: Path, monkeypatch: pytest.Mo
     data = lead_screw_folder()
     monkeypatch.chdir(tmp_path)
     (tmp_path / data.name).symlink_to(data)
-    draft, table, refusal = blocks(DOCUMENT)
-    shown_draft, shown_table = blocks(DOCUMENT, "text")
+    draft, table, refusal, _ = blocks(DOCUMENT)
+    shown_draft, shown_table, _ = blocks(DOCUMENT, "text")
     (completed,) = blocks(DOCUMENT, "toml")
     ran = run_ema(*shlex.split(draft)[1:])
     assert ran.code == 0, ran.err
@@ -42,6 +43,29 @@ def test_the_walk_is_what_the_commands_do(tmp_path: Path, monkeypatch: pytest.Mo
     head, mark, tail = completed.partition("[columns.torque_Nm]")
     Path("map.toml").write_text(head + mark + tail.replace("sign = -1\n", ""), encoding="utf-8")
     assert complaint(run_ema("import", "table", data.name, "--map", "map.toml", "-o", "other")) == refusal.strip()
+
+
+@pytest.mark.slow
+def test_the_drives_missing_effects_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A constant load, a swing once per turn and friction's bump, which its makers measured, and nothing else."""
+    data = lead_screw_folder()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / data.name).symlink_to(data)
+    _, table, _, diagnose = blocks(DOCUMENT)
+    Path("build").mkdir()
+    Path("build/map.toml").write_text(blocks(DOCUMENT, "toml")[0], encoding="utf-8")
+    assert run_ema(*shlex.split(table)[1:]).code == 0
+    ran = run_ema(*shlex.split(diagnose)[1:], "--json", "found.json")
+    assert ran.code == 0, ran.err
+    assert missing_from(blocks(DOCUMENT, "text")[2], ran.out) == ""
+    found = json.loads(Path("found.json").read_text(encoding="utf-8"))
+    assert (found["verdict"], found["method"]) == ("missing", "balance")
+    accepted = [one["class"] for one in found["effects"] if one["accepted"]]
+    assert len(accepted) == 3
+    for wanted in ("constant_load", "cogging_torque", "stribeck_friction"):
+        assert any(wanted in alike for alike in accepted), wanted
+    assert found["error"]["holdout_after"] < 0.6 * found["error"]["holdout_before"]
+    assert run_ema("compare", "build/drive/found.toml", "build/drive/start_stop_50.csv").code == 0
 
 
 def test_the_tables_name_every_entry_and_nothing_else() -> None:

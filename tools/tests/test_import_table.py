@@ -18,7 +18,7 @@ from ema_tools.data.motion_records import of_controlled, read_motion_record, wri
 from ema_tools.results.files import DraftResult, TableImportResult
 from ema_tools.results.reading import read_result
 from ema_tools.tasks.simulate import simulate_record
-from foreign_files import FORMATS, FRICTION, INERTIA, LOAD, MAP, PLAIN_MAP, RPM, VISCOUS, columns, run, text
+from foreign_files import FORMATS, FRICTION, INERTIA, MAP, PLAIN_MAP, RPM, VISCOUS, columns, run, text
 from support import RECORDINGS, ROOT, complaint, run_ema
 
 
@@ -94,7 +94,7 @@ def test_the_actuator_starts_from_the_records_and_has_no_controller(tmp_path: Pa
     actuator = read_actuator(out / "actuator.toml", complete=False)
     assert actuator["screw.inertia_kgm2"] == pytest.approx(INERTIA, rel=0.05)
     assert actuator["screw.csj_Nm"] == pytest.approx(FRICTION, rel=0.05)
-    assert actuator["screw.load_torque_Nm"] == pytest.approx(LOAD, rel=0.05)
+    assert actuator["screw.load_torque_Nm"] == 0.0
     assert actuator["screw.viscous_Nm_s_per_rad"] == pytest.approx(VISCOUS, rel=0.3)
     assert not actuator.has("control.kp_per_m")
     assert not actuator.has("screw.lead_mm")

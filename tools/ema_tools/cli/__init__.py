@@ -101,21 +101,24 @@ def simulate(
 @precision_option("64")
 @json_option
 def compare(actuator: str, record: str, precision: str, json_path: str | None, force: bool) -> None:
-    """Compare ACTUATOR's model with a RECORD, and say where it fails."""
+    """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known."""
     from ema_tools.compare.comparison import compare as work
+    from ema_tools.compare.motion_comparison import compare_motion
     from ema_tools.data.actuator import read_actuator
-    from ema_tools.data.records import read_record
+    from ema_tools.data.any_record import read_any_record
+    from ema_tools.data.motion_records import MotionRecord
+    from ema_tools.data.records import Record
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
     writable(json_path=json_path, force=force, inputs=(actuator, record))
-    model = read_actuator(actuator)
-    measured = read_record(record, model)
+    model = read_actuator(actuator, complete=False)
+    measured = read_any_record(record, model)
     with progress("comparing", 3) as bar:
-        found = work(model, measured, int(precision), bar.update)
+        found = compare_motion(model, measured) if isinstance(measured, MotionRecord) else work(model, measured, int(precision), bar.update)
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
-    result = comparison(found, origin, curves(measured, model=found.simulation))
+    result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
     save(json_path, result, force)
     show.comparison(output(), result, model.name)
 
@@ -322,10 +325,11 @@ def diagnose(
 ) -> None:
     """Say which physical effect ACTUATOR's model lacks on REC, or that none is missing, or that the library does not hold it.
 
-    With --healthy the question is what has changed on this machine, without it what the model lacks. Several records are held out in turn: what helps on all of them is no chance.
+    REC and --healthy take files, patterns and folders. With --healthy the question is what has changed on this machine, without it what the model lacks.
+    Several records are held out in turn: what helps on all of them is no chance.
     """
     from ema_tools.data.actuator import read_actuator
-    from ema_tools.data.any_record import read_any_record
+    from ema_tools.data.any_record import read_any_record, record_files
     from ema_tools.data.records import Record, simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.diagnose import Answer
@@ -333,6 +337,7 @@ def diagnose(
     from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.terminal import show
 
+    record, healthy = record_files(record), record_files(healthy)
     writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, *record, *healthy, *filter(None, (holdout,))))
     model = read_actuator(actuator, complete=False)
     records = [read_any_record(path, model) for path in record]

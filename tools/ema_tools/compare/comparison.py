@@ -87,13 +87,13 @@ class ErrorPart:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The whole answer on the record called `record`; `simulation` [rows] is what was compared with the record."""
+    """The whole answer on the record called `record`; `simulation` [rows] is what was compared with the record, None where nothing can be simulated."""
 
     record: str
     channels: dict[str, ChannelError]
     balances: dict[str, BalanceError]
     where: tuple[ErrorPart, ...]
-    simulation: Simulation
+    simulation: Simulation | None
 
 
 def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:
@@ -182,7 +182,7 @@ class State:
     period_s: float
 
 
-def _even(by: str, values: Reals, unit: str, period_s: float) -> State | None:
+def even_parts(by: str, values: Reals, unit: str, period_s: float) -> State | None:
     """Parts of equal width between the lowest and the highest value; None when nothing changes."""
     low, high = float(np.min(values)), float(np.max(values))
     # A size begins at zero; its smallest sample is only close to it.
@@ -202,25 +202,26 @@ def states_of(actuator: Actuator, record: Record) -> list[State]:
     moving = np.abs(speed) > 0.01 * float(np.max(np.abs(speed), initial=0.0))
     direction = np.sign(speed) * moving
     states = [
-        _even("time", record.time_s, "s", period_s),
-        _even("speed", np.abs(speed), "mm/s", period_s),
-        _even("position", smooth, "mm", period_s),
+        even_parts("time", record.time_s, "s", period_s),
+        even_parts("speed", np.abs(speed), "mm/s", period_s),
+        even_parts("position", smooth, "mm", period_s),
     ]
     lead = actuator["screw.lead_mm"]
     if np.ptp(smooth) > lead:
         # within one turn of the screw it says no more than the position
-        states.append(_even("place in the lead", np.mod(smooth, lead), "mm", period_s))
+        states.append(even_parts("place in the lead", np.mod(smooth, lead), "mm", period_s))
     if record.current_A is not None:
-        states.append(_even("current", np.abs(record.current_A), "A", period_s))
-    states.append(State("direction", direction, (-1.5, -0.5, 0.5, 1.5), ("retracting", "resting", "extending"), period_s))
-    since = since_reversal_s(direction, period_s)
-    ends = _SINCE_REVERSAL_S[1:]
-    parts = tuple(
-        f"{first:g} s or more" if math.isinf(last) else f"{first:g} to {last:g} s"
-        for first, last in zip(_SINCE_REVERSAL_S[:-1], ends, strict=True)
+        states.append(even_parts("current", np.abs(record.current_A), "A", period_s))
+    return [state for state in (*states, *reversal_parts(direction, period_s)) if state is not None]
+
+
+def reversal_parts(direction: Reals, period_s: float) -> tuple[State, State]:
+    """The direction of motion [rows], -1, 0 or 1, and the time since the last reversal."""
+    parts = tuple(f"{first:g} s or more" if math.isinf(last) else f"{first:g} to {last:g} s" for first, last in pairwise(_SINCE_REVERSAL_S))
+    return (
+        State("direction", direction, (-1.5, -0.5, 0.5, 1.5), ("retracting", "resting", "extending"), period_s),
+        State("time since reversal", since_reversal_s(direction, period_s), _SINCE_REVERSAL_S, parts, period_s),
     )
-    states.append(State("time since reversal", since, _SINCE_REVERSAL_S, parts, period_s))
-    return [state for state in states if state is not None]
 
 
 def since_reversal_s(direction: Reals, period_s: float) -> Reals:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import glob
+from collections.abc import Sequence
 from pathlib import Path
 
 from ema_tools.base.errors import InputError
@@ -10,6 +12,24 @@ from ema_tools.data.motion_records import AnyRecord, MotionRecord, read_motion_r
 from ema_tools.data.records import read_record
 
 _NEEDED = ("command_mm", "position_mm")
+_ENDINGS = (".csv", ".mat", ".parquet", ".pq")
+
+
+def record_files(names: Sequence[str]) -> tuple[str, ...]:
+    """The files that names of files, patterns and folders stand for, each once, those of a pattern or folder by name. Raises InputError for a pattern or a folder without any."""
+    found: dict[str, None] = {}
+    for name in names:
+        path = Path(name)
+        if path.is_dir():
+            here = sorted(str(one) for one in path.iterdir() if one.suffix.lower() in _ENDINGS)
+        elif not path.exists() and glob.has_magic(name):
+            here = sorted(glob.glob(name))
+        else:
+            here = [name]
+        if not here:
+            raise InputError(f"{name}: no recordings there: files end in {', '.join(_ENDINGS)}")
+        found |= dict.fromkeys(here)
+    return tuple(found)
 
 
 def read_any_record(path: str | Path, actuator: Actuator) -> AnyRecord:

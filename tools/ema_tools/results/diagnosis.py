@@ -143,6 +143,16 @@ class Forces:
     curves: dict[str, Series]  # torque and residuals before and after, Nm, for a picture
 
 
+@dataclass(frozen=True)
+class FrictionShape:
+    """Steady friction forward, dry and viscous, that falls from standstill to a minimum."""
+
+    standstill_Nm: float
+    minimum_Nm: float
+    minimum_at_rad_s: float  # speed of the motor
+    above_minimum_percent: float  # at standstill
+
+
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisByBalanceResult:
     """Which effects are missing, by the mechanical balance of one record or of several."""
@@ -164,6 +174,7 @@ class DiagnosisByBalanceResult:
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     steps: tuple[StepEntry, ...] = ()
     forces: Forces
+    friction: FrictionShape | None = None  # None where friction is least at standstill
     gate: Validity = field(default_factory=Validity)
     where: Localisation = field(default_factory=Localisation)
     unknown: Unexplained | None = None  # none: nothing is drawn of it

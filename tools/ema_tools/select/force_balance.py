@@ -189,7 +189,7 @@ class _Search:
             return at(point).square(rows)
 
         start = np.array([last.shape[name] for name in names]) / scale
-        found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-4 * fit.square(rows), "maxfev": 60})
+        found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-6 * fit.square(rows), "maxfev": 120})
         best = at(found.x)
         return best if best.square(rows) < fit.square(rows) and not outside(best, last.effect) else fit
 

@@ -131,7 +131,7 @@ def _signals(records: Sequence[MotionRecord], mapped: TableMap) -> dict[str, tup
 
 
 def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Actuator, tuple[str, ...]]:
-    """An actuator without controller, with what the map states, and friction, load and, where it is not stated, inertia by least squares on all records.
+    """An actuator without controller, with what the map states, and friction and, where it is not stated, inertia by least squares on all records.
 
     Raises InputError when the records do not show what is not stated.
     """
@@ -141,7 +141,7 @@ def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Ac
     rows = _shaft_rows(records, mapped, train)
     known = inertia > 0.0
     found, std = _least_squares(rows, inertia if known else None)
-    estimated = [name for name, entry in zip(_STATED[1:3], ("viscous", "friction"), strict=True) if entry not in machine] + [_STATED[3]]
+    estimated = [name for name, entry in zip(_STATED[1:3], ("viscous", "friction"), strict=True) if entry not in machine]
     if not known:
         if not found[0] > _ERRORS * std[0]:
             raise InputError(
@@ -153,7 +153,8 @@ def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Ac
         _STATED[0]: inertia,
         _STATED[1]: machine.get("viscous", max(0.0, float(found[1]))),
         _STATED[2]: machine.get("friction", max(0.0, float(found[2]))),
-        _STATED[3]: float(found[3]),
+        # fitted only beside the others: a load that pulls one way is for a diagnosis to name
+        _STATED[3]: 0.0,
         **{value: machine[entry] for entry, value in _VALUES.items() if entry in machine},
     }
     about = {"name": "a machine", **{key: text for key, text in mapped.about.items() if text}}

@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
+import numpy as np
+
+from ema_tools.balances.effects import adjusted
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
+from ema_tools.balances.motion import Motion, at_points
 from ema_tools.base.interval import interval95
-from ema_tools.data.actuator import row_of
+from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.fit.division import By
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
@@ -22,6 +26,7 @@ from ema_tools.words.answers.steps import FIRST, field_of
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.balance import next_step, sentence
 
+_SPEEDS = 200  # that friction is worked out at [layout]
 REFITTED = "base values refitted"
 _MODES: dict[By, Literal["laps of one record", "stretches of one record", "several records"]] = {
     "lap": "laps of one record",
@@ -51,11 +56,26 @@ def diagnosis_by_balance(
         unexplained=found.unexplained,
         steps=_steps(way),
         forces=forces_of(way),
+        friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
         gate=validity(found.gates[0]),
         where=localisation(found.where) if found.where is not None else Localisation(),
         provenance=provenance,
         curves=curves,
     )
+
+
+def friction(actuator: Actuator, fastest_rad_s: float) -> result.FrictionShape | None:
+    """Steady friction of a model over the speeds of the records; None where it is least at standstill, as without a bump."""
+    speeds = np.concatenate(([0.0], np.geomspace(1e-3, 1.0, _SPEEDS) * fastest_rad_s))
+    nothing = np.zeros_like(speeds)
+    motion = Motion(nothing, np.maximum(speeds, 1e-9), nothing, nothing, nothing)
+    level = actuator["screw.csj_Nm"] * actuator["screw.dynamic_ratio"]
+    drag = level + at_points(actuator, motion, "FRICTION", level_Nm=level) - at_points(actuator, motion, "TORQUE")
+    total = drag + adjusted(actuator)["screw.viscous_Nm_s_per_rad"] * speeds
+    least = int(np.argmin(total))
+    if not least or not total[least] > 0.0:
+        return None
+    return result.FrictionShape(float(total[0]), float(total[least]), float(speeds[least]), 100.0 * float(total[0] / total[least] - 1.0))
 
 
 def _steps(way: ForceSteps) -> tuple[StepEntry, ...]:
@@ -102,8 +122,10 @@ def _refused(one: Refusal) -> EffectEntry:
 
 def _numbers(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     """Values of one effect by field."""
+    own = {name: value for name, value in values.items() if name.startswith(f"{effect}.")}
     base_value = record_of(effect).base_value
-    return {field_of(name): float(value) for name, value in values.items() if f"{effect}." in name or name == base_value}
+    found = own or {name: value for name, value in values.items() if name == base_value}
+    return {field_of(name): float(value) for name, value in found.items()}
 
 
 def forces_of(way: ForceSteps) -> result.Forces:

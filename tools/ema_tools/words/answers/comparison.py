@@ -18,7 +18,7 @@ def comparison(found: Comparison, provenance: Provenance, curves: CurvesEntry | 
         balances={name: _balance(error) for name, error in found.balances.items()},
         where=tuple(map(_place, found.where)),
         sentence=sentence(found),
-        unlocated_event_steps=found.simulation.unlocated_event_steps,
+        unlocated_event_steps=found.simulation.unlocated_event_steps if found.simulation is not None else 0,
         provenance=provenance,
         curves=curves,
     )

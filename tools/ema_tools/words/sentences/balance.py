@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ema_tools.fit.division import By
+from ema_tools.results.diagnosis import FrictionShape
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 
 # What is fitted and held out, in the plural.
@@ -31,6 +32,12 @@ def sentence(found: BalanceAnswer) -> str:
         f"{found.names}: missing are {names}: force error {given.training:.2f} % on the {parts} fitted and {given.holdout:.2f} % on the {parts} held out before,"
         f" {last.training:.2f} % and {last.holdout:.2f} % after; {floor}."
     )
+
+
+def friction_sentence(found: FrictionShape) -> str:
+    """Where steady friction is least, and how far above that it is at standstill."""
+    turns = found.minimum_at_rad_s * 60.0 / (2.0 * math.pi)
+    return f"Friction at standstill is {found.above_minimum_percent:.2g} % above its minimum, which lies at {found.minimum_at_rad_s:.3g} rad/s ({turns:.3g} rpm) of the motor."
 
 
 def next_step(found: BalanceAnswer) -> str:

@@ -20,6 +20,7 @@ from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResul
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
+from ema_tools.words.sentences.balance import friction_sentence
 from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
@@ -265,6 +266,8 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         )
     rows.add_row("floor: lap to lap", "", "", number(forces.error.floor_percent, 3), "")
     console.print(rows)
+    if found.friction is not None:
+        say(console, friction_sentence(found.friction))
     refused = table("Refused", "effect", "why", text_columns=2)
     refused.columns[-1].no_wrap = False
     for one in forces.refused:
@@ -276,9 +279,10 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
 
 def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
     """The size of a step's effect as the last fit has it, with its 95 % interval."""
-    for name, size in last.parameters.items():
-        if f"{step.added}." in name or name == record_of(step.added).base_value:
-            return f"{row_of(name).field} {size_text(name, size.value, size.std)}"
+    own = [name for name in last.parameters if name.startswith(f"{step.added}.")] or [record_of(step.added).base_value]
+    if own[0] in last.parameters:
+        size = last.parameters[own[0]]
+        return f"{row_of(own[0]).field} {size_text(own[0], size.value, size.std)}"
     return ""
 
 

@@ -1,0 +1,38 @@
+"""`python -m ema_tools.benchmarks.machines --units 3 -o DIR --document ../docs/MACHINES.md` asks about machines without a known controller; interrupted, the same call goes on."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import click
+
+from ema_tools.base.files import write_text
+from ema_tools.base.parallel import workers as cores
+from ema_tools.benchmarks.hidden import running
+from ema_tools.benchmarks.machines.document import written
+from ema_tools.benchmarks.machines.trials import perform, plan
+from ema_tools.benchmarks.options import folder_option, workers_option
+from ema_tools.words.terminal.console import output, run_command
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.option("--units", type=click.IntRange(1), default=1, show_default=True, help="Units of each of six kinds.")
+@workers_option
+@folder_option("machines")
+@click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there as Markdown, overwritten.")
+def main(units: int, workers: int | None, folder: Path, document: Path | None) -> None:
+    """Hides effects in machines of six kinds and counts which of them are named from motion and drive alone."""
+    begun = time.monotonic()
+    rows = running.run(plan(units), folder, cores() if workers is None else workers, perform)
+    text = written(rows, f"python -m ema_tools.benchmarks.machines --units {units} -o DIR --document ../docs/MACHINES.md")
+    console = output()
+    console.print(text[text.index("## Goals") :], markup=False)
+    console.print(f"{len(rows)} answers, {running.elapsed(begun)}")
+    if document is not None:
+        write_text(document, text, force=True)
+        console.print(str(document))
+
+
+if __name__ == "__main__":
+    run_command(main)

@@ -1,0 +1,72 @@
+"""The answers as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ema_tools.benchmarks.machines.plants import COMMANDS, EFFECTS, KINDS
+from ema_tools.benchmarks.machines.trials import HEALTHY, SIZES, named, right, wrong
+
+Rows = Sequence[Mapping[str, Any]]
+_WANTED_RIGHT, _WANTED_WRONG, _WANTED_ACCUSED = 95.0, 1.0, 0.5
+
+
+def _share(rows: Rows, holds: Callable[[Any], bool]) -> tuple[float, str]:
+    """In %, and in words with the counts."""
+    count = sum(holds(row) for row in rows)
+    percent = 100.0 * count / len(rows) if rows else 0.0
+    return percent, f"{percent:.1f} % ({count} of {len(rows)})" if rows else "-"
+
+
+def _cells(rows: Rows) -> str:
+    hidden = [dict(row) for row in rows if row["effect"] != HEALTHY]
+    sound = [dict(row) for row in rows if row["effect"] == HEALTHY]
+    by_size = [_share([row for row in hidden if row["size"] == size], right)[1] for size in SIZES]
+    return " | ".join([*by_size, _share(hidden, lambda row: bool(wrong(row)))[1], _share(sound, lambda row: bool(wrong(row)))[1]])
+
+
+def written(rows: Rows, call: str) -> str:
+    """The document."""
+    hidden, sound = named([dict(row) for row in rows]), [dict(row) for row in rows if row["effect"] == HEALTHY]
+    goals: tuple[tuple[str, tuple[float, str], str, Callable[[float], bool]], ...] = (
+        ("right effect or class accepted first, medium and large", _share(hidden, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
+        ("a wrong effect accepted", _share(hidden, lambda row: bool(wrong(row))), "<= 1 %", lambda value: value <= _WANTED_WRONG),
+        ("healthy machines accused", _share(sound, lambda row: bool(wrong(row))), "<= 1 of 200", lambda value: value <= _WANTED_ACCUSED),
+    )
+    head = f"| {' | '.join(SIZES)} | wrong accepted | healthy accused |"
+    lines = [
+        "# Machines whose controller nobody knows",
+        "",
+        "Written by a command; do not edit. To write it again, after `cmake --workflow --preset test`, in `tools` with the build's Python:",
+        "",
+        f"    {call}",
+        "",
+        "Six kinds of machines are simulated that share nothing with the library: bristle friction whose bump falls as 1 / (1 + (w/w0)^2) where the library has an",
+        "exponential, waves with a second harmonic of 15 %, a speed loop of which no record tells, fixed steps of 20 µs. Recorded are one motion and one drive, as that",
+        "machine's drive gives them: twelve records at steady speeds, or three of each other command. The diagnosis gets the inertia to 5 %, the kind's friction, and the",
+        "records. *Right* is the hidden effect, or one that the answer says these records cannot tell from it, accepted and before any other; *wrong* is any other",
+        "accepted effect but `presliding`, which all these machines have. Medium and large, as a share of the friction, of the drag or of the torque constant: "
+        + ", ".join(f"{name} {100.0 * share:g} and {250.0 * share:g} %" for name, share in EFFECTS.items())
+        + ".",
+        "No ideal observer stands beside these figures.",
+        "",
+        "## Goals",
+        "",
+        "| goal | limit | met | reached |",
+        "|---|---|---|---:|",
+        *(f"| {title} | {limit} | {'yes' if met(found[0]) else '**no**'} | {found[1]} |" for title, found, limit, met in goals),
+        "",
+    ]
+    for title, key, values in (
+        ("By effect", "effect", tuple(EFFECTS)),
+        ("By kind of machine", "kind", tuple(KINDS)),
+        ("By command", "command", COMMANDS),
+    ):
+        lines += [f"## {title}", "", f"| {key} {head}", "|---|---:|---:|---:|---:|"]
+        lines += [f"| {value} | {_cells([row for row in rows if row[key] == value])} |" for value in values]
+        lines.append("")
+    off = [row for row in rows if row.get("refused") or wrong(dict(row)) or (row["effect"] != HEALTHY and not right(dict(row)))]
+    lines += ["## What was not right", "", "| machine, command and what was hidden | answer |", "|---|---|"]
+    lines += [f"| {row['key']} | {row.get('refused') or ', '.join(row['accepted']) or row['verdict']} |" for row in off]
+    return "\n".join(lines) + "\n"
