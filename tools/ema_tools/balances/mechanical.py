@@ -24,8 +24,7 @@ from ema_tools.plant.native import library
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
 SLOW_SHARE = 0.01  # the shaft rests where it stays below this share of its largest speed ... [judgement]
-# What noise may hide of the motion: at most this share of the speed that is exceeded in a tenth of the time [judgement]
-_USUAL, _OF_USUAL = 0.9, 0.5
+_OF_STEADY = 0.5  # of one speed, which the mean of a record is at least this share of, noise hides no more than as much [judgement]
 REST_S = 0.01  # ... for at least this time: a reversal is shorter [judgement]
 _REST_ROWS = 3  # ... and so many rows of a slow record: a reversal passes within one [judgement]
 NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
@@ -71,8 +70,9 @@ def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[
     inner = slice(smoother.edge_rows, -smoother.edge_rows)
     fastest = float(np.max(np.abs(motion.speed_rad_s[inner]), initial=0.0))
     # a record of one slow speed moves, however coarsely it was read
-    usual = float(np.quantile(np.abs(motion.speed_rad_s[inner]), _USUAL)) if motion.speed_rad_s[inner].size else 0.0
-    slow = np.abs(motion.speed_rad_s) <= max(SLOW_SHARE * fastest, min(3.0 * noise_rad_s, _OF_USUAL * usual))
+    steady = float(abs(np.mean(motion.speed_rad_s[inner]))) if fastest > 0.0 else 0.0
+    hidden = min(3.0 * noise_rad_s, _OF_STEADY * steady) if steady > _OF_STEADY * fastest else 3.0 * noise_rad_s
+    slow = np.abs(motion.speed_rad_s) <= max(SLOW_SHARE * fastest, hidden)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(np.int8), [0]))))
     resting = np.zeros(slow.size, dtype=bool)
     for first, last in zip(edges[::2], edges[1::2], strict=True):

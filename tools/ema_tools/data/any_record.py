@@ -16,8 +16,8 @@ _ENDINGS = (".csv", ".mat", ".parquet", ".pq")
 
 
 def record_files(names: Sequence[str]) -> tuple[str, ...]:
-    """The files that names of files, patterns and folders stand for, each once, those of a pattern or folder by name. Raises InputError for a pattern or a folder without any."""
-    found: dict[str, None] = {}
+    """The files that names of files, patterns and folders stand for, those of a pattern or folder in the order of their names. Raises InputError for a pattern or a folder without any."""
+    found: list[str] = []
     for name in names:
         path = Path(name)
         if path.is_dir():
@@ -28,7 +28,7 @@ def record_files(names: Sequence[str]) -> tuple[str, ...]:
             here = [name]
         if not here:
             raise InputError(f"{name}: no recordings there: files end in {', '.join(_ENDINGS)}")
-        found |= dict.fromkeys(here)
+        found += here
     return tuple(found)
 
 
