@@ -49,7 +49,7 @@ SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [
 FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
 # ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
-LEAST_OF_FIRST = 0.005
+LEAST_OF_FIRST = 0.02
 # By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them ... [judgement]
 WORSE_ELSEWHERE, WORSE_THIRD = 1.01, 1.1
 WORSE_OF_GAIN = 0.1  # ... where it matters beside what it takes off the squared error in all [judgement]

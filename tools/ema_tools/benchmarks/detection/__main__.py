@@ -13,7 +13,7 @@ from ema_tools.benchmarks.detection.document import figure, written
 from ema_tools.benchmarks.detection.trials import readings, wears, work
 from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.options import folder_option, workers_option
-from ema_tools.words.terminal.console import output, run_command
+from ema_tools.words.terminal.console import run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -31,13 +31,9 @@ def main(units: int, desk: int, days: int, workers: int | None, folder: Path, do
     picture = f"{document.stem.lower()}_curves.svg" if document is not None else ""
     again = f"python -m ema_tools.benchmarks.detection --units {units} --desk {desk} --days {days} -o DIR --document docs/DETECTION.md"
     text = written(rows, again, picture)
-    console = output()
-    console.print(text[text.index("## ") :], markup=False)
-    console.print(f"{len(rows)} trials, {running.elapsed(begun)}")
+    running.told(text, "## ", f"{len(rows)} trials", begun, document)
     if document is not None:
-        write_text(document, text, force=True)
         write_text(document.with_name(picture), figure(rows), force=True)
-        console.print(str(document))
 
 
 if __name__ == "__main__":

@@ -12,8 +12,9 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from ema_tools.base.files import write_text
 from ema_tools.benchmarks.hidden.sealed import remembering
-from ema_tools.words.terminal.console import progress
+from ema_tools.words.terminal.console import output, progress
 
 Row = dict[str, Any]
 
@@ -111,6 +112,16 @@ def _in_processes(tasks: Sequence[tuple[list[AJob], Path]], workers: int, work: 
                 if task.exception() is not None:
                     pool.shutdown(wait=False, cancel_futures=True)
                 task.result()
+
+
+def told(text: str, heading: str, what: str, begun: float, document: Path | None) -> None:
+    """A document from its first telling heading on, and how much was done in which time; written where one is asked for."""
+    console = output()
+    console.print(text[text.index(heading) :], markup=False)
+    console.print(f"{what}, {elapsed(begun)}")
+    if document is not None:
+        write_text(document, text, force=True)
+        console.print(str(document))
 
 
 def elapsed(begun: float) -> str:

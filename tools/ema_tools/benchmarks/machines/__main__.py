@@ -7,13 +7,12 @@ from pathlib import Path
 
 import click
 
-from ema_tools.base.files import write_text
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.machines.document import written
 from ema_tools.benchmarks.machines.trials import perform, plan
 from ema_tools.benchmarks.options import folder_option, workers_option
-from ema_tools.words.terminal.console import output, run_command
+from ema_tools.words.terminal.console import run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -26,12 +25,7 @@ def main(units: int, workers: int | None, folder: Path, document: Path | None) -
     begun = time.monotonic()
     rows = running.run(plan(units), folder, cores() if workers is None else workers, perform)
     text = written(rows, f"python -m ema_tools.benchmarks.machines --units {units} -o DIR --document ../docs/MACHINES.md")
-    console = output()
-    console.print(text[text.index("## Goals") :], markup=False)
-    console.print(f"{len(rows)} answers, {running.elapsed(begun)}")
-    if document is not None:
-        write_text(document, text, force=True)
-        console.print(str(document))
+    running.told(text, "## Goals", f"{len(rows)} answers", begun, document)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import click
 
-from ema_tools.base.files import write_text
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.benchmarks.robustness.design import EFFECTS, drawn, one_at_a_time
 from ema_tools.benchmarks.robustness.document import written
 from ema_tools.benchmarks.robustness.trials import perform, warnings_of
-from ema_tools.words.terminal.console import output, run_command
+from ema_tools.words.terminal.console import run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -37,12 +36,7 @@ def main(count: int, records: int, effects: str | None, workers: int | None, fol
     warned = {setting.key: warnings_of(setting) for setting in settings}
     rows = [{**row, "warnings": warned[row["key"]]} for row in rows]
     text = written(rows, "python -m ema_tools.benchmarks.robustness -o DIR --document ../docs/ROBUSTNESS.md")
-    console = output()
-    console.print(text[text.index("## Goals") :], markup=False)
-    console.print(f"{len(rows)} settings, {running.elapsed(begun)}")
-    if document is not None:
-        write_text(document, text, force=True)
-        console.print(str(document))
+    running.told(text, "## Goals", f"{len(rows)} settings", begun, document)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import click
 
-from ema_tools.base.files import write_text
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.benchmarks.searches.document import written
 from ema_tools.benchmarks.searches.problems import KINDS
 from ema_tools.benchmarks.searches.trials import perform, trials
-from ema_tools.words.terminal.console import output, run_command
+from ema_tools.words.terminal.console import run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -33,12 +32,7 @@ def main(two: int, eight: int, kinds: str | None, workers: int | None, folder: P
             raise click.UsageError(f"kind {name}: not known: use some of {', '.join(KINDS)}")
     rows = running.run(trials(two, eight, chosen), folder, cores() if workers is None else workers, perform, remember=False)
     text = written(rows, f"python -m ema_tools.benchmarks.searches --starts {two} --eight {eight} -o DIR --document ../docs/SEARCHES.md")
-    console = output()
-    console.print(text[text.index("## Ranks") :], markup=False)
-    console.print(f"{len(rows)} searches, {running.elapsed(begun)}")
-    if document is not None:
-        write_text(document, text, force=True)
-        console.print(str(document))
+    running.told(text, "## Ranks", f"{len(rows)} searches", begun, document)
 
 
 if __name__ == "__main__":

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import click
 
-from ema_tools.base.files import write_text
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.benchmarks.verdicts.document import written
 from ema_tools.benchmarks.verdicts.trials import drawn, perform, units
-from ema_tools.words.terminal.console import output, run_command
+from ema_tools.words.terminal.console import run_command
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -32,12 +31,7 @@ def main(count: int, days: int, draws: int, first: int, workers: int | None, fol
     text = written(
         rows, f"python -m ema_tools.benchmarks.verdicts --units {count} --days {days} --drawn {draws} -o DIR --document docs/VERDICTS.md"
     )
-    console = output()
-    console.print(text[text.index("## Goals") :], markup=False)
-    console.print(f"{len(rows)} answers, {running.elapsed(begun)}")
-    if document is not None:
-        write_text(document, text, force=True)
-        console.print(str(document))
+    running.told(text, "## Goals", f"{len(rows)} answers", begun, document)
 
 
 if __name__ == "__main__":
