@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import io
 import json
 import math
 import os
 import re
+import shutil
 import stat
-from collections.abc import Iterable, Mapping, Sequence
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -53,6 +56,29 @@ def read_text(path: str | Path) -> str:
         raise InputError(f"{path}: {reason(error)}: check the path") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: byte {error.start} is not UTF-8: save the file as UTF-8") from None
+
+
+@contextlib.contextmanager
+def read_again(path: Path) -> Iterator[Path]:
+    """`path`, or a file with what comes out of it when it is a pipe: that gives its bytes once. What is said of that file is said of `path`."""
+    try:
+        once = stat.S_ISFIFO(path.stat().st_mode)
+    except OSError:
+        once = False  # the reader says why
+    if not once:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        try:
+            with path.open("rb") as source, copy.open("wb") as kept:
+                shutil.copyfileobj(source, kept)
+        except OSError as error:
+            raise InputError(f"{path}: {reason(error)}: write the recording to a file first") from None
+        try:
+            yield copy
+        except InputError as error:
+            raise InputError(str(error).replace(str(copy), os.fspath(path))) from None
 
 
 def reason(error: OSError) -> str:

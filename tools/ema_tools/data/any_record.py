@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ema_tools.base.errors import InputError
+from ema_tools.base.files import read_again
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord, read_motion_record
 from ema_tools.data.records import read_record
@@ -34,19 +35,20 @@ def record_files(names: Sequence[str]) -> tuple[str, ...]:
 
 def read_any_record(path: str | Path, actuator: Actuator) -> AnyRecord:
     """Read a recording. Raises InputError in one line that names file, row and field."""
-    if actuator.absent:
-        return read_motion_record(path)
-    try:
-        return read_record(path, actuator)
-    except InputError as refused:
-        # what is not a controlled machine's record may be one of any machine; if it is not, the first complaint says more
+    with read_again(Path(path)) as place:
+        if actuator.absent:
+            return read_motion_record(place)
         try:
-            found = read_motion_record(path)
-        except InputError:
-            raise refused from None
-        if all(name in found.present for name in _NEEDED):
-            raise
-        return found
+            return read_record(place, actuator)
+        except InputError as refused:
+            # what is not a controlled machine's record may be one of any machine; if it is not, the first complaint says more
+            try:
+                found = read_motion_record(place)
+            except InputError:
+                raise refused from None
+            if all(name in found.present for name in _NEEDED):
+                raise
+            return found
 
 
 def lacks(record: AnyRecord) -> tuple[str, ...]:

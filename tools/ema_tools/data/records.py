@@ -6,12 +6,7 @@ A recording has one row per sample at a constant rate. `time_s`, `command_mm` an
 
 from __future__ import annotations
 
-import contextlib
-import os
-import shutil
-import stat
-import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +15,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import one_line, readable, reason, write_text
+from ema_tools.base.files import one_line, read_again, readable, reason, write_text
 from ema_tools.data.actuator import Actuator
 from ema_tools.plant.native import CHANNELS, RECORD_COLUMNS, Simulation, library
 
@@ -139,7 +134,7 @@ def read_record(path: str | Path, actuator: Actuator | None = None) -> Record:
 
     Raises InputError in one line that names file, row and field.
     """
-    with _to_be_read_twice(Path(path)) as place:
+    with read_again(Path(path)) as place:
         ending = place.suffix.lower()
         if ending in (".mat", ".parquet", ".pq"):
             columns = _mat_columns(place) if ending == ".mat" else _parquet_columns(place)
@@ -151,29 +146,6 @@ def read_record(path: str | Path, actuator: Actuator | None = None) -> Record:
         library().check_fit(str(path), table, actuator["screw.travel_mm"], actuator.record_period_s)
     arrays = {name: np.ascontiguousarray(table[:, place]) for place, name in enumerate(COLUMNS) if mask >> place & 1 and name != "time_s"}
     return Record(period_s=period_s, first_time_s=float(table[0, 0]), file=readable(Path(path).name), **arrays)
-
-
-@contextlib.contextmanager
-def _to_be_read_twice(path: Path) -> Iterator[Path]:
-    """`path`, or a file with what comes out of it when it is a pipe: that gives its bytes once. What is said of that file is said of `path`."""
-    try:
-        once = stat.S_ISFIFO(path.stat().st_mode)
-    except OSError:
-        once = False  # the reader says why
-    if not once:
-        yield path
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / path.name
-        try:
-            with path.open("rb") as source, copy.open("wb") as kept:
-                shutil.copyfileobj(source, kept)
-        except OSError as error:
-            raise InputError(f"{path}: {reason(error)}: write the recording to a file first") from None
-        try:
-            yield copy
-        except InputError as error:
-            raise InputError(str(error).replace(str(copy), os.fspath(path))) from None
 
 
 def _table(columns: Mapping[str, object], file: str) -> tuple[Reals, int]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import readable, reason
+from ema_tools.base.files import read_again, readable, reason
 from ema_tools.data.tables.raw import RawTable
 from ema_tools.data.tables.text import Stated, read_text_table
 from ema_tools.data.tables.units import Units
@@ -18,12 +18,17 @@ ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".mat", ".parquet", "
 
 def read_table(path: str | Path, stated: Stated | None = None, units: Units | None = None) -> RawTable:
     """The columns of a file. Raises InputError in one line that names file, row and column."""
-    place, known = Path(path), units or Units()
+    with read_again(Path(path)) as place:
+        return _read(place, stated or Stated(), units or Units())
+
+
+def _read(place: Path, stated: Stated, known: Units) -> RawTable:
+    """The columns of a file that gives its bytes as often as they are asked for."""
     file = readable(place.name)
     try:
         content = place.read_bytes()
     except OSError as error:
-        raise InputError(f"{path}: {reason(error)}: check the path") from None
+        raise InputError(f"{place}: {reason(error)}: check the path") from None
     if not content:
         raise InputError(f"{file}: is empty: record it again")
     ending = place.suffix.lower()
@@ -38,7 +43,7 @@ def read_table(path: str | Path, stated: Stated | None = None, units: Units | No
         from ema_tools.data.tables.binary import read_json
 
         return read_json(content, file, known)
-    return read_text_table(content, file, stated or Stated(), known)
+    return read_text_table(content, file, stated, known)
 
 
 def files_of(names: Iterable[str | Path]) -> list[Path]:
