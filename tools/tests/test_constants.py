@@ -87,6 +87,7 @@ def in_a_process(text: str) -> dict[str, object]:
     return found
 
 
+@pytest.mark.slow
 def test_a_changed_constant_is_changed_wherever_it_is_bound() -> None:
     found = in_a_process("""
 import json

@@ -39,7 +39,8 @@ def said(found: Identified) -> str:
     return " / ".join(reasons(found))
 
 
-@pytest.mark.parametrize(("wear", "colder_degC"), [(0.15, 33.0), pytest.param(0.25, 51.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("wear", "colder_degC"), [(0.15, 33.0), (0.25, 51.0)])
 def test_a_seizing_unit_with_a_cold_winding_is_not_healthy(wear: float, colder_degC: float) -> None:
     """On a slow triangle the rod position of a cold winding and more friction is that of neither; the current tells."""
     changes = {"screw.csj_Nm": (1.0 + wear) * CSJ_NM, "motor.resistance_ohm": (1.0 - PER_DEGC * colder_degC) * RESISTANCE_OHM}

@@ -16,7 +16,10 @@ from ema_tools.reference.commands import chirp, times_s, triangle
 from ema_tools.truth import Sensors, forms, simulate_truth
 from ema_tools.truth.climate import at_temperature
 
-pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record"),
+]
 
 SHEET = defaults()
 LEVEL_NM, VISCOUS = SHEET["screw.csj_Nm"], SHEET["screw.viscous_Nm_s_per_rad"]

@@ -177,6 +177,7 @@ def test_a_signal_that_is_not_connected_does_not_mislead_it() -> None:
     assert named(identify(reference_actuator(), dead)).effects[0] == "supply_sag"
 
 
+@pytest.mark.slow
 def test_the_command_line_names_it_adds_it_and_reports_the_fault(tmp_path: Path) -> None:
     machine = reference_actuator().changed({**WORN, "winding_heating.rise_degC": 60.0})
     noise = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}

@@ -16,7 +16,10 @@ from ema_tools.truth import Sensors, effects, outside, recordings, scattered, si
 from ema_tools.vectors.cases import CASES, Case
 from ema_tools.vectors.records import samples_of
 
-pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record"),
+]
 
 SHIPPED = Path(__file__).parents[2] / "recordings"
 CASE_A = {"screw.csj_Nm": 0.3, "screw.blk_mm": 0.04125}
@@ -30,7 +33,6 @@ def rms(one: Recording, other: Recording, channel: str) -> float:
     return float(np.sqrt(np.mean((getattr(one, channel) - getattr(other, channel)) ** 2)))
 
 
-@pytest.mark.slow
 def test_error_against_the_reference_falls_with_the_square_of_the_step() -> None:
     sweep = chirp(times_s(3_000), 2.0, 0.2, 4.0, 3.0)
     reference = simulate(CASE_A, sweep)

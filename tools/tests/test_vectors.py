@@ -22,6 +22,7 @@ STORED = Path(__file__).parents[2] / "tests" / "vectors"
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the vectors would take many minutes")
 
 
+@pytest.mark.slow
 @needs_numba
 def test_stored_files_are_reproduced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.argv", ["vectors", str(tmp_path)])
