@@ -185,7 +185,7 @@ def test_smoother_keeps_slow_and_takes_fast() -> None:
     slow = np.sin(2.0 * np.pi * 3.0 * time_s)
     fast = np.sin(2.0 * np.pi * 90.0 * time_s)
     assert smoother.decimated(slow) == pytest.approx(smoother.kept(slow), abs=0.02)
-    assert np.max(np.abs(smoother.decimated(fast)[10:-10])) < 5e-3
+    assert np.max(np.abs(smoother.decimated(fast)[10:-10])) < 1e-2
     assert smoother.kept(time_s)[0] == pytest.approx(0.05)
 
 

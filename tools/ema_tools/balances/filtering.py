@@ -1,6 +1,6 @@
 """The zero-phase filter through which every channel of a balance passes, and the decimation behind it.
 
-A Butterworth filter of fourth order, forward and backward, before differences are taken; edges are dropped, and the result is decimated to the filter's band.
+A Butterworth filter of fourth order, as if forward and backward, before differences are taken; edges are dropped, and the result is decimated to the filter's band.
 """
 
 from __future__ import annotations
@@ -11,29 +11,44 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
+from ema_tools.base.filters import butterworth, chebyshev, filtered, shares_of
 
 EDGE_S = 0.05  # time at both ends whose rows carry the filters' edges: 50 rows at 1 kHz, several periods of the highest cutoff [precision]
 _BLUNT = 1.001  # slower than the rate at which the usual cutoff is its largest, but for rounding [precision]
 _EDGE_ROWS_MIN = 10  # and at least one period of the usual cutoff, for slow records [precision]
 _ORDER = 4  # of the filter; run both ways it falls by the eighth power [judgement]
 _RATE_OVER_CUTOFF = 10  # rows per period of the cutoff: differences of rows are then derivatives to within 7 % at the cutoff [precision]
+_DECIMATOR = (8, 0.05)  # order and ripple in dB of the filter before rows are left out: 1 % of ripple, nothing folds back [precision]
+_DECIMATOR_SHARE = 0.8  # of the new half sample rate, where that filter begins to fall [precision]
 _CUTOFF_MAX_HZ = 100.0  # far above what moves an actuator's rod, below most sensor noise [judgement]
 
 
-@functools.cache
-def _butterworth(share: float) -> Reals:
-    """Second-order sections for a cutoff as share of half the sample rate."""
-    return np.asarray(signal.butter(_ORDER, share, output="sos"))
+@functools.lru_cache(maxsize=32)
+def _smoothing(rows: int, share: float) -> Reals:
+    """Gains of the smoothing with a cutoff as share of half the sample rate, [rows - 1]."""
+    return butterworth(shares_of(rows), _ORDER, share)
 
 
-@functools.cache
-def _chebyshev(every: int) -> Reals:
-    """Second-order sections in front of a decimation."""
-    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))
+@functools.lru_cache(maxsize=32)
+def _decimation(rows: int, every: int) -> Reals:
+    """Gains in front of a decimation, [rows - 1]."""
+    return chebyshev(shares_of(rows), *_DECIMATOR, _DECIMATOR_SHARE / every)
+
+
+def smoothed(values: Reals, share: float, axis: int = -1) -> Reals:
+    """Values along `axis` below a cutoff, as share of half their rate."""
+    return filtered(values, _smoothing(values.shape[axis], share), axis)
+
+
+def thinned(values: Reals, every: int, axis: int = -1) -> Reals:
+    """Every n-th of the values along `axis`, what would fold back taken out before."""
+    if every == 1:
+        return values
+    low = np.moveaxis(filtered(values, _decimation(values.shape[axis], every), axis), axis, 0)[::every]
+    return np.ascontiguousarray(np.moveaxis(low, 0, axis))
 
 
 @dataclass(frozen=True)
@@ -55,7 +70,7 @@ class Smoother:
 
     def as_seen(self, values: Reals) -> Reals:
         """A torque that was worked out row by row, as the filtered drive shows it, [rows] or [rows, k]."""
-        return np.asarray(signal.sosfiltfilt(_butterworth(2.0 * self.cutoff_hz * self.period_s), values, axis=0)) if self.blunts else values
+        return smoothed(values, self._share, 0) if self.blunts else values
 
     @property
     def every(self) -> int:
@@ -73,13 +88,13 @@ class Smoother:
         return 4 * self.edge_rows
 
     def smooth(self, values: Reals) -> Reals:
-        """Filtered forward and backward, [rows]."""
-        return np.asarray(signal.sosfiltfilt(_butterworth(2.0 * self.cutoff_hz * self.period_s), values))
+        """Without what lies above the cutoff, [rows]."""
+        return smoothed(values, self._share)
 
     @property
-    def low_pass(self) -> Reals:
-        """Second-order sections of the filter in front of the decimation."""
-        return _chebyshev(self.every)
+    def _share(self) -> float:
+        """The cutoff as share of half the sample rate."""
+        return 2.0 * self.cutoff_hz * self.period_s
 
     def inner(self, values: NDArray[Any]) -> NDArray[Any]:
         """Without the edges, [rows - 2 edge_rows]."""
@@ -89,8 +104,7 @@ class Smoother:
         """Edges dropped, then low-passed below the new rate and every n-th row kept, [samples] or [samples, k] of [rows, k]. Raises MissingSignal for fewer than the least rows."""
         if len(values) < self.least_rows:
             raise MissingSignal(f"{len(values)} rows are too few for any filter, {self.least_rows} are needed")
-        inner = self.inner(values)
-        return inner if self.every == 1 else np.asarray(signal.sosfiltfilt(self.low_pass, inner, axis=0))[:: self.every]
+        return thinned(self.inner(values), self.every, 0)
 
     def kept(self, values: NDArray[Any]) -> NDArray[Any]:
         """The rows at which `decimated` has its samples, without filtering, [samples]."""
@@ -106,5 +120,5 @@ def gain_of_noise(smoother: Smoother, derivatives: int) -> float:
     for _ in range(derivatives):
         response = np.gradient(response, smoother.period_s)
     if derivatives == 2 and smoother.every > 1:
-        response = signal.sosfiltfilt(smoother.low_pass, response)
+        response = filtered(response, _decimation(response.size, smoother.every))
     return float(np.linalg.norm(response))

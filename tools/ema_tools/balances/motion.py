@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother
@@ -98,6 +97,9 @@ def drive_current(actuator: Actuator, record: Record) -> Reals:
     fade, newer = math.exp(-record.period_s / lag_s), math.exp(-(1.0 - rest) * record.period_s / lag_s)
     weights = (0.0, 1.0 - newer, newer - fade)
     reference = between_rows(asked, late, 0.0)
+    # half a second to load, for this one case
+    from scipy import signal
+
     start = signal.lfiltic(weights, (1.0, -fade), [reference[0]], [reference[0], reference[0]])
     return np.asarray(signal.lfilter(weights, (1.0, -fade), reference, zi=start)[0])
 

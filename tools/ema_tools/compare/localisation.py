@@ -13,11 +13,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
-from scipy import signal
 
 from ema_tools.balances.all import BALANCES, all_balances
 from ema_tools.balances.balance import Balance
-from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.filtering import Smoother, smoothed, thinned
 from ema_tools.balances.mechanical import filter_of
 from ema_tools.base.arrays import Reals
 from ema_tools.compare.axes import Axis, MachineState, explained, fitted_energy, machine_state_of
@@ -42,6 +41,7 @@ _WINNER_SHARE = 0.25  # a term that explains less of the excess is no descriptio
 _SLOW_RAD_S = 10.0  # near standstill: the speeds of a Stribeck bump [physics]
 _BINS = 24  # of a picture of means over an axis [layout]
 _POINTS_MAX = 1200  # of a picture: more are not told apart [layout]
+_WHOLE_BAND = 0.9  # of half the sample rate: a cutoff beyond takes nothing away [precision]
 _DIGITS = 5  # of numbers that only a picture needs [layout]
 _PLACES_MAX = 24  # of the list of where the error is largest [layout]
 # Lines per turn of the motor in the spectrum over angle: beyond, the balance's filter passes little [layout]
@@ -145,12 +145,10 @@ def coarse(balance: Balance, smoother: Smoother) -> Balance:
     every = round(smoother.period_s * smoother.every / step)
     if every <= 1 or balance.time_s.size < 4 * every:
         return balance
-    sections = signal.butter(4, 2.0 * smoother.cutoff_hz * step, output="sos") if 2.0 * smoother.cutoff_hz * step < 0.9 else None
-    thinner = signal.cheby1(8, 0.05, 0.8 / every, output="sos")
+    share = 2.0 * smoother.cutoff_hz * step
 
     def kept(values: Reals) -> Reals:
-        smooth = values if sections is None else signal.sosfiltfilt(sections, values)
-        return np.asarray(signal.sosfiltfilt(thinner, smooth))[::every]
+        return thinned(smoothed(values, share) if share < _WHOLE_BAND else values, every)
 
     return replace(balance, time_s=balance.time_s[::every], measured=kept(balance.measured), residual=kept(balance.residual))
 
@@ -209,9 +207,8 @@ class Lines:
     def of(name: str, angle_rad: Reals, orders: Reals, smoother: Smoother) -> Lines:
         """From the angle on every row, [rows]."""
         phase = orders[:, None] * angle_rad
-        sections = signal.butter(4, 2.0 * smoother.cutoff_hz * smoother.period_s, output="sos")
-        smooth = signal.sosfiltfilt(sections, np.concatenate([np.sin(phase), np.cos(phase)]))[:, smoother.edge_rows : -smoother.edge_rows]
-        kept = (smooth if smoother.every == 1 else signal.sosfiltfilt(smoother.low_pass, smooth))[:, :: smoother.every]
+        smooth = smoother.smooth(np.concatenate([np.sin(phase), np.cos(phase)]))
+        kept = thinned(smooth[:, smoother.edge_rows : -smoother.edge_rows], smoother.every)
         return Lines(name, orders, np.stack([kept[: orders.size], kept[orders.size :]], axis=2))
 
     def amplitudes(self, residual: Reals, at: MachineState) -> tuple[Reals, Reals]:

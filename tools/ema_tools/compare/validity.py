@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, signal
+from scipy import ndimage
 
 from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.mechanical import filter_of
 from ema_tools.balances.motion import drive_current, motor_position
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
+from ema_tools.base.filters import correlated
 from ema_tools.base.noise import white_noise
 from ema_tools.compare.axes import MachineState, machine_state_of
 from ema_tools.compare.comparison import TITLES, UNITS
@@ -364,7 +365,7 @@ def lag_s(signal_one: Reals, signal_two: Reals, period_s: float, most_s: float =
     """By how much the first signal comes later than the second, s, from the peak of their cross-correlation; both [rows]."""
     one, two = signal_one - signal_one.mean(), signal_two - signal_two.mean()
     most = min(max(2, round(most_s / period_s)), signal_one.size // 4)
-    product = signal.correlate(one, two, mode="full", method="fft")
+    product = correlated(one, two)
     middle = two.size - 1
     near = product[middle - most : middle + most + 1]
     top = int(np.argmax(near))

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
@@ -52,20 +52,20 @@ class ShiftTest:
 
     def threshold(self, tests: int = _ALWAYS_ONE_SIDED) -> float:
         """Of one value, in standard deviations of its scatter, where `tests` share the false alarms."""
-        return float(self.widened * stats.t.isf(self.false_alarm / tests, self.freedom))
+        return float(self.widened * -_student(self.false_alarm / tests, self.freedom))
 
     def found(self, tests: int = _ALWAYS_ONE_SIDED) -> float:
         """The shift of one value, in standard deviations, that exceeds its threshold with `power`, on a machine whose scatter is the usual one."""
         limit = self.threshold(tests) / self.widened * self._shown()
-        return self.widened * _shift(lambda shift: float(np.mean(stats.norm.cdf(shift - limit))), self.power)
+        return self.widened * _shift(lambda shift: float(np.mean(special.ndtr(shift - limit))), self.power)
 
     def missed(self) -> float:
         """How many standard deviations above a threshold a shift must lie to be found with `power`."""
-        return self.widened * float(stats.norm.ppf(self.power))
+        return self.widened * float(special.ndtri(self.power))
 
     def exceeded(self, thresholds: Sequence[float]) -> float:
         """How often a healthy machine of the usual scatter exceeds one of these thresholds, in standard deviations of what is read of each value."""
-        return float(min(1.0, sum(stats.norm.sf(one / self.widened) for one in thresholds)))
+        return float(min(1.0, sum(special.ndtr(-one / self.widened) for one in thresholds)))
 
     def threshold_together(self) -> float:
         """Of both together: the distance of their shift in standard deviations of its direction."""
@@ -74,28 +74,33 @@ class ShiftTest:
     def found_together(self) -> float:
         """The distance that exceeds it with `power`, alike."""
         limit = self._squared() * self._shown() ** 2
-        return self.widened * _shift(lambda shift: float(np.mean(stats.ncx2.sf(limit, 2, shift**2))), self.power)
+        return self.widened * _shift(lambda shift: float(np.mean(1.0 - special.chndtr(limit, 2, shift**2))), self.power)
 
     def usual_false_alarms(self, tests: int = _ALWAYS_ONE_SIDED) -> float:
         """How often a machine whose scatter is the usual one exceeds one of its thresholds: more seldom than one of which nothing is known before its runs."""
         limit = self.threshold(tests) / self.widened * self._shown()
-        return float(tests * np.mean(stats.norm.sf(limit)))
+        return float(tests * np.mean(special.ndtr(-limit)))
 
     def usual_false_alarms_together(self) -> float:
         """The same of both together."""
-        return float(np.mean(stats.chi2.sf(self._squared() * self._shown() ** 2, 2)))
+        return float(np.mean(special.chdtrc(2, self._squared() * self._shown() ** 2)))
 
     def _shown(self) -> Reals:
         """The scatter that the runs show over the true one, where that is the usual: its quantiles, [k]."""
         if self.runs is None or self.runs < 2:
             return np.ones(1)
         places = (np.arange(_QUANTILES) + 0.5) / _QUANTILES
-        return np.asarray(np.sqrt((USUAL_WEIGHT + stats.chi2.ppf(places, self.runs - 1)) / self.freedom))
+        return np.asarray(np.sqrt((USUAL_WEIGHT + special.chdtri(self.runs - 1, 1.0 - places)) / self.freedom))
 
     def _squared(self) -> float:
         if self.runs is None:
-            return float(stats.chi2.isf(self.false_alarm, 2))
-        return 2.0 * float(stats.f.isf(self.false_alarm, 2, self.freedom))
+            return float(special.chdtri(2, self.false_alarm))
+        return 2.0 * float(special.fdtri(2, self.freedom, 1.0 - self.false_alarm))
+
+
+def _student(share: float, freedom: float) -> float:
+    """Below it lies this share of Student's distribution; of the normal one where the freedom has no end."""
+    return float(special.stdtrit(freedom, share) if math.isfinite(freedom) else special.ndtri(share))
 
 
 def _shift(share: Callable[[float], float], power: float) -> float:
@@ -109,7 +114,7 @@ def _shift(share: Callable[[float], float], power: float) -> float:
 def false_alarms(threshold: float, runs: int, tests: int = _ALWAYS_ONE_SIDED) -> float:
     """How often a healthy machine exceeds one of its thresholds, of which each lies so many shown standard deviations off: what `ShiftTest.threshold` takes the other way."""
     test = ShiftTest(runs=runs)
-    return float(min(1.0, tests * stats.t.sf(threshold / test.widened, test.freedom)))
+    return float(min(1.0, tests * special.stdtr(test.freedom, -threshold / test.widened)))
 
 
 def rate_text(share: float) -> str:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.filters import correlated
 from ema_tools.data.motion_records import AnyRecord, motion_signal
 
 # Two stretches of a command are the same when their mean squared difference is below this share of twice its variance [judgement]
@@ -50,7 +50,7 @@ def difference(values: Reals) -> Reals:
     rows = centred.size
     half = rows // 2 + 1
     power = np.concatenate(([0.0], np.cumsum(centred**2)))
-    products = signal.correlate(centred, centred, mode="full", method="fft")[rows - 1 :][:half]
+    products = correlated(centred, centred)[rows - 1 :][:half]
     lags = np.arange(half)
     squares = (power[rows] - power[lags]) + power[rows - lags] - 2.0 * products
     variance = power[rows] / rows
