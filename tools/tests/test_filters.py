@@ -28,8 +28,6 @@ def test_butterworth_is_that_run_both_ways(rows: int, share: float) -> None:
     found = filtered(values, butterworth(shares_of(rows), 4, share))
     edge = round(EDGE / share)
     assert found[edge:-edge] == pytest.approx(expected[edge:-edge], abs=1e-6)
-    # at the ends both go through the noise of one row
-    assert np.max(np.abs(found - expected)) < 0.2
 
 
 def test_chebyshev_is_that_run_both_ways() -> None:
