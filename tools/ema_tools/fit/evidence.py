@@ -17,6 +17,7 @@ from scipy.optimize import lsq_linear
 
 from ema_tools.base.arrays import Complexes, Reals
 from ema_tools.base.errors import InputError, taken
+from ema_tools.base.orthonormal import orthonormal
 from ema_tools.base.parallel import each, workers
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
@@ -204,8 +205,7 @@ class _Directions:
 
     @staticmethod
     def of(columns: Reals) -> _Directions:
-        basis, square = np.linalg.qr(columns)
-        return _Directions(columns, np.asfortranarray(basis), square)
+        return _Directions(columns, *orthonormal(columns))
 
 
 @dataclass(frozen=True)
@@ -297,8 +297,8 @@ class View:
         kept = [vector for vector in vectors if float(vector @ vector) > 0.0]
         if not kept:
             return self
-        more, _ = np.linalg.qr(np.column_stack(kept))
-        wider = replace(self, _basis=np.column_stack([self._basis, more]))
+        more, _ = np.linalg.qr(np.array(kept).T)
+        wider = replace(self, _basis=np.vstack([self._basis.T, more.T]).T)
         return replace(wider, residual=wider._without(self.residual))
 
     def signature(self, changes: Mapping[str, float]) -> Reals:
@@ -417,8 +417,11 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
     moved = taken(evidence.whitened([toward(k) for k in range(own.size)], place.base, np.asarray))
     columns = [*moved, *map(evidence.whiten, evidence.additive)]
     rows = place.plain.size - place.at.size
-    directions = np.vstack([np.column_stack(columns) if columns else np.empty((rows, 0)), -np.eye(place.at.size)])
-    return _along(evidence, values, place, _Directions.of(directions))
+    directions = np.zeros((place.at.size, rows + place.at.size))
+    for k, column in enumerate(columns):
+        directions[k, :rows] = column
+        directions[k, rows + k] = -1.0
+    return _along(evidence, values, place, _Directions.of(directions.T))
 
 
 def _along(evidence: Evidence, values: Mapping[str, float], place: _Place, scatter: _Directions) -> View:
