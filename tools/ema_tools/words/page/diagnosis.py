@@ -3,7 +3,7 @@ what is still unknown."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from html import escape
 from typing import Protocol
 
@@ -14,7 +14,7 @@ from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
 from ema_tools.words.page import diagnosis_figures, figures
 from ema_tools.words.page import text as words
-from ema_tools.words.page.diagnosis_results import Diagnosed, Picture, Value
+from ema_tools.words.page.diagnosis_results import Diagnosed, Picture, ShownSuspect, Value
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.tables import CHANNEL_TITLES
 
@@ -249,11 +249,14 @@ def _shown(value: Value) -> str:
 
 
 def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
+    """What was tried, best first; what these records cannot show below it, by reason; the scores where they are held against limits."""
     if not result.suspects:
         return
     page.add("<h3>Which effect is missing?</h3>")
+    tried = [one for one in result.suspects if one.accepted or one.score > 0.0 or one.values]
+    limited = any(one.limit > 0.0 for one in result.suspects)
     rows = []
-    for one in result.suspects:
+    for one in tried:
         alike = ", ".join(name for name in one.alike if name != one.name) or "–"
         values = "<br>".join(_shown(value).removeprefix(f"{escape(one.name)}.") for value in one.values) or "–"
         state = (
@@ -261,14 +264,24 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
             if one.accepted
             else escape(one.reason) or '<span class="whole">not accepted</span>'
         )
+        score = f"<td>{words.number(one.score)}</td><td>{words.number(one.limit)}</td>" if limited else ""
         rows.append(
-            f'<tr><th scope="row">{escape(one.name)}</th><td class="reason">{escape(alike)}</td><td class="left">{values}</td>'
-            f'<td>{words.number(one.score)}</td><td>{words.number(one.limit)}</td><td class="reason">{state}</td></tr>'
+            f'<tr><th scope="row">{escape(one.name)}</th>{score}<td class="reason">{state}</td><td class="left sizes">{values}</td><td class="reason">{escape(alike)}</td></tr>'
         )
-    caption = "Size with its 95 % interval. An effect counts when its score exceeds the limit, which healthy repeats set; what looks alike cannot be told apart on this record."
-    if any(not one.accepted and one.score > one.limit for one in result.suspects):
+    caption = "Size with its 95 % interval. What looks alike cannot be told apart on " + (
+        "these records." if result.records > 1 else "this record."
+    )
+    if limited:
+        caption += " An effect counts when its score exceeds the limit, which healthy repeats set."
+    if any(not one.accepted and one.score > one.limit > 0.0 for one in result.suspects):
         caption += " What is not accepted shows what it would take off alone: beside the accepted ones, which explain the record better, it adds too little."
-    page.add(_table("effects", caption, _heads("Effect", "Looks alike", "Size", "Score", "Limit", "", left=3), rows))
+    heads = ("Effect", *(("Score", "Limit") if limited else ()), "", "Size", "Looks alike")
+    texts = tuple(range(3, 6)) if limited else tuple(range(1, 4))
+    if rows:
+        page.add(_table("effects", caption, _heads(*heads, texts=texts), rows))
+    _not_shown(page, [one for one in result.suspects if one not in tried])
+    if not limited:
+        return
     page.add(
         '<figure><div class="figure-head"><h3>Scores</h3><ul class="legend"><li><span class="key dot"></span>accepted</li><li><span class="key dot candidate"></span>not accepted</li>'
     )
@@ -277,6 +290,16 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
         page.figure(f"{identity}-ranking", diagnosis_figures.ranking(result)),
         "</figure>",
     )
+
+
+def _not_shown(page: Sheet, suspects: Sequence[ShownSuspect]) -> None:
+    """Effects of which nothing was fitted, one line a reason."""
+    reasons: dict[str, list[str]] = {}
+    for one in suspects:
+        reasons.setdefault(one.reason, []).append(one.name)
+    if reasons:
+        lines = "".join(f"<li>{escape(', '.join(names))}{f': {escape(why)}' if why else ''}</li>" for why, names in reasons.items())
+        page.add(f'<p class="note">Not tried here:</p><ul class="note">{lines}</ul>')
 
 
 def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> None:
@@ -301,13 +324,20 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
             holdout = "–" if step.holdout is None else words.number(step.holdout)
             name = escape(step.added or " + ".join(step.effects))
             rows.append(
-                f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="left">{values}</td><td class="reason">{state}{why}</td></tr>'
+                f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="left sizes">{values}</td><td class="reason">{state}{why}</td></tr>'
             )
         page.add(
             _table(
                 "steps",
-                "Weighted rms error after each addition, all values refitted together.",
-                _heads("Step", "This record", "Held-out record", "Values", "", texts=(3,)),
+                f"{'Force error in %' if result.by_forces else 'Weighted rms error'} after each addition, all values refitted together.",
+                _heads(
+                    "Step",
+                    "Parts fitted" if result.by_forces else "This record",
+                    "Held out" if result.by_forces else "Held-out record",
+                    "Values",
+                    "",
+                    texts=(3,),
+                ),
                 rows,
             )
         )

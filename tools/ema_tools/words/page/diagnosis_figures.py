@@ -133,7 +133,7 @@ def waterfall(result: Diagnosed) -> Figure:
         traces.append({**line, "hovertemplate": "floor of the repeats %{y:.3~g}<extra></extra>"})
     layout = {
         "xaxis": {"type": "category", "categoryorder": "array", "categoryarray": names, "showgrid": False, "automargin": True},
-        "yaxis": {"title": {"text": "Weighted rms error"}, "rangemode": "tozero"},
+        "yaxis": {"title": {"text": "Force error, %" if result.by_forces else "Weighted rms error"}, "rangemode": "tozero"},
         "margin": {"l": 62, "r": 14, "t": 18, "b": 60},
         "barmode": "overlay",
         "bargap": 0.35,

@@ -105,6 +105,8 @@ class Diagnosed:
     learned_sentence: str
     steps: tuple[ShownSignal, ...]
     curves: Curves | None
+    records: int = 1
+    by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -123,8 +125,10 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         gate, where, unknown, entries = found.gate, found.where, found.unknown, found.effects
         next_experiment, verdict = found.next_experiment, found.verdict
     suspects = tuple(map(_suspect, entries))
+    count = max(1, len(found.records or ())) if isinstance(found, DiagnosisByBalanceResult) else 1
+    others = f" and {count - 1} more record{'s' if count > 2 else ''}" if count > 1 else ""
     return Diagnosed(
-        name=found.name or stem,
+        name=f"{found.name or stem}{others}",
         added=added,
         verdict=verdict,
         sentence=found.sentence,
@@ -144,6 +148,8 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         learned_sentence=unknown.learned.sentence if unknown is not None and unknown.learned is not None else "",
         steps=_steps(found, suspects),
         curves=None if found.curves is None else curves_of(found.curves, source),
+        records=count,
+        by_forces=isinstance(found, DiagnosisByBalanceResult),
         provenance=found.provenance,
     )
 
