@@ -104,7 +104,8 @@ class Evidence:
     """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
     `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
-    cost that sensor noise alone has. `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
+    cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs.
+    `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
     of 1 each, such as the zero of a sensor.
     """
 
@@ -119,6 +120,7 @@ class Evidence:
     start_mm: float
     repeats: tuple[Reals, ...] = ()
     floor: float = 0.0
+    counting: float = 0.0
 
     @property
     def relative(self) -> bool:

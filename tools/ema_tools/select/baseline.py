@@ -15,7 +15,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
-from ema_tools.base.noise import white_noise
+from ema_tools.base.noise import resolution, white_noise
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
@@ -167,18 +167,30 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
     shrink = np.sqrt(widen / (1.0 + 1.0 / (count - 1)))
     repeats = tuple(here + (runs[k] - np.delete(runs, k, axis=0).mean(axis=0)) * shrink for k in range(count))
     target = here + measured_channels(record, channels) - mean
+    whiten = Whitener.of(widen * power, record.rows)
     return Evidence(
         known,
         record,
         channels,
         target,
         spread,
-        Whitener.of(widen * power, record.rows),
+        whiten,
         power,
         np.empty((0, *target.shape)),
         start,
         repeats,
+        counting=_counting(np.array([resolution(record.recorded(name)) for name in channels]), power, whiten),
     )
+
+
+def _counting(steps: Reals, power: Reals, whiten: Whitener) -> float:
+    """What sensors that count in `steps` [channels] add to a record's cost and to no repeat's.
+
+    Repeats go the same way, and where their noise `power` [channels, lines] is smaller than a count their counts err alike: that drops out of them, and not out of a record that goes another way.
+    A count errs by a twelfth of its square, of which what differs among the repeats is known to be noise; the rest is in the record and in the repeats' mean, one apart from the other.
+    """
+    alike = np.maximum(steps**2 / 12.0 - power.mean(axis=1), 0.0)
+    return float(np.sum(whiten.weights**2 * (2.0 * alike)[:, None]))
 
 
 def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> Evidence:

@@ -22,6 +22,7 @@ _ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: 
 # effect [chance]
 _SHOWN = 2.0
 _UNEXPLAINED = 0.1  # with more than this share of the excess left the answer is that something is missing, not what [judgement]
+_NEAR = 4.0  # a rival that leaves less than so many times as much above the floor comes near [judgement]
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may
 # leave [judgement]
 _MODEL_ERROR = 0.02
@@ -148,12 +149,22 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     doubt = _MODEL_ERROR**2 * strategy.beyond
     unexplained = max(cost - floor, 0.0) / strategy.excess
     strange = cost - floor > max(strategy.noise, 2.0 * doubt)
-    far = unexplained > _UNEXPLAINED or strategy.is_no_answer(cost)
+    far = unexplained > _UNEXPLAINED or (strategy.is_no_answer(cost) and not _stands_alone(path, cost, floor))
     verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, steps, verdict, doubt, before, strategy.limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit)
     vague = strategy.vague(best) if best is not None and verdict == "missing" else []
     return found.refuted(vague) if vague else found
+
+
+def _stands_alone(path: Path, cost: float, floor: float) -> bool:
+    """Whether one effect explains what no other one comes near: it is that one in a form of its own, however much of a large effect its form leaves."""
+    if len(path.steps) != 1 or len(path.steps[0].effects) != 1:
+        return False
+    (name,) = path.steps[0].effects
+    same = {name, *record_of(name).inseparable}
+    rivals = [fit.judged for fit in path.rounds[0].fits if not same & set(fit.effects)]
+    return all(rival - floor > _NEAR * (cost - floor) for rival in rivals)
 
 
 def _named(

@@ -48,7 +48,7 @@ class Strategy(ABC):
         costs = self.floor_costs()
         self.floor = float(costs.mean())
         # what the cost of a record may lie over the floor by chance
-        self.noise = _NOISE * (float(np.std(costs)) + np.sqrt(2.0 * self.start.residual.size))
+        self.noise = _NOISE * (float(np.std(costs)) + np.sqrt(2.0 * self.start.residual.size)) + evidence.counting
 
     @abstractmethod
     def floor_costs(self) -> Reals:
