@@ -67,7 +67,8 @@ class Fit:
         """Standard errors by name: of noise and scatter, larger by what the misfit may have bent, and no smaller than the share to which the model is trusted."""
         known = self.view.evidence.actuator
         evidence = self.view.evidence
-        misfit = max(self.cost - evidence.expected_cost() - _NOTICED * np.sqrt(2.0 * evidence.numbers), 0.0)
+        chance = _NOTICED * np.sqrt(2.0 * evidence.numbers) + evidence.counting
+        misfit = max(self.cost - evidence.expected_cost() - chance, 0.0)
         found = {}
         for k, name in enumerate(self.fitted):
             trusted = 0.0 if name.endswith("phase_rad") else _TRUSTED * abs(self.values[name] - known[row_of(name).name])
