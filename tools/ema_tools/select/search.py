@@ -143,13 +143,16 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     tell = report or untold
     path = _grown(strategy, strategy.limits.effects, tell)
     path = strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
+    alone = bool(path.steps) and strategy.is_no_answer(path.steps[-1].cost) and _stands_alone(path, strategy)
+    # what its own form leaves of it is no second effect
+    path = replace(path, steps=path.steps[:1]) if alone else path
     steps, before, floor = path.steps, strategy.before, strategy.floor
     best = steps[-1] if steps else None
     cost = best.cost if best is not None else before
     doubt = _MODEL_ERROR**2 * strategy.beyond
     unexplained = max(cost - floor, 0.0) / strategy.excess
     strange = cost - floor > max(strategy.noise, 2.0 * doubt)
-    far = unexplained > _UNEXPLAINED or (strategy.is_no_answer(cost) and not _stands_alone(path, cost, floor))
+    far = unexplained > _UNEXPLAINED or (strategy.is_no_answer(cost) and not alone)
     verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, steps, verdict, doubt, before, strategy.limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit)
@@ -157,14 +160,15 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     return found.refuted(vague) if vague else found
 
 
-def _stands_alone(path: Path, cost: float, floor: float) -> bool:
-    """Whether one effect explains what no other one comes near: it is that one in a form of its own, however much of a large effect its form leaves."""
-    if len(path.steps) != 1 or len(path.steps[0].effects) != 1:
+def _stands_alone(path: Path, strategy: Strategy) -> bool:
+    """Whether the first effect alone explains what no other one comes near: it is that one in a form of its own, however much of a large effect its form leaves."""
+    first = path.steps[0]
+    if len(first.effects) != 1:
         return False
-    (name,) = path.steps[0].effects
-    same = {name, *record_of(name).inseparable}
+    left = first.cost - strategy.floor
+    same = {first.effects[0], *record_of(first.effects[0]).inseparable}
     rivals = [fit.judged for fit in path.rounds[0].fits if not same & set(fit.effects)]
-    return all(rival - floor > _NEAR * (cost - floor) for rival in rivals)
+    return left < _UNEXPLAINED * strategy.excess and all(rival - strategy.floor > _NEAR * left for rival in rivals)
 
 
 def _named(
