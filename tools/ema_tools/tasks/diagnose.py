@@ -27,6 +27,7 @@ from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
+from ema_tools.select.terminals import drop_V
 
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 _SIZES = 10.0  # signals of two runs of one command that differ more than this in size are of different units [physics]
@@ -161,6 +162,19 @@ def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) ->
     return gate
 
 
+def _without_voltage(record: Record) -> Record:
+    return replace(record, voltage_V=None)
+
+
+def _terminals(lost_V: float) -> RecordRemark:
+    return RecordRemark(
+        "voltage",
+        "weakens",
+        f"the recorded voltage is {lost_V:.2g} V less than the controller asks for, with the sign of the current: it is that at the motor's terminals, and is left out",
+        "record what the controller asks for as voltage_V",
+    )
+
+
 def _two_healthy_states(evidence: Evidence, healthy: Sequence[Record]) -> str:
     """Why two healthy records may not both be, in words. Raises InputError where more of them are of two states: one that is not healthy would be taken for scatter."""
     if "position_mm" not in evidence.channels or len(healthy) < 2:
@@ -180,6 +194,12 @@ def answer(
     same = healthy_of(record, healthy)
     check_records(record, healthy, holdout)
     gate = answerable(actuator, record, same)
+    lost_V = drop_V(actuator, same) if same else 0.0
+    if lost_V:
+        # the other signals say what it would, and it would say what the model does not mean
+        record, same = _without_voltage(record), [_without_voltage(one) for one in same]
+        holdout, healthy = (_without_voltage(holdout) if holdout is not None else None), [_without_voltage(one) for one in healthy]
+        gate = replace(gate, remarks=(_terminals(lost_V), *gate.remarks))
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
     doubt = _two_healthy_states(evidence, same)
