@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -562,3 +563,31 @@ def test_a_spring_that_outweighs_the_inertia_is_no_wrong_sign(tmp_path: Path, se
         assert actuator["screw.inertia_kgm2"] == pytest.approx(1e-6, rel=0.05)
     else:
         assert "machine.inertia: is not stated, and the speed does not change enough" in refused(tmp_path, "\n".join(lines), MAP, "c.csv")
+
+
+def test_units_that_names_end_with_are_guessed(tmp_path: Path) -> None:
+    rows = "".join(
+        f"{k},{np.sin(0.01 * k):.5f},{np.cos(0.01 * k):.5f},{0.1 * np.cos(0.01 * k):.6f},{np.sin(0.02 * k):.5f}\n" for k in range(300)
+    )
+    (tmp_path / "log.csv").write_text("t_ms,q_deg,w_rads,T_Nm,axis_A\n" + rows)
+    assert run_ema("import", "draft", tmp_path, "-o", tmp_path / "map.toml").code == 0
+    columns = tomllib.loads((tmp_path / "map.toml").read_text())["columns"]
+    assert {name: (one["from"], one["unit"]) for name, one in columns.items()} == {
+        "time_s": ("t_ms", "ms"),
+        "motor_angle_rad": ("q_deg", "deg"),
+        "motor_speed_rad_s": ("w_rads", "rads"),
+        "torque_Nm": ("T_Nm", "Nm"),
+        "current_A": ("axis_A", "A"),
+    }
+
+
+def test_time_that_falls_is_said(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time_s,motor_speed_rad_s,torque_Nm\n" + "".join(f"{-0.01 * k:.2f},{k},0.1\n" for k in range(50)))
+    (tmp_path / "map.toml").write_text(
+        "".join(
+            f'[columns.{name}]\nfrom = "{name}"\nunit = "{unit}"\n'
+            for name, unit in (("time_s", "s"), ("motor_speed_rad_s", "rad/s"), ("torque_Nm", "Nm"))
+        )
+    )
+    ran = run_ema("import", "table", tmp_path / "log.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
+    assert "time falls from row to row: write the rows in the order of time" in complaint(ran)

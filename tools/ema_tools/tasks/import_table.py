@@ -69,9 +69,9 @@ class TablesImported:
 
 
 def write_draft(path: str | Path, target: str | Path, force: bool = False) -> Draft:
-    """Look at a file and write its map to complete. Raises InputError."""
+    """Look at a file, of a folder at its first, and write its map to complete. Raises InputError."""
     units = Units()
-    draft = draft_map(read_table(path, None, units), units)
+    draft = draft_map(read_table(files_of([path])[0], None, units), units)
     write_text(target, draft.text, force)
     return draft
 

@@ -54,6 +54,9 @@ def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Convert
         values, told = _signal(table, raw[name], name, column, mapped, known)
         columns[name] = values
         remarks += told
+    finite = time_s[np.isfinite(time_s)]
+    if finite.size > 1 and np.all(np.diff(finite) < 0.0):
+        raise InputError(f"{table.file}: time falls from row to row: write the rows in the order of time, the first one first")
     pieces, told = pieces_of(time_s, columns, table.rows, _SLOW)
     remarks += told
     if not pieces:

@@ -122,6 +122,8 @@ def _guess(column: RawColumn, table: RawTable, units: Units) -> Guess:
     if name in ("time_s", *COLUMNS):
         return Guess(column, name, _pint_spelling(name), "its name", "its name")
     word, suffix = _words_of(name), units.suffix(column.unit) if column.unit else ""
+    # T is a torque in Nm and a time without a unit
+    word = "" if word == "time" and suffix not in ("", "s") else word
     unit, unit_by = (column.unit, "the file") if column.unit and units.is_unit(column.unit) else (OPEN, "")
     if len(column.texts) > table.rows.size // 2:
         moments = any(":" in text for text in list(column.texts.values())[:3])

@@ -78,7 +78,9 @@ def _decoded(content: bytes, file: str, stated: str) -> tuple[str, str]:
             f'{file}: encoding = "{stated}" in [file]: no encoding that is known: use for example "utf-8", "utf-16", "cp1252"'
         ) from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{file}: byte {error.start} is not {stated}: state another encoding in [file], or leave it out") from None
+        raise InputError(
+            f"{file}: byte {error.start} is not {stated}: state another encoding in the map's [file], or leave it out; a maker's file becomes a record by ema import table"
+        ) from None
 
 
 def cells_of(line: str, delimiter: str) -> list[str]:
@@ -218,7 +220,13 @@ def _with_units_in_names(names: Sequence[str], given: Sequence[str], units: Unit
 
 def unit_in_name(name: str, units: Units) -> str:
     """The unit at the end of a name, empty where there is none."""
-    for pattern in (r"[\[({]\s*([^\[\](){}]+?)\s*[\])}]\s*$", r"\s+in\s+(\S+)\s*$", r"\s[/,]\s*(\S+)\s*$", r"_(\w+_s)$", r"_([^_\s]+)$"):
+    for pattern in (
+        r"[\[({]\s*([^\[\](){}]+?)\s*[\])}]\s*$",
+        r"\s+in\s+(\S+)\s*$",
+        r"\s[/,]\s*(\S+)\s*$",
+        r"_([^_\s]+_s)$",
+        r"_([^_\s]+)$",
+    ):
         matched = re.search(pattern, name)
         if not matched:
             continue
