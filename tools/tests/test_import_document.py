@@ -25,7 +25,7 @@ def test_the_walk_is_what_the_commands_do(tmp_path: Path, monkeypatch: pytest.Mo
     data = lead_screw_folder()
     monkeypatch.chdir(tmp_path)
     (tmp_path / data.name).symlink_to(data)
-    draft, table, refusal, _ = blocks(DOCUMENT)
+    draft, table, refusal, *_ = blocks(DOCUMENT)
     shown_draft, shown_table, _ = blocks(DOCUMENT, "text")
     (completed,) = blocks(DOCUMENT, "toml")
     ran = run_ema(*shlex.split(draft)[1:])
@@ -51,7 +51,7 @@ def test_the_drives_missing_effects_are_named(tmp_path: Path, monkeypatch: pytes
     data = lead_screw_folder()
     monkeypatch.chdir(tmp_path)
     (tmp_path / data.name).symlink_to(data)
-    _, table, _, diagnose = blocks(DOCUMENT)
+    _, table, _, diagnose, *_ = blocks(DOCUMENT)
     Path("build").mkdir()
     Path("build/map.toml").write_text(blocks(DOCUMENT, "toml")[0], encoding="utf-8")
     assert run_ema(*shlex.split(table)[1:]).code == 0

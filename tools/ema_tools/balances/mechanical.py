@@ -6,10 +6,12 @@ error: A. Janot, M. Gautier, M. Brunot, Data Set and Reference Models of EMPS, 2
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
@@ -19,7 +21,8 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
-from ema_tools.data.motion_signals import disturbance_torque
+from ema_tools.data.motion_signals import disturbance_torque, motor_angle
+from ema_tools.library.registry import record_of
 from ema_tools.plant.native import library
 
 MECHANICAL_PARAMETERS = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
@@ -28,6 +31,9 @@ _OF_STEADY = 0.5  # of one speed, which the mean of a record is at least this sh
 REST_S = 0.01  # ... for at least this time: a reversal is shorter [judgement]
 _REST_ROWS = 3  # ... and so many rows of a slow record: a reversal passes within one [judgement]
 NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
+_STARTS = 24  # places in a turn at which a record may begin that are tried, before the best is refined [effort]
+_TURNS_MAX = 10.0  # of the motor in one turn of the screw, that are tried [effort]
+_START_RAD = 0.01  # to which the best of them is refined [precision]
 CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lower one takes the motion itself away [judgement]
 
 
@@ -173,8 +179,31 @@ def filter_of(actuator: Actuator, record: AnyRecord) -> Smoother:
 def mechanical(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None) -> Balance:
     """Drive torque minus what the mechanics need, Nm at the motor shaft. At rest friction answers the torque up to its static level.
 
-    Raises MissingSignal.
+    Of a record that does not say where it begins, the place at which a wave of the model fits it best is taken. Raises MissingSignal.
     """
+    return _mechanical(actuator, best_placed(actuator, record, smoother), smoother)
+
+
+def best_placed(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None) -> AnyRecord:
+    """A record that tells how the machine moves and not where it is, begun where the model's waves fit it best; any other as it is. Raises MissingSignal."""
+    waves = any(record_of(name).periodic is not None for name in actuator.active_effects)
+    if not (waves and isinstance(record, MotionRecord) and motor_angle(record, train_of(actuator)).origin == "integrated"):
+        return record
+    use = smoother or quiet_smoother(actuator, record)
+    turns = min(max(actuator.values["gearbox.ratio"], 1.0), _TURNS_MAX)
+
+    def square(start_rad: float) -> float:
+        return float(np.sum(_mechanical(actuator, replace(record, start_rad=start_rad), use).residual ** 2))
+
+    step = 2.0 * math.pi / _STARTS
+    starts = [step * place for place in range(math.ceil(_STARTS * turns))]
+    best = min(starts, key=square)
+    found = minimize_scalar(square, bounds=(best - step, best + step), method="bounded", options={"xatol": _START_RAD})
+    return replace(record, start_rad=float(found.x) if found.fun < square(best) else best)
+
+
+def _mechanical(actuator: Actuator, record: AnyRecord, smoother: Smoother | None) -> Balance:
+    """The balance of a record as it is."""
     model = mechanical_model(actuator, record, smoother)
     values = adjusted(actuator)
     static = values["screw.csj_Nm"]

@@ -9,6 +9,8 @@ import contextlib
 import io
 import os
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +24,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError, MissingSignal
 from ema_tools.cli.importing import import_group
-from ema_tools.cli.options import command_line, json_option, precision_option, save, writable
+from ema_tools.cli.options import command_line, fix_option, json_option, method_option, precision_option, save, writable
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 # Every reader of JSON holds it exactly, and the host program takes no larger one.
 SEED_MAX = 2**53 - 1
 
+_NAMED = 5  # records that an actuator's file names as its source [layout]
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
 
@@ -145,6 +148,8 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     help="Set the thresholds so that this share of the ground tests of the healthy unit exceeds one of them, by the scatter of its runs alone: 0.01. "
     "Unless told they stay as stated, and grow where more than 0.01 would.",
 )
+@method_option
+@fix_option
 @json_option
 def calibrate(
     actuator: str,
@@ -154,24 +159,50 @@ def calibrate(
     loop: bool | None,
     base_only: bool,
     false_alarm: float | None,
+    method: Method | None,
+    fixed: tuple[str, ...],
     json_path: str | None,
     force: bool,
 ) -> None:
     """Fit ACTUATOR to healthy records and write NEW.toml, comments kept.
 
+    Where the controller is not known, base values and the sizes of the model's own effects are fitted by the balance of forces. REC takes files, patterns and folders.
     Two or more records of the same command show the unit itself: effects that it always has are put in, and the shifts that are called a fault follow the scatter of its runs.
     """
     from ema_tools.data.actuator import read_actuator
-    from ema_tools.data.records import read_record
+    from ema_tools.data.any_record import read_any_record, record_files
+    from ema_tools.data.records import Record
     from ema_tools.results.provenance import provenance
+    from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.calibrate import calibrate as work
+    from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance
+    from ema_tools.tasks.method import check_fixes, chosen_for_calibration
     from ema_tools.tasks.own_machine import of_own_machine, own_machine
-    from ema_tools.words.answers.calibration import calibration
+    from ema_tools.words.answers.calibration import calibration, calibration_by_balance
     from ema_tools.words.terminal import show
 
+    records = record_files(records)
     writable(out, json_path=json_path, force=force, inputs=(actuator, *records))
-    model = read_actuator(actuator)
-    measured = [read_record(record, model) for record in records]
+    model = read_actuator(actuator, complete=False)
+    given = [read_any_record(record, model) for record in records]
+    way, fixes = chosen_for_calibration(model, given, method), fixes_of(model, fixed)
+    check_fixes(way, fixes)
+    origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in given))
+    said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {_few([record.file for record in given])}")))
+    if way.method == "balance":
+        of_simulation = {"--fit": names, "--closed-loop or --balances-only": loop is not None, "--base-only": base_only}
+        wrong = next((option for option, value in {**of_simulation, "--false-alarm": false_alarm}.items() if value), "")
+        if wrong:
+            raise InputError(f"{wrong}: by the balance of forces ({way.because}) base values are kept by --fix NAME: leave it out")
+        with progress("calibrating", 100) as bar:
+            by_balance = calibrate_by_balance(model, given, fixes, lambda share, text: bar.update(100.0 * share, text))
+        by_balance.actuator.changed({}, {"source": said}).write(out, force)
+        told = calibration_by_balance(by_balance, out, origin, way.because)
+        save(json_path, told, force)
+        show.calibration(output(), told)
+        output().print(f"{out} written", highlight=False)
+        return
+    measured = [record for record in given if isinstance(record, Record)]
     chosen = tuple(filter(None, (name.strip() for name in names.split(",")))) if names else None
     with progress("calibrating", 3) as bar:
         found = work(model, measured, chosen, loop, bar.update)
@@ -182,10 +213,8 @@ def calibrate(
         )
     if own is not None:
         found = of_own_machine(found, own, measured)
-    said = "; ".join(filter(None, (model.about.get("source"), f"calibrated on {', '.join(record.file for record in measured)}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
-    origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in measured))
-    result = calibration(found, out, origin, own)
+    result = replace(calibration(found, out, origin, own), method_reason=way.because)
     save(json_path, result, force)
     show.calibration(output(), result)
     output().print(f"{out} written", highlight=False)
@@ -301,14 +330,12 @@ def identify(
     "--healthy",
     multiple=True,
     metavar="REC",
-    help="A record of the healthy machine under the same command; give two or more. Those of the hold-out's command serve the hold-out.",
+    help="A record of the healthy machine, or a pattern or folder of them: by simulation under the same command, two or more, those of the hold-out's command serve the hold-out; "
+    "by the balance of any motion, three or more.",
 )
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
-@click.option(
-    "--method",
-    type=click.Choice(["balance", "simulation"]),
-    help="By the balance of forces, which takes several records of any motion, or by simulation of all signals; chosen by itself otherwise, and said.",
-)
+@method_option
+@fix_option
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
 @json_option
@@ -318,6 +345,7 @@ def diagnose(
     healthy: tuple[str, ...],
     holdout: str | None,
     method: Method | None,
+    fixed: tuple[str, ...],
     page: str | None,
     fitted: str | None,
     json_path: str | None,
@@ -332,6 +360,7 @@ def diagnose(
     from ema_tools.data.any_record import read_any_record, record_files
     from ema_tools.data.records import Record, simulated
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
     from ema_tools.words.answers.method import diagnosis
@@ -344,9 +373,9 @@ def diagnose(
     measured = records[0]
     references = [read_any_record(path, model) for path in healthy]
     other = read_any_record(holdout, model) if holdout else None
-    way = chosen(model, records, references, other, method)
+    way, fixes = chosen(model, records, references, other, method), fixes_of(model, fixed)
     with progress("diagnosing", 100) as bar:
-        found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way)
+        found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way, fixes)
     drawn = None
     if (json_path or page) and isinstance(measured, Record) and not model.absent:
         drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
@@ -368,6 +397,11 @@ def _warn_of_search(actuator: str, warnings: tuple[str, ...]) -> None:
         complain(f"{actuator}: [search]: {'; '.join(warnings)}")
 
 
+def _few(names: Sequence[str]) -> str:
+    """Names for a file: all of a few, else the first and how many more."""
+    return ", ".join(names) if len(names) <= _NAMED else f"{names[0]} and {len(names) - 1} more"
+
+
 def _written(*paths: str | None) -> None:
     for path in filter(None, paths):
         output().print(f"{path} written", highlight=False)
@@ -387,8 +421,15 @@ def _page(path: str | None, result: Result, force: bool) -> None:
 @cli.command()
 @click.argument("actuator")
 @click.argument("effect")
+@click.argument("given", nargs=-1, metavar="[REC...]")
 @click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The actuator with the effect.")
-@click.option("--fit", "record", metavar="REC", help="The record that the effect is fitted to.")
+@click.option(
+    "--fit",
+    "fits",
+    multiple=True,
+    metavar="REC",
+    help="A record that the effect is fitted to, or REC behind the effect; several by the balance of forces. Files, patterns, folders.",
+)
 @click.option(
     "--healthy",
     multiple=True,
@@ -402,42 +443,55 @@ def _page(path: str | None, result: Result, force: bool) -> None:
     help="ACTUATOR is this very machine, calibrated: only the effect is fitted, beside a CSJ and BLK that may have changed, as ema identify does.",
 )
 @click.option(
-    "--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without --fit: the effect's values, for example rise_degC=30."
+    "--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Without a record: the effect's values, for example rise_degC=30."
 )
+@method_option
+@fix_option
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the fall of the error there.")
 @json_option
 def add(
     actuator: str,
     effect: str,
+    given: tuple[str, ...],
     out: str,
-    record: str | None,
+    fits: tuple[str, ...],
     healthy: tuple[str, ...],
     holdout: str | None,
     known: bool,
     settings: tuple[str, ...],
+    method: Method | None,
+    fixed: tuple[str, ...],
     page: str | None,
     json_path: str | None,
     force: bool,
 ) -> None:
-    """Put EFFECT into ACTUATOR's model, fit it to a record, and show how the error falls."""
+    """Put EFFECT into ACTUATOR's model, fit it to a record, and show how the error falls.
+
+    Where the controller is not known, or several records are given, it is fitted by the balance of forces as ema diagnose does, together with base values and the model's own effects.
+    """
     from ema_tools.data.actuator import read_actuator
-    from ema_tools.data.records import read_record, simulated
+    from ema_tools.data.any_record import read_any_record, record_files
+    from ema_tools.data.records import Record, simulated
     from ema_tools.library.faults import FAULTS
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.add import add as work
     from ema_tools.tasks.add import add_to_known
+    from ema_tools.tasks.add_by_balance import add_by_balance
     from ema_tools.tasks.effects import find_effect
+    from ema_tools.tasks.method import check_fixes, chosen
     from ema_tools.tasks.simulate import with_settings
-    from ema_tools.words.answers.addition import addition, setting
+    from ema_tools.words.answers.addition import addition, addition_by_balance, setting
     from ema_tools.words.terminal import show
 
-    writable(out, page, json_path=json_path, force=force, inputs=(actuator, *healthy, *filter(None, (record, holdout))))
-    model = read_actuator(actuator)
+    files, healthy = record_files((*given, *fits)), record_files(healthy)
+    writable(out, page, json_path=json_path, force=force, inputs=(actuator, *healthy, *files, *filter(None, (holdout,))))
+    model = read_actuator(actuator, complete=False)
     if effect in FAULTS:
         raise InputError(f"add {effect}: no effect but a value that every model has, {FAULTS[effect]}: ema identify finds it")
     find_effect(effect)
-    if record is None:
-        if not settings or page or holdout or healthy or known:
+    if not files:
+        if not settings or page or holdout or healthy or known or fixed or method:
             raise InputError(
                 f"add {effect}: nothing to fit it to: give --fit REC, or its values with --set FIELD=VALUE and no other option"
             )
@@ -455,21 +509,49 @@ def add(
         raise InputError(f"add {effect}: --set {settings[0]}: with --fit the values come from the record: leave one of the two out")
     if known and healthy:
         raise InputError(f"add {effect}: --known: the healthy records say what the machine is like: leave one of the two out")
-    measured = read_record(record, model)
-    references = [read_record(path, model) for path in healthy]
-    other = read_record(holdout, model) if holdout else None
+    records = [read_any_record(path, model) for path in files]
+    references = [read_any_record(path, model) for path in healthy]
+    other = read_any_record(holdout, model) if holdout else None
+    fixes = fixes_of(model, fixed)
+    if known and (method == "balance" or len(records) > 1):
+        raise InputError(
+            f"add {effect}: --known goes by simulation, of one record: leave --known out, or give one record and no --method balance"
+        )
+    way = chosen(model, records, references, other, "simulation" if known else method)
+    check_fixes(way, fixes)
+
+    def tell(share: float, text: str) -> None:
+        bar.update(100.0 * share, text)
+
+    if way.method == "balance":
+        if references:
+            raise InputError(
+                f"add {effect}: --healthy: the balance fits the effect to the records of today alone: leave it out, or calibrate the actuator on the healthy ones first"
+            )
+        with progress("adding", 100) as bar:
+            by_balance = add_by_balance(model, effect, records, () if other is None else (other,), fixes, tell)
+        said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {_few([one.file for one in records])}")))
+        by_balance.actuator.changed({}, {"source": said}).write(out, force)
+        origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records))
+        told = addition_by_balance(by_balance, out, origin, way.because)
+        save(json_path, told, force)
+        _page(page, told, force)
+        show.added(output(), told)
+        output().print(f"{out} written", highlight=False)
+        return
+    # the method by simulation is chosen only where every record can be simulated
+    (measured,) = [one for one in records if isinstance(one, Record)]
+    repeats = [one for one in references if isinstance(one, Record)]
+    apart = other if isinstance(other, Record) else None
     with progress("adding", 100) as bar:
-
-        def tell(share: float, text: str) -> None:
-            bar.update(100.0 * share, text)
-
-        found = add_to_known(model, effect, measured, other, tell) if known else work(model, effect, measured, references, other, tell)
+        found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
     drawn = None
     if json_path or page:
         drawn = curves(measured, before=simulated(model, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
+    result = replace(result, method_reason=way.because)
     save(json_path, result, force)
     _page(page, result, force)
     show.added(output(), result)

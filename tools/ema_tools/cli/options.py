@@ -33,6 +33,26 @@ def precision_option(default: str) -> Callable[[Command], Command]:
     )
 
 
+def method_option(command: Command) -> Command:
+    """--method balance or simulation."""
+    return click.option(
+        "--method",
+        type=click.Choice(["balance", "simulation"]),
+        help="By the balance of forces, which takes several records of any motion, or by simulation of all signals; chosen by itself otherwise, and said.",
+    )(command)
+
+
+def fix_option(command: Command) -> Command:
+    """--fix NAME or NAME=LOW..HIGH, repeated."""
+    return click.option(
+        "--fix",
+        "fixed",
+        multiple=True,
+        metavar="NAME[=LOW..HIGH]",
+        help="By the balance: keep inertia, viscous, csj or load as stated, or between two ends; or an effect of the model as it is. May be repeated.",
+    )(command)
+
+
 def save(json_path: str | Path | None, result: Result, force: bool) -> None:
     """Write --json when it was asked for."""
     if json_path:

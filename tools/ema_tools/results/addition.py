@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE
-from ema_tools.results.parts import CurvesEntry, ErrorsEntry, FittedValue, Provenance, StepEntry, WeightedErrors
+from ema_tools.results.parts import ComparedErrors, CurvesEntry, ErrorsEntry, FittedValue, Provenance, StepEntry, WeightedErrors
 
 
 @dataclass(frozen=True)
@@ -33,5 +33,14 @@ class Addition:
     steps: tuple[StepEntry, ...] | None = field(default=None, metadata=SPARE)
     recommended: bool | None = field(default=None, metadata=SPARE)
     reason: str | None = field(default=None, metadata=SPARE)  # why it is recommended, or not
+    method: Literal["balance", "simulation"] = "simulation"
+    method_reason: str = ""  # why this method
+    # by the balance of forces; None by simulation
+    records: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # that were fitted or held out in turn
+    holdout: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # to which nothing was fitted
+    error_unit: str | None = field(default=None, metadata=SPARE)
+    compared: ComparedErrors | None = field(default=None, metadata=SPARE)
+    kept: dict[str, str] | None = field(default=None, metadata=SPARE)  # base values that were not fitted, by full name, and why
+    held: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # effects of the model that stayed as they were
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ema_tools.results.parts import Provenance
+from ema_tools.results.codec import SPARE
+from ema_tools.results.parts import ComparedErrors, Provenance
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,19 @@ class OwnMachineEntry:
 
 
 @dataclass(frozen=True)
+class ForceCalibration:
+    """What a calibration by the balance of forces has in place of errors by channel, % of the drive's force."""
+
+    records: tuple[str, ...]
+    by: Literal["lap", "block", "record"]  # what is held out in turn
+    fitted_percent: float | None  # of what slides, all of it fitted
+    each_held_out_percent: tuple[float | None, ...]  # of each part when it is held out
+    floor_percent: float | None  # how far one lap is from the others; None where it is not known
+    compared: ComparedErrors
+    held: tuple[str, ...]  # effects of the model that stayed as they were
+
+
+@dataclass(frozen=True)
 class CalibrationResult:
     """Base parameters fitted to healthy records."""
 
@@ -67,5 +81,8 @@ class CalibrationResult:
     at_rod: dict[str, RodModel]  # before, after, std; empty where the mechanics were not calibrated
     error: ChannelErrors
     left_out: dict[str, str]  # names to why they were not calibrated by their balance
+    method: Literal["balance", "simulation"] = "simulation"
+    method_reason: str = ""  # why this method
+    forces: ForceCalibration | None = field(default=None, metadata=SPARE)  # None by simulation
     own_machine: OwnMachineEntry | None = None  # None where no two records run the same command, or it was not wanted
     provenance: Provenance = field(default_factory=dict)

@@ -7,7 +7,7 @@ from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
 from ema_tools.results.localisation import Localisation
-from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry, WeightedErrors
+from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry, WeightedErrors
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Validity
 
@@ -118,6 +118,7 @@ class ForceSummary:
     given: ForceErrors  # of the model as it was given
     refitted: ForceErrors  # of its base values refitted
     floor_percent: float | None  # how far one lap is from the others; None where it is not known
+    compared: ComparedErrors | None = field(default=None, metadata=SPARE)
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,41 @@ class FrictionShape:
     above_minimum_percent: float  # at standstill
 
 
+@dataclass(frozen=True)
+class HealthyValue:
+    """One value of the healthy machine, in its unit."""
+
+    value: float
+    std: float | None  # standard error over all healthy records
+    scatter: float | None  # from record to record, standard deviation
+    unit: str
+
+
+@dataclass(frozen=True)
+class HealthyEntry:
+    """What the healthy records show."""
+
+    records: tuple[str, ...]
+    values: dict[str, HealthyValue]  # by full name
+    over: Literal["records", "parts of records"]  # what the scatter was taken over: parts where there are too few records
+    uncertain: bool  # whether the scatter is hardly known
+    error_percent: float | None  # what is left of them, in % of today's drive
+    times: float  # so many standard deviations a value must differ to be a change
+
+
+@dataclass(frozen=True)
+class ChangeEntry:
+    """One value of the healthy machine as today's records have it, in its unit."""
+
+    healthy: float
+    today: float
+    change_percent: float | None  # None where it was zero
+    interval95: tuple[float | None, float | None]  # of the change
+    limit: float  # a change must be larger
+    counts: bool  # whether it is, and every part held out says so
+    unit: str
+
+
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisByBalanceResult:
     """Which effects are missing, by the mechanical balance of one record or of several."""
@@ -165,9 +201,12 @@ class DiagnosisByBalanceResult:
     sentence: str = ""
     method: Method = "balance"
     method_reason: str = ""  # why this method
-    mode: Literal["laps of one record", "stretches of one record", "several records"]
+    mode: Literal["laps of one record", "stretches of one record", "several records", "against healthy records"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
-    faults: dict[str, EffectEntry] = field(default_factory=dict)  # none: the balance knows no play
+    faults: dict[str, EffectEntry] = field(default_factory=dict)  # with healthy records a changed csj; the balance knows no play
+    standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
+    healthy: HealthyEntry | None = field(default=None, metadata=SPARE)  # None without healthy records
+    changes: dict[str, ChangeEntry] = field(default_factory=dict)  # of the healthy machine's values, by full name
     error: ErrorsEntry
     error_unit: str
     next_experiment: str = ""  # what to do next

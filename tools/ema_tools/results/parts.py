@@ -46,6 +46,14 @@ class ErrorsEntry:
 
 
 @dataclass(frozen=True)
+class ComparedErrors:
+    """The mechanical balance of all rows of all records that were given to be fitted, as `ema compare` has it of each, % of the drive's force."""
+
+    before: float | None  # of the actuator as given
+    after: float | None  # of the last model
+
+
+@dataclass(frozen=True)
 class WeightedErrors(ErrorsEntry):
     """Errors as weighted rms, with the floor of the record held out."""
 

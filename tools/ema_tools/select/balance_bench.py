@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,6 +23,7 @@ from ema_tools.fit.division import Division, divided
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import effect_of_base_value
 from ema_tools.select.balance_setting import LEVEL, Piece, Setting
+from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.torque_patterns import Pattern
 
 Rows = NDArray[np.bool_]
@@ -29,6 +31,7 @@ Rows = NDArray[np.bool_]
 _REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
 _DETERMINED = 0.25  # an inertia that is known no better than this share is what the actuator states: data sheets err by less [judgement]
 _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, says nothing of it [precision]
+_ON_END = 1e-9  # so near to an end of where it may be, relative, a base value lies on it [precision]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
@@ -91,10 +94,21 @@ class Fitted:
 
 
 class Bench:
-    """The records' samples, one record after another, which of them are fitted and held out, and fits on them."""
+    """The records' samples, one record after another, which of them are fitted and held out, and fits on them.
 
-    def __init__(self, actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = ()) -> None:
+    `fixes`: base values that are kept or bounded; `whole`: all is fitted but what the user held out, no part of the rest is left for a check.
+    """
+
+    def __init__(
+        self,
+        actuator: Actuator,
+        records: Sequence[AnyRecord],
+        holdout: Sequence[AnyRecord] = (),
+        fixes: Fixes = NONE,
+        whole: bool = False,
+    ) -> None:
         self.records = (*records, *holdout)
+        self.fixes = fixes
         self.smoothers: tuple[Smoother, ...] = tuple(quiet_smoother(actuator, record) for record in self.records)
         self.division: Division = divided(records, holdout)
         start = Setting.of(actuator, self.records, self.smoothers)
@@ -105,10 +119,13 @@ class Bench:
         last = self.fold == self.division.folds - 1
         self.held: Rows = self.sliding & last
         self.training: Rows = self.sliding & ~last
+        if whole and not self.division.apart:
+            self.training = self.sliding
         # what the user held out is never fitted
         self.fitted: Rows = self.training if self.division.apart else self.sliding
-        # base values that the records do not determine, by their place: the value that is taken
-        self.taken: dict[int, float] = {}
+        # base values that are kept, or that the records do not determine, by their place: the value that is taken
+        self.taken: dict[int, float] = {MECHANICAL_PARAMETERS.index(name): actuator[name] for name in fixes.kept}
+        self.between = {MECHANICAL_PARAMETERS.index(name): ends for name, ends in fixes.between.items()}
         self.start = self.sampled(start)
         self.load_named = False
         self._bent: dict[tuple[tuple[str, float], ...], Samples] = {}
@@ -151,12 +168,50 @@ class Bench:
         """The samples with the base values that are not fitted at work in the target, their columns empty."""
         if not self.taken:
             return samples
-        scale = (1.0, 1.0, adjusted(samples.setting.actuator)["screw.dynamic_ratio"], 1.0)
         target, base = samples.target.copy(), samples.base.copy()
         for place, value in self.taken.items():
-            target -= value * scale[place] * base[:, place]
+            target -= _coefficient(samples.setting, place, value) * base[:, place]
             base[:, place] = 0.0
         return replace(samples, target=target, base=base)
+
+    def _ends(self, setting: Setting) -> dict[int, tuple[float, float]]:
+        """Least and largest coefficient of the base values that are bounded, by their place."""
+        return {
+            place: (_coefficient(setting, place, low), _coefficient(setting, place, high))
+            for place, (low, high) in self.between.items()
+            if place not in self.taken
+        }
+
+    def _solved(self, setting: Setting, matrix: Reals, target: Reals, whole: Reals | None = None) -> Reals:
+        """Least squares as `solved` has it, with the base values between their ends, [k]: of every way to put them onto their ends the best that is allowed."""
+        found = solved(matrix, target, whole)
+        ends = self._ends(setting)
+        if all(low <= found[place] <= high for place, (low, high) in ends.items()):
+            return found
+        best, least = found, math.inf
+        for chosen in itertools.product(*((None, low, high) for low, high in ends.values())):
+            at = {place: end for place, end in zip(ends, chosen, strict=True) if end is not None}
+            if not at:
+                continue
+            places = list(at)
+            free = matrix.copy()
+            free[:, places] = 0.0
+            rest = target - matrix[:, places] @ np.array(list(at.values()))
+            tried = solved(free, rest, whole)
+            tried[places] = list(at.values())
+            if all(low <= tried[place] <= high for place, (low, high) in ends.items()):
+                square = float(np.sum((target - matrix @ tried) ** 2))
+                if square < least:
+                    best, least = tried, square
+        return best
+
+    def at_ends(self, fit: Fitted) -> tuple[str, ...]:
+        """Names of the base values that lie on an end of where they may be."""
+        return tuple(
+            MECHANICAL_PARAMETERS[place]
+            for place, ends in self._ends(fit.samples.setting).items()
+            if any(math.isclose(float(fit.coefficients[place]), end, rel_tol=_ON_END) for end in ends)
+        )
 
     def keep_undetermined(self) -> tuple[str, ...]:
         """Takes an inertia as stated that the records do not determine, and the end of its range for another base value that they put beyond it; the names of what was taken."""
@@ -174,9 +229,16 @@ class Bench:
             place = max(found, key=lambda place: std.get(MECHANICAL_PARAMETERS[place], math.inf) / _reach(fit, place))
             name, row = MECHANICAL_PARAMETERS[place], row_of(MECHANICAL_PARAMETERS[place])
             stated = self.start.setting.actuator[name]
-            self.taken[place] = stated if name == INERTIA else float(np.clip(fit.values[name], row.lower, row.upper))
+            low, high = self.between.get(place, (row.lower, row.upper))
+            self.taken[place] = float(np.clip(stated, low, high) if name == INERTIA else np.clip(fit.values[name], low, high))
             self.start = self._as_stated(self.start)
             self._bent.clear()
+
+    def stay_in_ranges(self) -> None:
+        """From here on every base value that is fitted stays between the ends of its range."""
+        for place, name in enumerate(MECHANICAL_PARAMETERS):
+            row = row_of(name)
+            self.between.setdefault(place, (row.lower, row.upper))
 
     def changed(self, changes: Mapping[str, float]) -> Samples:
         """The start with some values changed."""
@@ -194,7 +256,7 @@ class Bench:
     def fit(self, samples: Samples, patterns: Sequence[Pattern], columns: Reals) -> Fitted:
         """Base values and patterns with their columns [samples, k], fitted to the training laps."""
         matrix = np.column_stack([samples.base, columns])
-        coefficients = solved(matrix[self.training], samples.target[self.training])
+        coefficients = self._solved(samples.setting, matrix[self.training], samples.target[self.training])
         values = self.values_of(samples.setting, patterns, coefficients)
         return Fitted(samples, tuple(patterns), columns, coefficients, values, samples.target - matrix @ coefficients)
 
@@ -233,7 +295,7 @@ class Bench:
         for part in range(self.division.folds):
             here = self.fold == part
             rest = self.fitted & ~here
-            found[here] = target[here] - matrix[here] @ solved(matrix[rest], target[rest], matrix)
+            found[here] = target[here] - matrix[here] @ self._solved(fit.samples.setting, matrix[rest], target[rest], matrix)
         return found
 
     def foretold(self, fit: Fitted, fitted: Rows, told: Rows) -> float:
@@ -242,7 +304,7 @@ class Bench:
         The base values are those of the samples themselves: what is asked is whether the effects are the same there, not whether friction goes on as a straight line.
         """
         base, target = fit.samples.base, fit.samples.target
-        effects = solved(fit.matrix[fitted], target[fitted], fit.matrix)[base.shape[1] :]
+        effects = self._solved(fit.samples.setting, fit.matrix[fitted], target[fitted], fit.matrix)[base.shape[1] :]
         left = target[told] - fit.columns[told] @ effects
         left = left - base[told] @ solved(base[told], left)
         return 100.0 * float(np.linalg.norm(left)) / float(np.linalg.norm(fit.samples.drive[told]))
@@ -274,6 +336,8 @@ class Bench:
             low, high = (self.changed({**held, name: values[name] + sign * step}) for sign in (-1.0, 1.0))
             slopes.append(((high.base - low.base) @ fit.coefficients[:4] - (high.target - low.target)) / (2.0 * step))
         matrix = np.column_stack([fit.matrix, *slopes])[self.training]
+        # a value on its end does not move
+        matrix[:, [MECHANICAL_PARAMETERS.index(name) for name in self.at_ends(fit)]] = 0.0
         covariance = _covariance(matrix, fit.residual[self.training], self.of_record[self.training])
         point = np.concatenate([fit.coefficients, [values[name] for name in bends]])
 
@@ -317,6 +381,13 @@ class Bench:
         )
         refined = at(float(found.x))
         return min(refined, fits[place], key=lambda fit: fit.square(self.training))
+
+
+def _coefficient(setting: Setting, place: int, value: float) -> float:
+    """The coefficient of a base value's column where the actuator states this value."""
+    name = MECHANICAL_PARAMETERS[place]
+    here = adjusted(setting.actuator.changed({name: value}))
+    return here[name] * (here["screw.dynamic_ratio"] if name == LEVEL else 1.0)
 
 
 def _not_determined(name: str, value: float, std: float) -> bool:
@@ -408,3 +479,10 @@ def given_errors(actuator: Actuator, bench: Bench) -> FoldErrors:
     parts = [bench.fold == part for part in range(bench.division.folds)]
     *training, held = (bench.relative(residual, measured, part) for part in parts)
     return FoldErrors(bench.relative(residual, measured, ~parts[-1]), held, (*training, held))
+
+
+def compared_percent(actuator: Actuator, records: Sequence[AnyRecord]) -> float:
+    """Relative error in % of all rows of the records together, as `ema compare` has it of each."""
+    found = [mechanical(actuator, record) for record in records]
+    residual, measured = (math.sqrt(sum(float(np.sum(getattr(one, name) ** 2)) for one in found)) for name in ("residual", "measured"))
+    return 100.0 * residual / measured if measured > 0.0 else math.nan

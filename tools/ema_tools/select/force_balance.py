@@ -11,7 +11,7 @@ All errors are relative: 100 * norm of the balance's residual over norm of the m
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -40,6 +40,7 @@ from ema_tools.select.balance_bench import (
     solved,
 )
 from ema_tools.select.balance_setting import Setting
+from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
@@ -110,7 +111,7 @@ class ForceSteps:
 
 
 @dataclass(frozen=True)
-class _Tried:
+class Tried:
     """The best shape of an effect beside what was accepted: its fit, by how much it lowers the squared error of the training laps, and what it explains of them, [training samples]."""
 
     effect: str
@@ -119,14 +120,22 @@ class _Tried:
     part: Reals
 
 
-class _Search:
-    """The greedy search."""
+# What else may be said against an effect, judged, beside accepted ones; empty where nothing is.
+Veto = Callable[["ForceSearch", Fitted, Tried], str]
 
-    def __init__(self, actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord], report: Report) -> None:
-        self.bench = Bench(actuator, records, holdout)
+
+class ForceSearch:
+    """Effects beside base values on a bench, and what speaks for and against each."""
+
+    def __init__(self, bench: Bench, report: Report, effects: Sequence[str] | None = None, veto: Veto | None = None) -> None:
+        """`effects`: that are looked at; without them all that the actuator does not hold. `veto`: why else an effect is not added, asked last."""
+        self.veto = veto
+        actuator = bench.start.setting.actuator
+        self.bench = bench
         self.bench.keep_undetermined()
         self.report = report
-        self.effects = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
+        others = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
+        self.effects = others if effects is None else list(effects)
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
@@ -191,22 +200,31 @@ class _Search:
         start = np.array([last.shape[name] for name in names]) / scale
         found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-6 * fit.square(rows), "maxfev": 120})
         best = at(found.x)
-        return best if best.square(rows) < fit.square(rows) and not outside(best, last.effect) else fit
+        return best if best.square(rows) < fit.square(rows) and not outside(best) else fit
 
-    def tried(self, accepted: Fitted, effect: str) -> _Tried | Refusal:
-        """The best permitted shape of an effect beside the accepted ones."""
+    def indistinct(self, accepted: Fitted, effect: str) -> str:
+        """Why these records cannot tell an effect from one that was accepted, whatever it gains; empty where they can."""
+        known = self.patterns[effect]
+        if isinstance(known, str):
+            return ""
+        known, _ = self._told_apart(accepted, effect, known)
+        if not known:
+            return SAME_SWING
+        texture = next((one.effect for one in accepted.patterns if is_texture(accepted.samples.setting, one.effect, one.shape)), "")
+        if texture and self.bench.division.by != "record" and is_texture(accepted.samples.setting, effect, known[0].shape):
+            return f"{texture} was accepted, and one record of one motion does not tell textures along the way apart: record another motion"
+        return ""
+
+    def tried(self, accepted: Fitted, effect: str, asked: bool = False) -> Tried | Refusal:
+        """The best permitted shape of an effect beside the accepted ones; one that was `asked` for is fitted though it may be the same as another."""
         known = self.patterns[effect]
         if isinstance(known, str):
             return Refusal(effect, known)
-        known, columns_of = self._told_apart(accepted, effect, known)
-        if not known:
-            return Refusal(effect, SAME_SWING)
-        texture = next((one.effect for one in accepted.patterns if is_texture(accepted.samples.setting, one.effect, one.shape)), "")
-        if texture and self.bench.division.by != "record" and is_texture(accepted.samples.setting, effect, known[0].shape):
-            return Refusal(
-                effect,
-                f"{texture} was accepted, and one record of one motion does not tell textures along the way apart: record another motion",
-            )
+        why = self.indistinct(accepted, effect)
+        if why and not asked:
+            return Refusal(effect, why)
+        apart, columns_of = self._told_apart(accepted, effect, known)
+        known, columns_of = (apart, columns_of) if apart else (known, self.columns[effect])
         bench, rows = self.bench, self.bench.training
         if known[0].bends:
             fit = bench.searched(accepted, effect, known)
@@ -255,10 +273,12 @@ class _Search:
         shown = load_effect() if name == LOAD and self.bench.load_named else name
         return f"no gain over {shown}, which is refitted at every step and takes the same torque up"
 
-    def constant(self) -> tuple[_Tried, Fitted, str]:
+    def constant(self) -> tuple[Tried, Fitted, str]:
         """The change of the constant torque as the first effect, the base values without it, and why it is not added."""
         bench = self.bench
         before = bench.judged(bench.without_load())
+        if LOAD in bench.fixes.kept:
+            return Tried(load_effect(), before, 0.0, np.zeros(int(bench.training.sum()))), before, f"{LOAD} is fixed"
         bench.load_named = True
         found = self._tried(before, load_effect(), bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
         why = self.refusal(before, found)
@@ -278,12 +298,25 @@ class _Search:
             and _like(self.columns[effect][0][rows, 0], load, _AS_LOAD)
         )
 
-    def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> _Tried:
+    def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> Tried:
         rows = self.bench.training
         gain = float(np.sum(accepted.residual[rows] ** 2) - np.sum(fit.residual[rows] ** 2))
-        return _Tried(effect, fit, gain, (accepted.residual - fit.residual)[rows])
+        return Tried(effect, fit, gain, (accepted.residual - fit.residual)[rows])
 
-    def refusal(self, accepted: Fitted, tried: _Tried) -> str:
+    def without_effects(self) -> None:
+        """Takes for what the first model left that which the base values leave, the constant torque among them unless it is an effect of its own."""
+        bench = self.bench
+        first = bench.without_load() if bench.load_named else bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))
+        self.first = float(np.sum(first.residual[bench.training] ** 2))
+
+    def judged_against(self, accepted: Fitted, effect: str, fit: Fitted) -> str:
+        """Why an effect that was fitted, judged, should not be added; empty when it should."""
+        beyond = [name for name in self.bench.at_ends(fit) if name not in self.bench.at_ends(accepted)]
+        if beyond:
+            return f"beside it {beyond[0]} would lie on an end of where it may be"
+        return self.refusal(accepted, self._tried(accepted, effect, fit))
+
+    def refusal(self, accepted: Fitted, tried: Tried) -> str:
         """Why an effect, judged, is not added; empty when it is."""
         bench, fit = self.bench, tried.fit
         beyond = outside(fit)
@@ -319,7 +352,7 @@ class _Search:
         matter = tried.gain / self.first
         if matter < LEAST_OF_FIRST:
             return f"it takes off {100.0 * matter:.2f} % of what the first model left, less than {100.0 * LEAST_OF_FIRST:g} %"
-        return ""
+        return self.veto(self, accepted, tried) if self.veto is not None else ""
 
     def share(self, accepted: Fitted, gain: float) -> float:
         """Part of the squared error above the floor that a gain is."""
@@ -329,11 +362,11 @@ class _Search:
         # the floor is itself known from a few laps only
         return gain / (total - min(floor, _MOST_FLOOR * total)) if math.isfinite(floor) else gain / total
 
-    def round(self, accepted: Fitted, share: float) -> tuple[list[_Tried], list[Refusal]]:
+    def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:
         """Every effect that is left: those that may be added, best first, and the others with the reason."""
         here = {pattern.effect for pattern in accepted.patterns} | ({load_effect()} if self.bench.load_named else set())
         left = [effect for effect in self.effects if effect not in here]
-        added: list[_Tried] = []
+        added: list[Tried] = []
         refused: list[Refusal] = []
         for place, effect in enumerate(left):
             self.report(share + _ROUND_SHARE * place / len(left), effect)
@@ -358,7 +391,7 @@ class _Search:
             columns = accepted.columns[:, [owner != pattern.effect for owner in owners]]
             without = self.bench.fit(self.bench.with_bends(rest) if pattern.bends else accepted.samples, rest, columns)
             gain = float(np.sum(without.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            if self.share(without, gain) < LEAST_SHARE:
+            if self.share(without, gain) < LEAST_SHARE and not outside(without):
                 accepted = self.settled(without)
                 dropped.append(pattern.effect)
         if self.bench.load_named and accepted.patterns:
@@ -430,7 +463,7 @@ def _at_bound(name: str, value: float) -> bool:
     return value >= row.upper - _BOUND * abs(row.upper) or value <= row.lower + _BOUND * abs(row.lower)
 
 
-def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
+def _class_of(best: Tried, tried: Sequence[Tried]) -> tuple[str, ...]:
     """What lowers the error nearly as much as the best and by the same torque, and what the library says looks like it."""
     found = []
     for other in tried:
@@ -446,7 +479,12 @@ def _class_of(best: _Tried, tried: Sequence[_Tried]) -> tuple[str, ...]:
 
 
 def improve_by_forces(
-    actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), progress: Report | None = None
+    actuator: Actuator,
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord] = (),
+    progress: Report | None = None,
+    fixes: Fixes = NONE,
+    veto: Veto | None = None,
 ) -> ForceSteps:
     """Add what the mechanical balance of the records asks for, effect by effect, `holdout` never being fitted; `progress` is told the share done and what is at work.
 
@@ -454,8 +492,8 @@ def improve_by_forces(
     """
     report = progress or untold
     report(0.0, "parts and balance")
-    search = _Search(actuator, records, holdout, report)
-    bench = search.bench
+    bench = Bench(actuator, records, holdout, fixes)
+    search = ForceSearch(bench, report, veto=veto)
     search.prepare(bench.start.setting)
     given = given_errors(actuator, bench)
     steps: list[ForceStep] = []

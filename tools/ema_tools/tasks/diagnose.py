@@ -14,6 +14,7 @@ from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import AnyRecord
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.nuisance import FROM_DATA_SHEET
@@ -123,7 +124,7 @@ def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Recor
             )
 
 
-def check_apart(record: Record, healthy: Sequence[Record]) -> None:
+def check_apart(record: AnyRecord, healthy: Sequence[AnyRecord]) -> None:
     """Raises InputError when a healthy record is the record itself or is given twice: identical samples tell nothing of how the machine repeats."""
     for place, other in enumerate(healthy):
         if _same_samples(record, other):
@@ -135,7 +136,7 @@ def check_apart(record: Record, healthy: Sequence[Record]) -> None:
                 )
 
 
-def _same_samples(one: Record, other: Record) -> bool:
+def _same_samples(one: AnyRecord, other: AnyRecord) -> bool:
     names = [name for name in one.present if name in other.present]
     return one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
 

@@ -10,6 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ema_tools.balances.mechanical import mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
@@ -21,7 +23,11 @@ from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import Verdict
+from ema_tools.select.balance_bench import FoldErrors, compared_percent
+from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
+from ema_tools.select.healthy_balance import Change, HealthyMachine, changes_of, healthy_machine
+from ema_tools.tasks.diagnose import check_apart
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 _FLOOR_MARGIN = 1.2  # what the first model leaves beyond the floor must be more than this, relative, for anything to be missing [judgement]
@@ -29,7 +35,10 @@ _FLOOR_MARGIN = 1.2  # what the first model leaves beyond the floor must be more
 
 @dataclass(frozen=True)
 class BalanceAnswer:
-    """Everything that was found, `known` being the actuator as given; errors are relative force errors in %. `gates`: of every record fitted; `where`: of the first where it can be simulated."""
+    """Everything that was found, `known` being the actuator as given; errors are relative force errors in %. `gates`: of every record fitted; `where`: of the first where it can be simulated.
+
+    `compared`: what `ema compare` reads of all rows of the records, before and after. With `healthy` records `known` is the machine that these show, and `changes` are of its values.
+    """
 
     records: tuple[AnyRecord, ...]
     holdout: tuple[AnyRecord, ...]
@@ -37,6 +46,9 @@ class BalanceAnswer:
     gates: tuple[RecordValidity, ...]
     where: Where | None
     forces: ForceSteps
+    compared: tuple[float, float]
+    healthy: HealthyMachine | None = None
+    changes: tuple[Change, ...] = ()
 
     @property
     def record(self) -> AnyRecord:
@@ -80,25 +92,56 @@ class BalanceAnswer:
         return self.forces.actuator
 
     @property
+    def changed(self) -> tuple[Change, ...]:
+        """Values of the healthy machine that have changed."""
+        return tuple(one for one in self.changes if one.counts)
+
+    @property
+    def last(self) -> FoldErrors:
+        """Errors of the last model."""
+        return self.forces.steps[-1].errors if self.forces.steps else self.forces.refitted
+
+    @property
+    def floor_percent(self) -> float:
+        """What no model can be better than: how far laps are from each other, else what is left of healthy records; NaN where neither is known."""
+        if self.healthy is not None and not math.isfinite(self.forces.floor_percent):
+            return self.healthy_percent
+        return self.forces.floor_percent
+
+    @property
+    def healthy_percent(self) -> float:
+        """What is left of the healthy records, in % of today's drive; NaN without any."""
+        return 100.0 * self.healthy.error_Nm / self._drive_Nm if self.healthy is not None else math.nan
+
+    @property
+    def _drive_Nm(self) -> float:
+        """Rms of today's drive."""
+        return float(np.sqrt(np.mean(self.forces.curves["torque_Nm"] ** 2)))
+
+    @property
     def unexplained(self) -> float | None:
         """Share of the squared error above the floor, of the refitted base values, that stays; None where the floor is not known."""
-        floor = self.forces.floor_percent
+        floor = self.floor_percent
         if not math.isfinite(floor):
             return None
-        before, after = (
-            self.forces.refitted.training,
-            (self.forces.steps[-1].errors if self.forces.steps else self.forces.refitted).training,
-        )
+        before, after = self.forces.refitted.training, self.last.training
         excess = before**2 - floor**2
         return min(max((after**2 - floor**2) / excess, 0.0), 1.0) if excess > 0.0 else 0.0
 
     @property
+    def exceeds(self) -> bool:
+        """Whether the first model leaves more than what is known to be there anyhow."""
+        before = self.forces.refitted.training
+        if self.healthy is not None:
+            return self.healthy.beyond(0.01 * before * self._drive_Nm)
+        return math.isfinite(self.floor_percent) and before > _FLOOR_MARGIN * self.floor_percent
+
+    @property
     def verdict(self) -> Verdict:
-        """missing when effects were accepted; unknown when none explains what exceeds the laps' own repeatability."""
+        """missing when effects were accepted; unknown when none explains what exceeds the floor. A value of the machine that has changed is a fault of the machine, not of the model."""
         if self.accepted:
             return "missing"
-        exceeds = math.isfinite(self.forces.floor_percent) and self.forces.refitted.training > _FLOOR_MARGIN * self.forces.floor_percent
-        return "unknown" if exceeds else "adequate"
+        return "unknown" if self.exceeds else "adequate"
 
 
 def has_balance(actuator: Actuator, record: AnyRecord) -> bool:
@@ -116,11 +159,8 @@ def has_laps(record: AnyRecord) -> bool:
     return bool(found.period_rows) and found.count >= LAPS_MIN
 
 
-def answer_by_balance(
-    actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), report: Report | None = None
-) -> BalanceAnswer:
-    """Diagnoses records by their balance; nothing is fitted to `holdout`. Raises InputError for a record that cannot answer."""
-    tell = report or untold
+def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = ()) -> tuple[RecordValidity, ...]:
+    """Whether each of the records can answer by its balance. Raises InputError for the first that cannot, and for one that is held out and has no balance."""
     gates = tuple(judge_motion(actuator, record) if isinstance(record, MotionRecord) else judge(actuator, record) for record in records)
     for record, gate in zip(records, gates, strict=True):
         if not gate.answerable:
@@ -131,7 +171,49 @@ def answer_by_balance(
             mechanical(actuator, record)
         except MissingSignal as error:
             raise InputError(f"{record.file}: no balance of forces: {error}: record the motion and the drive (current_A)") from None
-    forces = improve_by_forces(actuator, records, holdout, lambda share, text: tell(0.95 * share, text))
+    return gates
+
+
+def answer_by_balance(
+    actuator: Actuator,
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord] = (),
+    report: Report | None = None,
+    fixes: Fixes = NONE,
+    healthy: Sequence[AnyRecord] = (),
+) -> BalanceAnswer:
+    """Diagnoses records by their balance, against the machine that `healthy` ones show where there are any; nothing is fitted to `holdout`.
+
+    Raises InputError for a record that cannot answer.
+    """
+    tell = report or untold
+    gates = gates_of(actuator, records, holdout)
+    if healthy:
+        for record in (*records, *holdout):
+            check_apart(record, healthy)
+        gates_of(actuator, healthy)
+        machine = healthy_machine(actuator, healthy, fixes, lambda share, text: tell(0.45 * share, f"healthy machine, {text}"))
+        return _against(machine, records, holdout, gates, fixes, lambda share, text: tell(0.45 + 0.5 * share, text))
+    forces = improve_by_forces(actuator, records, holdout, lambda share, text: tell(0.95 * share, text), fixes)
     first = records[0]
     there = where(actuator, first) if not isinstance(first, MotionRecord) else None
-    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces)
+    compared = (compared_percent(actuator, records), compared_percent(forces.actuator, records))
+    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces, compared)
+
+
+def _against(
+    machine: HealthyMachine,
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord],
+    gates: tuple[RecordValidity, ...],
+    fixes: Fixes,
+    report: Report,
+) -> BalanceAnswer:
+    """What has changed against a healthy machine."""
+    known = machine.actuator
+    forces = improve_by_forces(known, records, holdout, report, fixes, machine.veto)
+    named = {step.effect for step in forces.steps}
+    apart = [record_of(name).base_value for name in named if record_of(name).base_value]
+    changes = changes_of(machine, forces.actuator, records, fixes, apart)
+    compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
+    return BalanceAnswer(tuple(records), tuple(holdout), known, gates, None, forces, compared, machine, changes)

@@ -12,6 +12,7 @@ from ema_tools.data.any_record import lacks
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.data.records import Record
 from ema_tools.results.diagnosis import Method
+from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.tasks.diagnose import Answer, answer
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance, has_balance, has_laps
 
@@ -40,27 +41,15 @@ def chosen(
         raise InputError(
             f"--method simulation: {len(records)} records: give one, with its healthy repeats by --healthy; --method balance takes several"
         )
-    if asked == "balance" and healthy:
-        raise InputError(
-            "--healthy: the balance compares records with the model alone: leave it out, or calibrate the actuator on them first (ema calibrate)"
-        )
     lacking = next((record for record in (*records, *healthy, *filter(None, (holdout,))) if isinstance(record, MotionRecord)), None)
     if lacking is not None or actuator.absent:
         told = _not_simulated(actuator, lacking)
         if asked == "simulation":
             raise InputError(f"--method simulation: {told}: --method balance does without")
-        if healthy:
-            raise InputError(
-                f"--healthy: {told}, and the balance compares records with the model alone: calibrate the actuator on them first (ema calibrate)"
-            )
         return Chosen("balance", told if asked is None else "as asked for")
     if asked is not None:
         return Chosen(asked, "as asked for")
     if len(records) > 1:
-        if healthy:
-            raise InputError(
-                f"{len(records)} records with --healthy: healthy repeats are those of one record: give one, or leave --healthy out"
-            )
         return Chosen("balance", "there are several records")
     alone = not healthy and holdout is None
     record = records[0]
@@ -78,13 +67,36 @@ def diagnosed(
     holdout: AnyRecord | None = None,
     report: Report | None = None,
     way: Chosen | None = None,
+    fixes: Fixes = NONE,
 ) -> Answer | BalanceAnswer:
     """The diagnosis of records by the method that serves them. Raises InputError as the methods do."""
     way = way or chosen(actuator, records, healthy, holdout)
     if way.method == "balance":
-        return answer_by_balance(actuator, records, () if holdout is None else (holdout,), report)
+        return answer_by_balance(actuator, records, () if holdout is None else (holdout,), report, fixes, healthy)
+    check_fixes(way, fixes)
     measured = [record for record in (records[0], *healthy) if isinstance(record, Record)]
     return answer(actuator, measured[0], measured[1:], holdout if isinstance(holdout, Record) else None, report)
+
+
+def check_fixes(way: Chosen, fixes: Fixes) -> None:
+    """Raises InputError where values are fixed for a method that knows none."""
+    if way.method == "simulation" and fixes != NONE:
+        raise InputError(
+            "--fix: the method by simulation weighs every base value by its spread and fixes none: leave it out, or give --method balance"
+        )
+
+
+def chosen_for_calibration(actuator: Actuator, records: Sequence[AnyRecord], asked: Method | None = None) -> Chosen:
+    """The method of a calibration: by simulation where the machine can be simulated. Raises InputError where the one that was asked for cannot serve."""
+    if asked == "balance":
+        return Chosen(asked, "as asked for")
+    lacking = next((record for record in records if isinstance(record, MotionRecord)), None)
+    if lacking is None and not actuator.absent:
+        return Chosen("simulation", "the controller is known, so that all signals together are fitted" if asked is None else "as asked for")
+    told = _not_simulated(actuator, lacking)
+    if asked == "simulation":
+        raise InputError(f"--method simulation: {told}: --method balance does without")
+    return Chosen("balance", told)
 
 
 def _not_simulated(actuator: Actuator, record: AnyRecord | None) -> str:

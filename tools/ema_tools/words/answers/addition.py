@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from ema_tools.base.interval import interval_of
-from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results import addition as result
-from ema_tools.results.parts import CurvesEntry, ErrorsEntry, FittedValue, Provenance
+from ema_tools.results.parts import ComparedErrors, CurvesEntry, ErrorsEntry, FittedValue, Provenance, StepEntry
+from ema_tools.select.force_refit import ForceRefit
 from ema_tools.tasks.add import Added
-from ema_tools.words.answers.steps import errors, steps
-from ema_tools.words.sentences.addition import reason, sentence, set_sentence
+from ema_tools.tasks.add_by_balance import BalanceAdded
+from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, errors, steps
+from ema_tools.words.sentences.addition import reason, reason_by_balance, sentence, sentence_by_balance, set_sentence
 
 
 def addition(found: Added, record: str, actuator: str, provenance: Provenance, curves: CurvesEntry | None = None) -> result.Addition:
@@ -48,3 +50,45 @@ def setting(made: Actuator, effect: str, before: Actuator, actuator: str, proven
         replaced={f"effects.{name}": before[name] for name in names} if there else None,
         provenance=provenance,
     )
+
+
+def addition_by_balance(found: BalanceAdded, actuator: str, provenance: Provenance, because: str) -> result.Addition:
+    """What was fitted by the balance of forces; `because`: why by this method."""
+    forces = found.forces
+    given, before, after = forces.given, forces.refitted, forces.errors
+    return result.Addition(
+        name=found.records[0].file,
+        actuator=actuator,
+        effect=found.effect,
+        sentence=sentence_by_balance(found),
+        error=ErrorsEntry(given.training, after.training, forces.floor_percent, given.holdout, after.holdout),
+        parameters=fitted_values(forces),
+        steps=(
+            StepEntry((), FIRST, given.training, given.holdout),
+            StepEntry((), REFITTED, before.training, before.holdout),
+            StepEntry((found.effect,), found.effect, after.training, after.holdout),
+        ),
+        recommended=found.recommended,
+        reason=reason_by_balance(found),
+        method="balance",
+        method_reason=because,
+        records=tuple(record.file for record in found.records),
+        holdout=tuple(record.file for record in found.holdout),
+        error_unit=FORCE_UNIT,
+        compared=ComparedErrors(*found.compared),
+        kept=dict(forces.kept),
+        held=forces.held,
+        provenance=provenance,
+    )
+
+
+def fitted_values(forces: ForceRefit) -> dict[str, FittedValue]:
+    """Values of a fit by the balance under their names in the actuator's file, those that were fitted."""
+    found = {}
+    for name, value in forces.values.items():
+        row, at_end = row_of(name), name in forces.at_ends
+        # a value on its end does not move
+        std = None if at_end else forces.std.get(name)
+        if name not in forces.kept and (at_end or std is not None):
+            found[shown(row)] = FittedValue(value, std, row.unit, at_end, interval_of(value, std))
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Literal
 
 import numpy as np
@@ -11,23 +11,24 @@ from ema_tools.balances.effects import adjusted
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.balances.motion import Motion, at_points
 from ema_tools.base.interval import interval95
-from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.results import diagnosis as result
 from ema_tools.results.localisation import Localisation
-from ema_tools.results.parts import CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
+from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
+from ema_tools.select.healthy_balance import Change, HealthyMachine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import FIRST, field_of
+from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.balance import next_step, sentence
 
 _SPEEDS = 200  # that friction is worked out at [layout]
-REFITTED = "base values refitted"
 _MODES: dict[By, Literal["laps of one record", "stretches of one record", "several records"]] = {
     "lap": "laps of one record",
     "block": "stretches of one record",
@@ -48,20 +49,72 @@ def diagnosis_by_balance(
         sentence=sentence(found),
         records=tuple(record.file for record in found.records),
         holdout=tuple(record.file for record in found.holdout),
-        mode=_MODES[way.division.by],
+        mode=_MODES[way.division.by] if found.healthy is None else "against healthy records",
         effects=(*(_accepted(way, step) for step in found.accepted), *(_refused(one) for one in way.refused if one.effect not in kept)),
-        error=ErrorsEntry(way.given.training, last.training, way.floor_percent, way.given.holdout, last.holdout),
-        error_unit="% of the drive's force",
+        faults={fault: entry for fault, name in FAULTS.items() for entry in _fault(found, name, fault)},
+        standing=_standing(found),
+        healthy=None if found.healthy is None else _healthy(found, found.healthy),
+        changes={shown(row_of(one.name)): _change(one) for one in found.changes},
+        error=ErrorsEntry(way.given.training, last.training, found.floor_percent, way.given.holdout, last.holdout),
+        error_unit=FORCE_UNIT,
         next_experiment=next_step(found),
         unexplained=found.unexplained,
         steps=_steps(way),
-        forces=forces_of(way),
+        forces=forces_of(way, found.compared),
         friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
         gate=validity(found.gates[0]),
         where=localisation(found.where) if found.where is not None else Localisation(),
         provenance=provenance,
         curves=curves,
     )
+
+
+def _standing(found: BalanceAnswer) -> dict[str, dict[str, float]]:
+    """Effects that the healthy machine has, with their values by field."""
+    if found.healthy is None:
+        return {}
+    return {
+        name: {row.field: found.known[row.name] for row in load_definitions().effect(name).parameters} for name in found.healthy.standing
+    }
+
+
+def _healthy(found: BalanceAnswer, machine: HealthyMachine) -> result.HealthyEntry:
+    values = {
+        shown(row_of(name)): result.HealthyValue(value, machine.refit.std.get(name), machine.scatter.get(name), row_of(name).unit)
+        for name, value in machine.refit.values.items()
+        if name in machine.refit.std and name not in machine.refit.kept
+    }
+    return result.HealthyEntry(
+        tuple(record.file for record in machine.records),
+        values,
+        "records" if machine.sure else "parts of records",
+        not machine.sure,
+        found.healthy_percent,
+        machine.times,
+    )
+
+
+def _change(one: Change) -> result.ChangeEntry:
+    change = one.today - one.healthy
+    percent = 100.0 * change / one.healthy if one.healthy else None
+    return result.ChangeEntry(one.healthy, one.today, percent, interval95(change, one.std), one.limit, one.counts, row_of(one.name).unit)
+
+
+def _fault(found: BalanceAnswer, name: str, fault: str) -> Iterator[EffectEntry]:
+    """A fault's value that has changed."""
+    for one in found.changed:
+        if one.name == name:
+            field = row_of(name).field
+            yield EffectEntry(
+                name=fault,
+                alike=(fault,),
+                parameters={field: one.today},
+                std={field: one.std},
+                interval95={field: interval95(one.today, one.std)},
+                score=abs(one.today - one.healthy),
+                limit=one.limit,
+                accepted=True,
+            )
 
 
 def friction(actuator: Actuator, fastest_rad_s: float) -> result.FrictionShape | None:
@@ -128,13 +181,13 @@ def _numbers(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     return {field_of(name): float(value) for name, value in found.items()}
 
 
-def forces_of(way: ForceSteps) -> result.Forces:
-    """The balance, effect by effect."""
+def forces_of(way: ForceSteps, compared: tuple[float, float] | None = None) -> result.Forces:
+    """The balance, effect by effect; `compared`: what `ema compare` reads before and after."""
     known, effects = way.actuator, way.actuator.active_effects
     names = (*MECHANICAL_PARAMETERS, *(row.name for row in load_definitions().effect_values if row.effect in effects))
     division = way.division
     return result.Forces(
-        result.ForceSummary(_errors(way.given), _errors(way.refitted), way.floor_percent),
+        result.ForceSummary(_errors(way.given), _errors(way.refitted), way.floor_percent, ComparedErrors(*compared) if compared else None),
         tuple(_step(step, step.effect in effects) for step in way.steps),
         tuple(map(_refusal, way.refused)),
         {name: known[name] for name in names},

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 
 from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
+from ema_tools.data.linear_axis import VALUES, at_rod, lead_m_per_rad
 from ema_tools.results import calibration as result
-from ema_tools.results.parts import Provenance
+from ema_tools.results.parts import ComparedErrors, Provenance
 from ema_tools.tasks.calibrate import Calibration, FittedParameter
+from ema_tools.tasks.calibrate_by_balance import BalanceCalibration
 from ema_tools.tasks.own_machine import OwnMachine
+from ema_tools.words.answers.addition import fitted_values
 
 
 def calibration(found: Calibration, actuator: str, provenance: Provenance, own: OwnMachine | None = None) -> result.CalibrationResult:
@@ -33,6 +37,53 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
         ),
         provenance=provenance,
     )
+
+
+def calibration_by_balance(found: BalanceCalibration, actuator: str, provenance: Provenance, because: str) -> result.CalibrationResult:
+    """What was found by the balance of forces; `because`: why by this method."""
+    forces, known = found.forces, found.known
+    parameters = {}
+    for name, one in fitted_values(forces).items():
+        before = known[name]
+        change = 100.0 * (one.value - before) / before if before else None
+        parameters[name] = result.Calibrated(
+            before, one.value, one.std, change, one.unit, "balance", one.at_bound, one.interval95 or (None, None)
+        )
+    return result.CalibrationResult(
+        command="calibrate",
+        actuator=actuator,
+        parameters=parameters,
+        at_rod=_at_rod(found),
+        error=result.ChannelErrors({}, {}, {}),
+        left_out={name: f"{why}: it stays {found.actuator[name]:.4g} {row_of(name).unit}" for name, why in forces.kept.items()},
+        method="balance",
+        method_reason=because,
+        forces=result.ForceCalibration(
+            tuple(record.file for record in found.records),
+            forces.division.by,
+            forces.errors.training,
+            forces.errors.each,
+            forces.floor_percent,
+            ComparedErrors(*found.compared),
+            forces.held,
+        ),
+        provenance=provenance,
+    )
+
+
+def _at_rod(found: BalanceCalibration) -> dict[str, result.RodModel]:
+    """The mechanics as a force model at the rod; empty for a machine without one."""
+    if not all(found.known.has(name) for name in ("screw.lead_mm", "gearbox.ratio")):
+        return {}
+    lead = lead_m_per_rad(found.known)
+    before, after = ({name: one[name] for name in VALUES} for one in (found.known, found.actuator))
+    known_std = {name: value for name, value in found.forces.std.items() if name not in found.forces.at_ends}
+    std = {name: known_std.get(name, math.nan) for name in VALUES}
+    models = {title: asdict(at_rod(values, lead)) for title, values in (("before", before), ("after", after), ("std", std))}
+    return {
+        title: result.RodModel(**{name: value if math.isfinite(value) else None for name, value in model.items()})
+        for title, model in models.items()
+    }
 
 
 def _calibrated(one: FittedParameter) -> result.Calibrated:

@@ -8,6 +8,8 @@ from ema_tools.results import parts
 from ema_tools.select.holdout import ErrorFall, Step
 
 FIRST = "as given"
+REFITTED = "base values refitted"
+FORCE_UNIT = "% of the drive's force"
 
 
 def errors(found: ErrorFall) -> parts.WeightedErrors:

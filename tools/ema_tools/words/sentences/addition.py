@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from ema_tools.data.actuator import row_of
+from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
 from ema_tools.tasks.add import Added, Why
+from ema_tools.tasks.add_by_balance import BalanceAdded
 from ema_tools.words.sentences.sizes import size_text
 
 _WHY = {
@@ -34,6 +36,26 @@ def sentence(found: Added) -> str:
     if found.errors.holdout_before is not None:
         text += f"; on the record held out {found.errors.holdout_before:.3g} before, {found.errors.holdout_after:.3g} after"
     return f"{text}. {'Recommended' if found.recommended else 'Not recommended'}: {reason(found)}."
+
+
+def reason_by_balance(found: BalanceAdded) -> str:
+    """Why it is recommended, or not, by the balance of forces."""
+    parts = PARTS[found.forces.division.by]
+    return found.forces.reason or f"the force error falls on the {parts} fitted and on every one of the {parts} held out"
+
+
+def sentence_by_balance(found: BalanceAdded) -> str:
+    """What was done by the balance of forces, and what came of it."""
+    forces = found.forces
+    parts = PARTS[forces.division.by]
+    size = load_definitions().effect(found.effect).size.name
+    done = "was there and is refitted" if found.refitted else "added"
+    errors = (
+        f"force error {forces.given.training:.2f} % on the {parts} fitted and {forces.given.holdout:.2f} % on the {parts} held out before,"
+        f" {forces.errors.training:.2f} % and {forces.errors.holdout:.2f} % after"
+    )
+    value = f"{row_of(size).field} {size_text(size, forces.values[size], forces.std.get(size))}"
+    return f"{found.effect} {done}, {value}: {errors}. {'Recommended' if found.recommended else 'Not recommended'}: {reason_by_balance(found)}."
 
 
 def set_sentence(effect: str, was: float | None) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.results.diagnosis import FrictionShape
+from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyMachine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 
 # What is fitted and held out, in the plural.
@@ -14,6 +16,8 @@ PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"
 
 def sentence(found: BalanceAnswer) -> str:
     """The answer in a sentence or two."""
+    if found.healthy is not None:
+        return _against_healthy(found, found.healthy)
     given, division = found.forces.given, found.forces.division
     parts = PARTS[division.by]
     floor = f"the laps repeat to {found.forces.floor_percent:.2f} %" if math.isfinite(found.forces.floor_percent) else "no floor is known"
@@ -34,6 +38,31 @@ def sentence(found: BalanceAnswer) -> str:
     )
 
 
+def _against_healthy(found: BalanceAnswer, machine: HealthyMachine) -> str:
+    """What has changed against healthy records."""
+    count, after = len(machine.records), found.last
+    given = found.forces.given
+    against = f"against {count} healthy record{'s' if count > 1 else ''}"
+    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
+    told = [f"missing are {', '.join(step.effect for step in found.accepted)}"] if found.accepted else []
+    told += [_changed(one) for one in found.changed]
+    if not told:
+        told.append(
+            "what is left is more than of any healthy record, and no effect of the library carries over to what was held out"
+            if found.exceeds
+            else "nothing has changed by more than healthy records differ"
+        )
+    doubt = "" if machine.sure else f" How much healthy records differ is uncertain with {count}: give {SURE_RECORDS} or more."
+    return f"{found.names} {against}: {'; '.join(told)} ({errors}).{doubt}"
+
+
+def _changed(one: Change) -> str:
+    """One value that has changed."""
+    row = row_of(one.name)
+    share = f" ({100.0 * (one.today - one.healthy) / abs(one.healthy):+.2g} %)" if one.healthy else ""
+    return f"{shown(row)} has changed from {one.healthy:.4g} to {one.today:.4g} {row.unit}".rstrip() + share
+
+
 def friction_sentence(found: FrictionShape) -> str:
     """Where steady friction is least, and how far above that it is at standstill."""
     turns = found.minimum_at_rad_s * 60.0 / (2.0 * math.pi)
@@ -42,6 +71,10 @@ def friction_sentence(found: FrictionShape) -> str:
 
 def next_step(found: BalanceAnswer) -> str:
     """What to do next."""
+    if found.healthy is not None and not found.accepted and found.changed:
+        return "Next: look at what has changed on the machine; ema calibrate writes a model of it as it is now."
+    if found.healthy is not None and not found.exceeds and not found.accepted:
+        return "Next: nothing; keep these healthy records, and add runs of other days, so that scatter from day to day is known."
     if found.accepted:
         return "Next: --fitted NEW.toml writes the model with these effects; hold it against a record of another motion with ema compare."
     return "Next: record another motion, and the current, so that more of the mechanics is seen."

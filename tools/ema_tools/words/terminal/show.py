@@ -14,7 +14,7 @@ from ema_tools.fit.detection import rate_text
 from ema_tools.fit.division import PARTS
 from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
-from ema_tools.results.calibration import CalibrationResult, OwnMachineEntry, RodModel
+from ema_tools.results.calibration import CalibrationResult, ForceCalibration, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
@@ -77,6 +77,9 @@ def comparison(console: Console, found: ComparisonResult, actuator: str) -> None
 
 def calibration(console: Console, found: CalibrationResult) -> None:
     """What `ema calibrate` found."""
+    if found.method == "balance":
+        say(console, f"By the balance of forces: {found.method_reason}.")
+        console.print()
     shown_table = table("Calibrated", "value", "unit", "before", "after", "95 % interval", "from", text_columns=2)
     shown_table.columns[-1].justify = "left"
     for name, value in found.parameters.items():
@@ -85,11 +88,14 @@ def calibration(console: Console, found: CalibrationResult) -> None:
         shown_table.add_row(shown(row), value.unit, number(value.before, 5), number(value.after, 5), ends_text(*value.interval95), source)
     console.print(shown_table)
     for names, why in found.left_out.items():
-        say(console, f"No balance for {names}: {why}.")
+        say(console, f"{names}: {why}." if found.forces is not None else f"No balance for {names}: {why}.")
     if found.at_rod:
         console.print()
         force_models(console, "The mechanics at the rod: force = M a + Fv v + Fc sgn v + offset", found.at_rod)
     console.print()
+    if found.forces is not None:
+        _force_calibration(console, found.forces)
+        return
     errors = table("Measured minus simulated, rms", "channel", "unit", "before", "after", text_columns=2)
     for name, before in found.error.before.items():
         errors.add_row(TITLES[name], UNITS[name], number(before), number(found.error.after[name]))
@@ -107,6 +113,20 @@ def calibration(console: Console, found: CalibrationResult) -> None:
         )
     if found.own_machine is not None:
         own_machine(console, found.own_machine)
+
+
+def _force_calibration(console: Console, found: ForceCalibration) -> None:
+    """The errors of a calibration by the balance of forces."""
+    rows = table("Force error, in % of the drive's force", "model", "all rows", f"{PARTS[found.by]} held out in turn", text_columns=1)
+    rows.add_row("as given", number(found.compared.before, 3), "")
+    told = [one for one in found.each_held_out_percent if one is not None]
+    held = f"{number(min(told), 3)} .. {number(max(told), 3)}" if told else ""
+    rows.add_row("calibrated", number(found.compared.after, 3), held)
+    if found.floor_percent is not None:
+        rows.add_row("floor: lap to lap", number(found.floor_percent, 3), "")
+    console.print(rows)
+    if found.held:
+        say(console, f"Effects of the model that stayed as they were: {', '.join(found.held)}.")
 
 
 def own_machine(console: Console, own: OwnMachineEntry) -> None:
@@ -264,8 +284,14 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
             number(step.training_percent, 3),
             number(step.holdout_percent, 3),
         )
+    if found.healthy is not None:
+        rows.add_row("left of the healthy records", "", "", number(found.healthy.error_percent, 3), "")
     rows.add_row("floor: lap to lap", "", "", number(forces.error.floor_percent, 3), "")
     console.print(rows)
+    if found.standing:
+        say(console, f"What the healthy machine has anyhow: {', '.join(found.standing)}.")
+    if found.changes:
+        _changes(console, found)
     if found.friction is not None:
         say(console, friction_sentence(found.friction))
     refused = table("Refused", "effect", "why", text_columns=2)
@@ -277,6 +303,17 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     say(console, found.next_experiment)
 
 
+def _changes(console: Console, found: DiagnosisByBalanceResult) -> None:
+    """Values of the healthy machine beside those of today."""
+    console.print()
+    rows = table("Values of the healthy machine", "value", "unit", "healthy", "today", "change, 95 %", "must exceed", "", text_columns=2)
+    for name, one in found.changes.items():
+        state = "changed" if one.counts else ""
+        rows.add_row(name, one.unit, number(one.healthy, 4), number(one.today, 4), ends_text(*one.interval95), number(one.limit, 2), state)
+    console.print(rows)
+    console.print()
+
+
 def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
     """The size of a step's effect as the last fit has it, with its 95 % interval."""
     own = [name for name in last.parameters if name.startswith(f"{step.added}.")] or [record_of(step.added).base_value]
@@ -286,10 +323,10 @@ def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
     return ""
 
 
-def steps(console: Console, way: Sequence[StepEntry], floor: float | None) -> None:
+def steps(console: Console, way: Sequence[StepEntry], floor: float | None, what: str = "Weighted error") -> None:
     """The fall of the error."""
     held = any(step.error_holdout is not None for step in way)
-    rows = table("Weighted error", "model", "on the record", *(("held out",) if held else ()))
+    rows = table(what, "model", "on the record", *(("held out",) if held else ()))
     for place, step in enumerate(way):
         title = step.added if place == 0 else f"+ {step.added}"
         rows.add_row(title, number(step.error_training, 4), *((number(step.error_holdout, 4),) if held else ()))
@@ -301,13 +338,25 @@ def added(console: Console, found: Addition) -> None:
     """What `ema add` did."""
     say(console, found.sentence)
     console.print()
+    if found.method == "balance":
+        say(console, f"By the balance of forces: {found.method_reason}.")
+        console.print()
     rows = table("Fitted", "value", "unit", "after", "95 % interval", "", text_columns=2)
     for name, value in found.parameters.items():
         bound = "at its bound" if value.at_bound else ""
         rows.add_row(shown(row_of(name)), value.unit, number(value.value, 5), ends_text(*(value.interval95 or (None, None))), bound)
     console.print(rows)
     console.print()
-    steps(console, found.steps or (), found.error.floor)
+    steps(
+        console,
+        found.steps or (),
+        found.error.floor,
+        "Force error, in % of the drive's force" if found.method == "balance" else "Weighted error",
+    )
+    for name, why in (found.kept or {}).items():
+        say(console, f"{name}: {why}.")
+    if found.held:
+        say(console, f"Effects of the model that stayed as they were: {', '.join(found.held)}.")
     for pair in found.correlations or ():
         first, second = pair.values
         say(console, f"{first} and {second} cannot be told apart on this record (correlation {pair.correlation:.3f}).")

@@ -1,0 +1,222 @@
+"""A machine by its healthy records, by the balance of forces: its base values, the effects that it has anyhow, and how much each of them scatters from record to record.
+
+The scatter of a value is what one healthy record asks of it alone, everything else as all of them show it: run to run, and whatever the model lacks of the healthy machine, which is no change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
+from ema_tools.base.arrays import Reals
+from ema_tools.base.progress import Report, untold
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import AnyRecord
+from ema_tools.library.definitions import load_definitions
+from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
+from ema_tools.select.fixes import NONE, Fixes
+from ema_tools.select.force_balance import ForceSearch, ForceSteps, Tried, improve_by_forces
+from ema_tools.select.force_refit import ForceRefit, refit_by_forces
+from ema_tools.select.torque_patterns import Pattern, pattern_of
+
+SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]
+_CHANCE = 0.995  # of a healthy record to lie below the limit of one value, to one side [chance]
+_LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell it: a day's grease moves friction by as much [judgement]
+_SEEN = (
+    0.05  # a record that shows less of a value than this, as a share of the one that shows most, says nothing of its scatter [judgement]
+)
+_AS_HEALTHY = 0.25  # an effect that takes as large a share of this gain off the healthy records is no change [judgement]
+_MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judgement]
+
+
+@dataclass(frozen=True)
+class HealthyMachine:
+    """What healthy records show. `actuator`: the machine with its `standing` effects; `steps`: how these were found; `refit`: the last fit; `scatter`: standard deviation of one record, by name.
+
+    `groups`: what the scatter was taken over; `sure`: whether these are records; `error_Nm`: rms of what is left of the healthy records, and `worst_Nm` of the worst of them.
+    """
+
+    records: tuple[AnyRecord, ...]
+    actuator: Actuator
+    standing: tuple[str, ...]
+    steps: ForceSteps
+    refit: ForceRefit
+    scatter: Mapping[str, float]
+    groups: int
+    error_Nm: float
+    worst_Nm: float
+    bench: Bench = field(repr=False)
+
+    @property
+    def sure(self) -> bool:
+        """Whether there are records enough to tell how they differ."""
+        return len(self.records) >= SURE_RECORDS
+
+    @property
+    def times(self) -> float:
+        """So many standard deviations a value must differ to be a change."""
+        return float(stats.t.ppf(_CHANCE, max(self.groups - 1, 1)))
+
+    def limit(self, scatter: float, *std: float) -> float:
+        """By how much a value must differ."""
+        return self.times * math.hypot(scatter, *std)
+
+    def beyond(self, error_Nm: float) -> bool:
+        """Whether what a model leaves of a record is more than of any healthy one."""
+        return error_Nm > _MARGIN * self.worst_Nm
+
+    def scatter_of(self, pattern: Pattern) -> float:
+        """Scatter of the size of an effect that the healthy machine does not have, in one shape; NaN where its records show nothing of it."""
+        bench = self.bench
+        found = pattern_of(bench.start.setting, pattern.effect, pattern.shape)
+        if isinstance(found, str) or found.bends:
+            return math.nan
+        size, rows = load_definitions().effect(pattern.effect).size.name, bench.sliding
+        columns, left, group = bench.decimated(found.columns)[rows], _residual(bench, self.actuator)[rows], _groups(bench, self.sure)[rows]
+        levels = {name: self.actuator[name] for name in MECHANICAL_PARAMETERS}
+        return _rms([found.values(one, levels)[size] for one in _alone(columns, left, group)])
+
+    def veto(self, search: ForceSearch, accepted: Fitted, tried: Tried) -> str:
+        """Why an effect of today's records is no change; empty where it is one."""
+        if tried.effect == load_effect():
+            scatter, std = self.scatter.get(LOAD, math.nan), self.refit.std.get(LOAD, 0.0)
+        else:
+            pattern = tried.fit.patterns[-1]
+            if pattern.bends:
+                return self._same_when_healthy(search, accepted, tried)
+            scatter, std = self.scatter_of(pattern), 0.0
+        if not math.isfinite(scatter):
+            return ""
+        size = load_definitions().effect(tried.effect).size.name
+        value = tried.fit.values[size]
+        limit = self.limit(scatter, std, tried.fit.std.get(size, 0.0))
+        if abs(value) > limit:
+            return ""
+        over = "healthy records" if self.sure else "parts of the healthy records"
+        return f"no change: its size {value:.3g} is within what {over} differ by, {limit:.3g}"
+
+    def _same_when_healthy(self, search: ForceSearch, accepted: Fitted, tried: Tried) -> str:
+        """An effect that bends the balance: whether it does the healthy records as much good."""
+        bench = self.bench
+        before = bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))
+        after = bench.fit(bench.with_bends(tried.fit.patterns[-1:]), (), np.zeros((bench.fold.size, 0)))
+        healthy = 1.0 - after.square(bench.training) / before.square(bench.training)
+        rows = search.bench.training
+        today = 1.0 - tried.fit.square(rows) / accepted.square(rows)
+        return "no change: it lowers the error of the healthy records as well" if healthy > _AS_HEALTHY * today else ""
+
+
+def _rms(values: Sequence[float]) -> float:
+    return math.sqrt(sum(value * value for value in values) / max(len(values) - 1, 1)) if values else math.nan
+
+
+def _groups(bench: Bench, by_record: bool) -> NDArray[np.int64]:
+    """The group of every sample, over which scatter is taken: its record, or its part of the record, [samples]."""
+    if by_record:
+        return bench.of_record
+    parts = bench.kept(np.concatenate([laps.fold for laps in bench.division.laps]))
+    return np.asarray(1000 * bench.of_record + parts)
+
+
+def _residual(bench: Bench, actuator: Actuator) -> Reals:
+    """What a machine as it is known leaves of the bench's target, [samples]."""
+    start = bench.start
+    coefficients = np.array([actuator[name] for name in MECHANICAL_PARAMETERS]) * (
+        1.0,
+        1.0,
+        start.setting.actuator["screw.dynamic_ratio"],
+        1.0,
+    )
+    taken = list(bench.taken)
+    coefficients[taken] = 0.0
+    return start.target - start.base @ coefficients
+
+
+def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]:
+    """What each group asks of a pattern [samples, k] alone, each [k]; groups that hardly show it are left out."""
+    seen = {number: float(np.sum(columns[group == number] ** 2)) for number in np.unique(group)}
+    most = max(seen.values(), default=0.0)
+    return [
+        np.linalg.lstsq(columns[group == number], left[group == number], rcond=None)[0]
+        for number, square in seen.items()
+        if square > _SEEN * most > 0.0
+    ]
+
+
+def healthy_machine(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes = NONE, report: Report | None = None) -> HealthyMachine:
+    """The machine as healthy records show it. Raises MissingSignal, InputError."""
+    tell = report or untold
+    steps = improve_by_forces(actuator, records, (), lambda share, text: tell(0.8 * share, text), fixes)
+    refit = refit_by_forces(steps.actuator, records, fixes)
+    known = refit.actuator
+    bench = Bench(known, records, (), fixes, whole=True)
+    bench.keep_undetermined()
+    sure = len(records) >= SURE_RECORDS
+    group, left = _groups(bench, sure), _residual(bench, known)
+    left, group, base = left[bench.sliding], group[bench.sliding], bench.start.base[bench.sliding]
+    scatter: dict[str, float] = {}
+    for place, name in enumerate(MECHANICAL_PARAMETERS):
+        if place in bench.taken:
+            continue
+        factor = known["screw.dynamic_ratio"] if name == "screw.csj_Nm" else 1.0
+        spread = _rms([float(one[0]) / (factor or 1.0) for one in _alone(base[:, place : place + 1], left, group)])
+        if math.isfinite(spread):
+            scatter[name] = spread if sure else max(spread, _LEAST_SCATTER * abs(known[name]))
+    squares = [float(np.mean(left[group == number] ** 2)) for number in np.unique(group)]
+    tell(1.0, "done")
+    return HealthyMachine(
+        tuple(records),
+        known,
+        tuple(name for name in known.active_effects if name not in actuator.active_effects),
+        steps,
+        refit,
+        scatter,
+        len(squares),
+        math.sqrt(float(np.mean(left**2))),
+        math.sqrt(max(squares)),
+        bench,
+    )
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value of the healthy machine as today's records have it. `limit`: beyond which it has changed; `counts`: whether it has, and every part held out says so too."""
+
+    name: str
+    healthy: float
+    today: float
+    std: float
+    limit: float
+    counts: bool
+
+
+def changes_of(
+    machine: HealthyMachine, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, apart: Sequence[str]
+) -> tuple[Change, ...]:
+    """Every value of the healthy machine that is fitted on both sides, but for `apart`; `today`: the model with what was accepted. Raises MissingSignal, InputError."""
+    free = refit_by_forces(today, records, fixes)
+    found = []
+    for name, healthy in machine.refit.values.items():
+        spread = machine.scatter.get(name, math.nan)
+        stds = [side.std.get(name, math.nan) for side in (machine.refit, free)]
+        if name in apart or name in machine.refit.kept or name in free.kept or name not in free.values or not all(map(math.isfinite, stds)):
+            continue
+        if not math.isfinite(spread):
+            # the size of a standing effect differs as much as all of its machine does
+            spread = _LEAST_SCATTER * abs(healthy)
+        limit, value = machine.limit(spread, *stds), free.values[name]
+        counts = abs(value - healthy) > limit
+        if counts:
+            base = name in MECHANICAL_PARAMETERS
+            kept = Fixes(fixes.kept | {name}, {key: ends for key, ends in fixes.between.items() if key != name}, fixes.effects)
+            as_before = kept if base else Fixes(fixes.kept, fixes.between, fixes.effects | {name.partition(".")[0]})
+            held = refit_by_forces(today.changed({name: healthy}), records, as_before)
+            counts = all(now < before for now, before in zip(free.errors.each, held.errors.each, strict=True))
+        found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))
+    return tuple(found)

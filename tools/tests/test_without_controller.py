@@ -1,0 +1,252 @@
+"""Adding an effect and calibrating a machine whose controller nobody knows: by the balance of forces, on the bench of the diagnosis."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.benchmarks.machines.trials import actuator_of
+from ema_tools.data.actuator import Actuator, read_actuator
+from ema_tools.data.motion_records import MotionRecord, write_motion_record
+from ema_tools.results.codec import to_json
+from ema_tools.select.balance_bench import compared_percent
+from ema_tools.select.fixes import fixes_of
+from ema_tools.select.force_balance import improve_by_forces
+from ema_tools.select.force_refit import add_by_forces, refit_by_forces
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
+from ema_tools.tasks.method import diagnosed
+from ema_tools.words.answers.method import diagnosis
+from support import complaint, run_ema
+
+INERTIA, VISCOUS, CSJ, LOAD = "screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm"
+TRUE = {INERTIA: 2e-5, VISCOUS: 1e-4, CSJ: 0.02, LOAD: 0.0}
+
+
+def machine() -> Actuator:
+    """The machine as its data sheet has it, a little off."""
+    return actuator_of("bare motor", 0).changed({INERTIA: 2.3e-5, VISCOUS: 1.2e-4, CSJ: 0.022, LOAD: 0.0})
+
+
+def swinging(
+    seed: int, fastest_rad_s: float, load_Nm: float = 0.0, drag: float = 0.0, csj_Nm: float = TRUE[CSJ], inertia: float = TRUE[INERTIA]
+) -> MotionRecord:
+    """Ten seconds to and fro with a slow and a fast part: speed and torque alone."""
+    random, time = np.random.default_rng(seed), np.arange(5000) * 2e-3
+    phase = 2.0 * np.pi * (0.4 + 0.02 * seed) * time
+    speed = fastest_rad_s * np.sin(phase) * (1.0 + 0.4 * np.sin(0.37 * phase))
+    acceleration = np.gradient(speed, 2e-3)
+    torque = inertia * acceleration + TRUE[VISCOUS] * speed + csj_Nm * np.sign(speed) + load_Nm + drag * speed * np.abs(speed)
+    return MotionRecord(2e-3, f"run_{seed}.csv").with_columns(
+        {"motor_speed_rad_s": speed, "torque_Nm": torque + random.normal(0.0, 2e-4, time.size)}
+    )
+
+
+def runs(load_Nm: float = 0.0, drag: float = 0.0, csj_Nm: float = TRUE[CSJ], first: int = 0) -> list[MotionRecord]:
+    return [swinging(first + seed, speed, load_Nm, drag, csj_Nm) for seed, speed in enumerate((60.0, 90.0, 130.0))]
+
+
+def test_adding_says_what_the_diagnosis_says_to_the_digit() -> None:
+    given, records, model = machine(), runs(0.006, 2e-6), machine()
+    found = improve_by_forces(given, records)
+    assert [step.effect for step in found.steps] == ["constant_load", "quadratic_viscous"]
+    for step in found.steps:
+        one = add_by_forces(model, step.effect, records)
+        assert one.errors.training == pytest.approx(step.errors.training, rel=1e-9)
+        assert one.errors.holdout == pytest.approx(step.errors.holdout, rel=1e-9)
+        assert not one.reason and not one.held
+        model = one.actuator
+    # what came first was refitted beside what came last
+    for name in (*TRUE, "constant_load.torque_Nm", "quadratic_viscous.drag_Nm_s2_per_rad2"):
+        assert model[name] == pytest.approx(found.actuator[name], rel=1e-6, abs=1e-12), name
+    assert model["constant_load.torque_Nm"] == pytest.approx(0.006, rel=0.02)
+
+
+def test_an_effect_that_is_not_there_is_fitted_and_not_recommended() -> None:
+    found = add_by_forces(machine(), "viscous_asymmetry", runs())
+    assert found.reason
+    assert found.errors.training == pytest.approx(found.refitted.training, rel=0.02)
+
+
+def test_what_is_kept_stays_and_what_is_bounded_stays_inside() -> None:
+    given, records = machine(), runs()
+    free = refit_by_forces(given, records)
+    for name in (INERTIA, VISCOUS, CSJ):
+        assert free.actuator[name] == pytest.approx(TRUE[name], rel=0.01), name
+        assert abs(free.values[name] - TRUE[name]) < 4.0 * free.std[name] + 1e-3 * TRUE[name]
+    fixed = refit_by_forces(given, records, fixes_of(given, ["inertia", "viscous=1.1e-4..2e-4"]))
+    assert fixed.actuator[INERTIA] == given[INERTIA] and INERTIA in fixed.kept
+    assert fixed.actuator[VISCOUS] == pytest.approx(1.1e-4) and VISCOUS in fixed.at_ends
+    assert fixed.errors.training > free.errors.training
+    inside = refit_by_forces(given, records, fixes_of(given, ["viscous=0.5e-4..2e-4"]))
+    assert inside.errors.training == pytest.approx(free.errors.training, rel=1e-9) and not inside.at_ends
+
+
+def test_bounds_hold_beside_accepted_effects() -> None:
+    given, records = machine(), runs(0.006, 2e-6)
+    found = improve_by_forces(given, records, fixes=fixes_of(given, ["csj=0.0215..0.03", "inertia"]))
+    assert found.actuator[INERTIA] == given[INERTIA]
+    assert found.actuator[CSJ] == pytest.approx(0.0215, rel=1e-9)
+    assert found.steps
+
+
+def test_a_negative_inertia_ends_nothing() -> None:
+    given, records = machine(), [swinging(seed, 90.0, 0.006, inertia=-1e-5) for seed in range(3)]
+    assert refit_by_forces(given, records).actuator[INERTIA] == given[INERTIA]
+    assert improve_by_forces(given, records).actuator[INERTIA] == given[INERTIA]
+    assert add_by_forces(given, "constant_load", records).actuator[INERTIA] == given[INERTIA]
+
+
+def test_a_model_that_is_refitted_reads_the_same_with_and_without_its_effects_named() -> None:
+    """A calibration refits the sizes of the model's own effects, unless they are kept."""
+    records = runs(0.0, 4e-7)
+    model = machine().changed({"quadratic_viscous.drag_Nm_s2_per_rad2": 1e-7})
+    free, held = refit_by_forces(model, records), refit_by_forces(model, records, fixes_of(model, ["quadratic_viscous"]))
+    assert free.actuator["quadratic_viscous.drag_Nm_s2_per_rad2"] == pytest.approx(4e-7, rel=0.03)
+    assert held.actuator["quadratic_viscous.drag_Nm_s2_per_rad2"] == 1e-7 and held.held == ("quadratic_viscous",)
+    assert free.errors.training < held.errors.training
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    there = tmp_path_factory.mktemp("machine")
+    machine().write(there / "machine.toml")
+    (there / "today").mkdir()
+    for record in runs(0.006):
+        write_motion_record(there / "today" / record.file, record)
+    return there
+
+
+def test_the_commands_agree(folder: Path) -> None:
+    """diagnose, add and compare count with one yardstick."""
+    toml, new = folder / "machine.toml", folder / "new.toml"
+    ran = run_ema("diagnose", toml, folder / "today", "--json", folder / "d.json")
+    assert ran.code == 0, ran.err
+    ran = run_ema("add", toml, "constant_load", folder / "today", "-o", new, "--json", folder / "a.json", "--report", folder / "a.html")
+    assert ran.code == 0, ran.err
+    assert "By the balance of forces: run_0.csv holds no command_mm" in ran.out.replace("\n", " ")
+    diagnosed, added = (json.loads((folder / name).read_text(encoding="utf-8")) for name in ("d.json", "a.json"))
+    assert [one["name"] for one in diagnosed["effects"] if one["accepted"]] == ["constant_load"]
+    for key in ("before", "after", "holdout_before", "holdout_after"):
+        assert added["error"][key] == pytest.approx(diagnosed["error"][key], rel=1e-9), key
+    assert added["compared"]["after"] == pytest.approx(diagnosed["forces"]["error"]["compared"]["after"], rel=1e-6)
+    assert added["method"] == "balance" and added["recommended"]
+    assert added["parameters"]["effects.constant_load.torque_Nm"]["value"] == pytest.approx(0.006, rel=0.02)
+    ran = run_ema("compare", new, folder / "today" / "run_1.csv", "--json", folder / "c.json")
+    compared = json.loads((folder / "c.json").read_text(encoding="utf-8"))["balances"]["mechanical"]["relative_percent"]
+    model = read_actuator(new, complete=False)
+    assert compared == pytest.approx(compared_percent(model, [runs(0.006)[1]]), rel=1e-4)
+
+
+def test_calibrate_writes_values_with_intervals(folder: Path) -> None:
+    ran = run_ema("calibrate", folder / "machine.toml", folder / "today", "-o", folder / "cal.toml", "--json", folder / "cal.json")
+    assert ran.code == 0, ran.err
+    result = json.loads((folder / "cal.json").read_text(encoding="utf-8"))
+    assert result["method"] == "balance" and result["forces"]["by"] == "record"
+    for name, true in {**TRUE, LOAD: 0.006}.items():
+        low, high = result["parameters"][name]["interval95"]
+        assert low < result["parameters"][name]["after"] < high
+        assert abs(result["parameters"][name]["after"] - true) < 2.0 * (high - low) + 2e-3 * abs(true), name
+    assert result["forces"]["compared"]["after"] < 0.5 * result["forces"]["compared"]["before"]
+    assert read_actuator(folder / "cal.toml", complete=False).absent
+
+
+@pytest.mark.parametrize(
+    ("fix", "said"),
+    [
+        ("mass", "--fix mass: no base value and no effect"),
+        ("inertia=3", "--fix inertia=3: write NAME=LOW..HIGH"),
+        ("inertia=3e-5..1e-5", "--fix inertia=3e-5..1e-5: the lower end is not below"),
+        ("csj=-1..1", "--fix csj=-1..1: outside"),
+        ("stribeck_friction", "--fix stribeck_friction: machine.toml does not hold stribeck_friction"),
+        ("quadratic_viscous=1..2", "--fix quadratic_viscous=1..2: an effect stays as it is"),
+    ],
+)
+def test_what_cannot_be_fixed_is_said(folder: Path, fix: str, said: str) -> None:
+    ran = run_ema("calibrate", folder / "machine.toml", folder / "today", "-o", folder / "x.toml", "--fix", fix)
+    assert complaint(ran).startswith(said)
+
+
+def test_options_of_the_other_method_are_refused(folder: Path) -> None:
+    toml, today = folder / "machine.toml", folder / "today"
+    assert complaint(run_ema("calibrate", toml, today, "-o", folder / "x.toml", "--fit", "screw.csj_Nm")).startswith(
+        "--fit: by the balance"
+    )
+    assert complaint(run_ema("calibrate", toml, today, "-o", folder / "x.toml", "--method", "simulation")).startswith(
+        "--method simulation: run_0"
+    )
+    assert complaint(run_ema("add", toml, "constant_load", today, "--known", "-o", folder / "x.toml")).startswith(
+        "add constant_load: --known"
+    )
+    assert complaint(run_ema("add", toml, "winding_heating", today, "-o", folder / "x.toml")).startswith(
+        "add winding_heating: it does not show between"
+    )
+    assert not (folder / "x.toml").exists()
+
+
+HEALTHY = [
+    swinging(10 + seed, speed, csj_Nm=TRUE[CSJ] * scale)
+    for seed, (speed, scale) in enumerate(((60.0, 1.01), (90.0, 0.985), (130.0, 1.0), (80.0, 1.012), (100.0, 0.99)))
+]
+
+
+@pytest.mark.parametrize("count", [5, pytest.param(2, marks=pytest.mark.slow), 1])
+def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
+    found = diagnosed(machine(), [swinging(3, 85.0, csj_Nm=1.005 * TRUE[CSJ])], HEALTHY[:count])
+    assert isinstance(found, BalanceAnswer) and found.healthy is not None
+    assert (found.verdict, found.accepted, found.changed) == ("adequate", (), ())
+    assert found.healthy.sure == (count > 2)
+
+
+def test_what_healthy_records_do_not_explain_is_named_against_them() -> None:
+    found = diagnosed(machine(), runs(0.0, 2e-6, first=20), HEALTHY)
+    assert isinstance(found, BalanceAnswer)
+    assert found.verdict == "missing" and [step.effect for step in found.accepted] == ["quadratic_viscous"]
+    assert found.forces.given.training > 3.0 * found.last.training
+    assert not found.changed
+
+
+def test_a_changed_friction_is_a_fault_of_the_machine_with_its_interval() -> None:
+    found = diagnosed(machine(), runs(csj_Nm=1.3 * TRUE[CSJ], first=20), HEALTHY)
+    assert isinstance(found, BalanceAnswer)
+    assert found.verdict == "adequate" and [one.name for one in found.changed] == [CSJ]
+    result = to_json(diagnosis(found, {}))
+    fault = result["faults"]["csj"]
+    low, high = fault["interval95"]["csj_Nm"]
+    assert low < 1.3 * TRUE[CSJ] < high and high - low < 0.3 * TRUE[CSJ] and fault["accepted"]
+    assert result["changes"]["screw.csj_Nm"]["counts"] and not result["changes"]["screw.inertia_kgm2"]["counts"]
+    assert result["mode"] == "against healthy records" and "csj_Nm has changed from" in result["sentence"]
+
+
+def test_what_the_healthy_machine_has_anyhow_stands_and_is_not_named() -> None:
+    healthy = [swinging(30 + seed, speed, 0.006, 2e-6) for seed, speed in enumerate((60.0, 90.0, 130.0))]
+    found = diagnosed(machine(), [swinging(40, 110.0, 0.006, 2e-6)], healthy)
+    assert isinstance(found, BalanceAnswer)
+    assert found.healthy is not None and set(found.healthy.standing) == {"constant_load", "quadratic_viscous"}
+    assert (found.verdict, found.accepted, found.changed) == ("adequate", (), ())
+
+
+def test_healthy_records_by_the_command(folder: Path) -> None:
+    (folder / "healthy").mkdir()
+    for record in HEALTHY:
+        write_motion_record(folder / "healthy" / record.file, record)
+    ran = run_ema(
+        "diagnose",
+        folder / "machine.toml",
+        folder / "today",
+        "--healthy",
+        folder / "healthy",
+        "--json",
+        folder / "h.json",
+        "--report",
+        folder / "h.html",
+    )
+    assert ran.code == 0, ran.err
+    result = json.loads((folder / "h.json").read_text(encoding="utf-8"))
+    assert [one["name"] for one in result["effects"] if one["accepted"]] == ["constant_load"]
+    assert len(result["healthy"]["records"]) == 5 and not result["healthy"]["uncertain"]
+    assert "against 5 healthy records: missing are constant_load" in ran.out.replace("\n", " ")
+    ran = run_ema("diagnose", folder / "machine.toml", folder / "healthy" / "run_11.csv", "--healthy", folder / "healthy")
+    assert complaint(ran).startswith("run_11.csv: healthy is the record itself")
