@@ -250,3 +250,26 @@ def test_healthy_records_by_the_command(folder: Path) -> None:
     assert "against 5 healthy records: missing are constant_load" in ran.out.replace("\n", " ")
     ran = run_ema("diagnose", folder / "machine.toml", folder / "healthy" / "run_11.csv", "--healthy", folder / "healthy")
     assert complaint(ran).startswith("run_11.csv: healthy is the record itself")
+
+
+def humming(seed: int, amplitude_Nm: float) -> MotionRecord:
+    """A run with a torque that the library does not hold: waves over the speed."""
+    run = swinging(seed, 60.0 + 20.0 * seed)
+    return run.with_columns({"torque_Nm": run.recorded("torque_Nm") + amplitude_Nm * np.sin(run.recorded("motor_speed_rad_s") / 4.0)})
+
+
+def test_what_plainly_remains_and_nothing_explains_is_unknown() -> None:
+    """Records without laps have a floor by their own noise and by how far they are from each other in the same motion."""
+    strange = diagnosed(machine(), [humming(seed, 0.004) for seed in range(3)])
+    assert isinstance(strange, BalanceAnswer)
+    assert (strange.verdict, strange.accepted, strange.floor_from) == ("unknown", (), "estimate")
+    assert strange.unexplained is not None and strange.unexplained > 0.9
+    assert "by an estimate" in to_json(diagnosis(strange, {}))["sentence"]
+    healthy = diagnosed(machine(), runs())
+    assert isinstance(healthy, BalanceAnswer)
+    assert healthy.verdict == "adequate" and healthy.floor_percent <= healthy.last.training
+    # 2e-4 Nm of noise, filtered, of a drive of some 0.025 Nm
+    assert 0.1 < healthy.floor_percent < 1.0
+    explained = diagnosed(machine(), runs(0.0, 2e-6))
+    assert isinstance(explained, BalanceAnswer) and explained.unexplained is not None
+    assert explained.verdict == "missing" and explained.unexplained < 0.05

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
@@ -189,6 +188,8 @@ def best_placed(actuator: Actuator, record: AnyRecord, smoother: Smoother | None
     waves = any(record_of(name).periodic is not None for name in actuator.active_effects)
     if not (waves and isinstance(record, MotionRecord) and motor_angle(record, train_of(actuator)).origin == "integrated"):
         return record
+    from scipy.optimize import minimize_scalar
+
     use = smoother or quiet_smoother(actuator, record)
     turns = min(max(actuator.values["gearbox.ratio"], 1.0), _TURNS_MAX)
 

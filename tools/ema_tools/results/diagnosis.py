@@ -13,6 +13,8 @@ from ema_tools.results.validity import Validity
 
 Verdict = Literal["adequate", "missing", "unknown"]
 Method = Literal["balance", "simulation"]
+# Of the balance's floor: how far laps are from each other, what is left of healthy records, how far records are from each other in the same motion, noise alone.
+FloorFrom = Literal["laps", "healthy records", "estimate", "noise"]
 
 
 @dataclass(frozen=True)
@@ -209,6 +211,7 @@ class DiagnosisByBalanceResult:
     changes: dict[str, ChangeEntry] = field(default_factory=dict)  # of the healthy machine's values, by full name
     error: ErrorsEntry
     error_unit: str
+    floor_from: FloorFrom | None = None  # what error.floor is taken from
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     steps: tuple[StepEntry, ...] = ()

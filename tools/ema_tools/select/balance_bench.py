@@ -14,9 +14,10 @@ from scipy.optimize import minimize_scalar
 
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, quiet_smoother
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, best_placed, mechanical, quiet_smoother
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division, divided
@@ -107,9 +108,12 @@ class Bench:
         fixes: Fixes = NONE,
         whole: bool = False,
     ) -> None:
-        self.records = (*records, *holdout)
+        self.smoothers: tuple[Smoother, ...] = tuple(quiet_smoother(actuator, record) for record in (*records, *holdout))
+        # waves that the model has already are where the record fits them best, if nobody knows where it begins
+        self.records: tuple[AnyRecord, ...] = tuple(
+            best_placed(actuator, record, smoother) for record, smoother in zip((*records, *holdout), self.smoothers, strict=True)
+        )
         self.fixes = fixes
-        self.smoothers: tuple[Smoother, ...] = tuple(quiet_smoother(actuator, record) for record in self.records)
         self.division: Division = divided(records, holdout)
         start = Setting.of(actuator, self.records, self.smoothers)
         # rest is not tested: friction answers whatever there is
@@ -121,6 +125,8 @@ class Bench:
         self.training: Rows = self.sliding & ~last
         if whole and not self.division.apart:
             self.training = self.sliding
+        if not self.training.any():
+            raise InputError(f"{records[0].file}: the machine rests in all that would be fitted: record longer, or while it moves")
         # what the user held out is never fitted
         self.fitted: Rows = self.training if self.division.apart else self.sliding
         # base values that are kept, or that the records do not determine, by their place: the value that is taken
@@ -250,8 +256,9 @@ class Bench:
         return self.changed({name: value for pattern in patterns if pattern.bends for name, value in pattern.shape.items()})
 
     def relative(self, residual: Reals, drive: Reals, rows: Rows) -> float:
-        """Relative error of some samples, %."""
-        return 100.0 * float(np.linalg.norm(residual[rows])) / float(np.linalg.norm(drive[rows]))
+        """Relative error of some samples, %; NaN where nothing slides there, or nothing drives."""
+        size = float(np.linalg.norm(drive[rows]))
+        return 100.0 * float(np.linalg.norm(residual[rows])) / size if size > 0.0 else math.nan
 
     def fit(self, samples: Samples, patterns: Sequence[Pattern], columns: Reals) -> Fitted:
         """Base values and patterns with their columns [samples, k], fitted to the training laps."""

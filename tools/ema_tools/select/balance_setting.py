@@ -15,6 +15,8 @@ from ema_tools.balances.motion import Motion, motion_of, train_of
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import record_of
 from ema_tools.library.torques import States
 
 # Another place and another screw, of no simple relation to the first [judgement]
@@ -68,6 +70,13 @@ class Setting:
     def with_actuator(self, actuator: Actuator) -> Setting:
         """The same records under another actuator. Raises MissingSignal, InputError."""
         return Setting(actuator, tuple(Piece.of(actuator, piece.record, piece.model.smoother, piece) for piece in self.pieces))
+
+    @functools.cached_property
+    def waveless(self) -> Setting:
+        """The same without the waves that the actuator has, which make everything beside them depend a little on the place."""
+        zero = {size: zero for name, size, zero in load_definitions().sizes if record_of(name).periodic is not None}
+        waves = {size: value for size, value in zero.items() if self.actuator.values[size] != value}
+        return self.with_actuator(self.actuator.changed(waves)) if waves else self
 
     @functools.cached_property
     def elsewhere(self) -> Setting:

@@ -41,6 +41,7 @@ from ema_tools.select.balance_bench import (
 )
 from ema_tools.select.balance_setting import Setting
 from ema_tools.select.fixes import NONE, Fixes
+from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
@@ -96,8 +97,9 @@ class Refusal:
 
 @dataclass(frozen=True)
 class ForceSteps:
-    """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %
-    and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture."""
+    """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %,
+    NaN where no lap is repeated, and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture;
+    `estimated`: the floor where no lap is repeated."""
 
     actuator: Actuator
     given: FoldErrors
@@ -108,6 +110,7 @@ class ForceSteps:
     division: Division
     period_s: float | None
     curves: Mapping[str, Reals]
+    estimated: EstimatedFloor
 
 
 @dataclass(frozen=True)
@@ -549,6 +552,7 @@ def improve_by_forces(
         bench.division,
         records[0].period_s if len(records) == 1 else None,
         curves,
+        estimated_floor(bench, accepted),
     )
 
 

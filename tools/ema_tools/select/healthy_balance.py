@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.arrays import Reals
@@ -61,7 +61,7 @@ class HealthyMachine:
     @property
     def times(self) -> float:
         """So many standard deviations a value must differ to be a change."""
-        return float(stats.t.ppf(_CHANCE, max(self.groups - 1, 1)))
+        return float(special.stdtrit(max(self.groups - 1, 1), _CHANCE))
 
     def limit(self, scatter: float, *std: float) -> float:
         """By how much a value must differ."""

@@ -162,7 +162,7 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
 def patterns_of(setting: Setting, effect: str) -> Sequence[Pattern] | str:
     """Every shape of an effect that is tried; or in one sentence why none can be."""
     shapes = [{}] if (known := _shapes(setting, effect)) is None else known
-    why = _not_known(setting, effect, shapes[0]) if shapes else ""
+    why = _not_known(setting.waveless, effect, shapes[0]) if shapes else ""
     if why:
         return why
     found = [pattern_of(setting, effect, shape) for shape in shapes]

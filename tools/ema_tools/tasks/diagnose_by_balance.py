@@ -22,7 +22,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
-from ema_tools.results.diagnosis import Verdict
+from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.select.balance_bench import FoldErrors, compared_percent
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
@@ -30,7 +30,9 @@ from ema_tools.select.healthy_balance import Change, HealthyMachine, changes_of,
 from ema_tools.tasks.diagnose import check_apart
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
-_FLOOR_MARGIN = 1.2  # what the first model leaves beyond the floor must be more than this, relative, for anything to be missing [judgement]
+# What the first model leaves beyond the floor must be more than this, relative, for anything to be missing: an estimate is within a factor of two on machines
+# that lack nothing, noise alone within five [judgement]
+_MARGINS: dict[FloorFrom, float] = {"laps": 1.2, "healthy records": 1.3, "estimate": 2.5, "noise": 8.0}
 
 
 @dataclass(frozen=True)
@@ -102,11 +104,22 @@ class BalanceAnswer:
         return self.forces.steps[-1].errors if self.forces.steps else self.forces.refitted
 
     @property
+    def floor_from(self) -> FloorFrom | None:
+        """What the floor is taken from; None where none is known."""
+        if math.isfinite(self.forces.floor_percent):
+            return "laps"
+        if self.healthy is not None:
+            return "healthy records"
+        if math.isfinite(self.forces.estimated.percent):
+            return "estimate" if self.forces.estimated.compared else "noise"
+        return None
+
+    @property
     def floor_percent(self) -> float:
-        """What no model can be better than: how far laps are from each other, else what is left of healthy records; NaN where neither is known."""
-        if self.healthy is not None and not math.isfinite(self.forces.floor_percent):
+        """What no model can be better than, %; NaN where it is not known."""
+        if self.floor_from == "healthy records":
             return self.healthy_percent
-        return self.forces.floor_percent
+        return self.forces.floor_percent if self.floor_from == "laps" else self.forces.estimated.percent
 
     @property
     def healthy_percent(self) -> float:
@@ -134,7 +147,7 @@ class BalanceAnswer:
         before = self.forces.refitted.training
         if self.healthy is not None:
             return self.healthy.beyond(0.01 * before * self._drive_Nm)
-        return math.isfinite(self.floor_percent) and before > _FLOOR_MARGIN * self.floor_percent
+        return self.floor_from is not None and before > _MARGINS[self.floor_from] * self.floor_percent
 
     @property
     def verdict(self) -> Verdict:

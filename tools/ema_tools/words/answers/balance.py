@@ -57,6 +57,7 @@ def diagnosis_by_balance(
         changes={shown(row_of(one.name)): _change(one) for one in found.changes},
         error=ErrorsEntry(way.given.training, last.training, found.floor_percent, way.given.holdout, last.holdout),
         error_unit=FORCE_UNIT,
+        floor_from=found.floor_from,
         next_experiment=next_step(found),
         unexplained=found.unexplained,
         steps=_steps(way),

@@ -6,12 +6,21 @@ import math
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
-from ema_tools.results.diagnosis import FrictionShape
+from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyMachine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 
 # What is fitted and held out, in the plural.
 PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
+
+
+_FLOORS: dict[FloorFrom | None, str] = {
+    "laps": "the laps repeat to {:.2f} %",
+    "healthy records": "the healthy records leave {:.2f} %",
+    "estimate": "no model of these records will come below some {:.2g} %, by an estimate",
+    "noise": "their noise is {:.2g} %, by an estimate",
+    None: "no floor is known",
+}
 
 
 def sentence(found: BalanceAnswer) -> str:
@@ -20,7 +29,7 @@ def sentence(found: BalanceAnswer) -> str:
         return _against_healthy(found, found.healthy)
     given, division = found.forces.given, found.forces.division
     parts = PARTS[division.by]
-    floor = f"the laps repeat to {found.forces.floor_percent:.2f} %" if math.isfinite(found.forces.floor_percent) else "no floor is known"
+    floor = _FLOORS[found.floor_from].format(found.floor_percent)
     if not found.accepted:
         said = (
             f"no effect of the library carries over to the {parts} held out"

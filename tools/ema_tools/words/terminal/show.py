@@ -16,7 +16,7 @@ from ema_tools.library.registry import record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, ForceCalibration, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
-from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, ForceStepEntry
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
@@ -28,6 +28,12 @@ from ema_tools.words.terminal.console import number, table
 _PLACES = 8
 # An error of so many times its sensor's noise is no noise.
 _MANY_TIMES = 5.0
+_FLOORS: dict[FloorFrom | None, str] = {
+    "laps": "floor: lap to lap",
+    "estimate": "floor, estimated",
+    "noise": "noise, estimated",
+    None: "floor: lap to lap",
+}
 FAULTS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
 # The share of the limit below which an effect is not worth a look.
 _WORTH_SHOWING = 0.1
@@ -286,8 +292,15 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         )
     if found.healthy is not None:
         rows.add_row("left of the healthy records", "", "", number(found.healthy.error_percent, 3), "")
-    rows.add_row("floor: lap to lap", "", "", number(forces.error.floor_percent, 3), "")
+    if found.floor_from != "healthy records":
+        rows.add_row(_FLOORS[found.floor_from], "", "", number(found.error.floor, 3), "")
     console.print(rows)
+    if found.unexplained is not None and found.verdict != "adequate":
+        estimated = ", by that estimate" if found.floor_from in ("estimate", "noise") else ""
+        say(
+            console,
+            f"Of what the refitted base values leave above the floor, {100.0 * found.unexplained:.2g} % stays unexplained{estimated}.",
+        )
     if found.standing:
         say(console, f"What the healthy machine has anyhow: {', '.join(found.standing)}.")
     if found.changes:
