@@ -8,14 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ema_tools.balances.forward import forward_percent
 from ema_tools.benchmarks.machines.trials import actuator_of
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
+from ema_tools.library.definitions import load_definitions
 from ema_tools.results.codec import to_json
-from ema_tools.select.balance_bench import compared_percent
+from ema_tools.select import force_balance
+from ema_tools.select.balance_bench import Bench, compared_percent
 from ema_tools.select.fixes import fixes_of
 from ema_tools.select.force_balance import improve_by_forces
 from ema_tools.select.force_refit import add_by_forces, refit_by_forces
+from ema_tools.select.foretold_drive import foretold_percent, reads_drive
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import diagnosed
 from ema_tools.words.answers.method import diagnosis
@@ -273,3 +277,57 @@ def test_what_plainly_remains_and_nothing_explains_is_unknown() -> None:
     explained = diagnosed(machine(), runs(0.0, 2e-6))
     assert isinstance(explained, BalanceAnswer) and explained.unexplained is not None
     assert explained.verdict == "missing" and explained.unexplained < 0.05
+
+
+def test_the_forward_solution_is_that_of_the_true_model() -> None:
+    true = machine().changed(TRUE)
+    records = runs()
+    right = forward_percent(true, records)
+    assert right < 3.0
+    for name, value in ((INERTIA, 2.0 * TRUE[INERTIA]), (CSJ, 1.5 * TRUE[CSJ]), (LOAD, 0.01)):
+        assert forward_percent(true.changed({name: value}), records) > 3.0 * right, name
+    # an exact solution of the model's own: to rest and held there by friction
+    time = np.arange(2000) * 1e-3
+    torque = np.where(time < 0.5, 0.05, np.where(time < 1.0, -0.01, 0.015))
+    speed, speeds = 0.0, []
+    for now in np.repeat(torque, 10):
+        speeds.append(speed)
+        free = (speed + 1e-4 / TRUE[INERTIA] * now) / (1.0 + 1e-4 * TRUE[VISCOUS] / TRUE[INERTIA])
+        most = 1e-4 / TRUE[INERTIA] * TRUE[CSJ] / (1.0 + 1e-4 * TRUE[VISCOUS] / TRUE[INERTIA])
+        speed = 0.0 if abs(free) <= most else free - np.sign(free) * most
+    run = MotionRecord(1e-3, "rest").with_columns({"motor_speed_rad_s": np.array(speeds[::10]), "torque_Nm": torque})
+    assert speeds[-1] == 0.0 and forward_percent(true, [run]) < 3.0
+
+
+def test_a_drive_foretold_is_the_balance_where_nothing_reads_the_drive() -> None:
+    bench = Bench(machine(), runs(0.0, 2e-6))
+    fit = bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0))))
+    assert foretold_percent(bench, fit) == pytest.approx(bench.relative(fit.residual, fit.samples.drive, bench.fitted), rel=0.02)
+    known = [effect.name for effect in load_definitions().physical if reads_drive(machine(), effect.name)]
+    assert {"load_dependent_friction", "torque_ripple"} <= set(known) and not {"quadratic_viscous", "cogging_torque"} & set(known)
+
+
+def test_an_effect_that_helps_the_balance_alone_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def rippled(seed: int, speed: float) -> MotionRecord:
+        run = swinging(seed, speed)
+        angle = np.cumsum(run.recorded("motor_speed_rad_s")) * run.period_s
+        drive = run.recorded("torque_Nm") / (1.0 + 0.15 * np.sin(angle))
+        return run.with_columns({"torque_Nm": drive, "motor_angle_rad": angle})
+
+    records = [rippled(seed, speed) for seed, speed in enumerate((60.0, 90.0, 130.0))]
+    found = add_by_forces(machine(), "torque_ripple", records)
+    assert not found.reason and found.foretold[1] < 0.5 * found.foretold[0]
+    told = iter((5.0, 5.1, 5.0, 5.1))
+    monkeypatch.setattr(force_balance, "foretold_percent", lambda *_: next(told))
+    refused = add_by_forces(machine(), "torque_ripple", records)
+    assert "with the measured one alone: of the drive foretold from the motion 5 % to 5.1 %" in refused.reason
+
+
+def test_the_forward_solution_stands_beside_the_balance(folder: Path) -> None:
+    assert run_ema("diagnose", folder / "machine.toml", folder / "today", "--json", folder / "d.json", "--force").code == 0
+    result = json.loads((folder / "d.json").read_text(encoding="utf-8"))
+    assert (
+        result["forward"]["after"] < result["forward"]["before"]
+        and result["forward"]["holdout_after"] < result["forward"]["holdout_before"]
+    )
+    assert result["forward"]["reads_drive"] == []

@@ -117,7 +117,7 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        load_Nm=use.as_seen(load - torque + _soft_mass_Nm(actuator, record, motion, use)) + _disturbance_Nm(actuator, record, use),
+        load_Nm=use.as_seen(load - torque + _soft_mass_Nm(actuator, record, motion, use)) + known_torque_Nm(actuator, record, use),
         added_Nm=use.as_seen(extra * contact),
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
@@ -147,7 +147,7 @@ def _speed_noise_rad_s(actuator: Actuator, record: AnyRecord, smoother: Smoother
     return noise * gain_of_noise(smoother, 1 - derivatives)
 
 
-def _disturbance_Nm(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Reals:
+def known_torque_Nm(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Reals:
     """Known torque against extension, smoothed, [rows]."""
     if not isinstance(record, MotionRecord) or (record.disturbance_Nm is None and record.disturbance_N is None):
         return np.zeros(record.rows)

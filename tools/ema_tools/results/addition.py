@@ -6,7 +6,16 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE
-from ema_tools.results.parts import ComparedErrors, CurvesEntry, ErrorsEntry, FittedValue, Provenance, StepEntry, WeightedErrors
+from ema_tools.results.parts import (
+    ComparedErrors,
+    CurvesEntry,
+    ErrorsEntry,
+    FittedValue,
+    ForwardErrors,
+    Provenance,
+    StepEntry,
+    WeightedErrors,
+)
 
 
 @dataclass(frozen=True)
@@ -40,6 +49,7 @@ class Addition:
     holdout: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # to which nothing was fitted
     error_unit: str | None = field(default=None, metadata=SPARE)
     compared: ComparedErrors | None = field(default=None, metadata=SPARE)
+    forward: ForwardErrors | None = field(default=None, metadata=SPARE)
     kept: dict[str, str] | None = field(default=None, metadata=SPARE)  # base values that were not fitted, by full name, and why
     held: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # effects of the model that stayed as they were
     provenance: Provenance = field(default_factory=dict)

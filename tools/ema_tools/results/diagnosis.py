@@ -7,7 +7,16 @@ from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
 from ema_tools.results.localisation import Localisation
-from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry, WeightedErrors
+from ema_tools.results.parts import (
+    ComparedErrors,
+    CurvesEntry,
+    EffectEntry,
+    ErrorsEntry,
+    ForwardErrors,
+    Provenance,
+    StepEntry,
+    WeightedErrors,
+)
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Validity
 
@@ -212,6 +221,7 @@ class DiagnosisByBalanceResult:
     error: ErrorsEntry
     error_unit: str
     floor_from: FloorFrom | None = None  # what error.floor is taken from
+    forward: ForwardErrors | None = field(default=None, metadata=SPARE)
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     steps: tuple[StepEntry, ...] = ()

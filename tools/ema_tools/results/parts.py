@@ -54,6 +54,22 @@ class ComparedErrors:
 
 
 @dataclass(frozen=True)
+class ForwardErrors:
+    """The forward solution beside the balance: the motion that the model makes under the measured drive, over windows of half a second, in % of the motor's speed; None where it cannot be solved.
+
+    The drive is also foretold from the motion alone, every effect that reads the drive reading the foretold one, in % of the drive.
+    """
+
+    before: float | None  # of the actuator as given
+    after: float | None  # of the last model
+    holdout_before: float | None = None  # the same on the records held out; None without any
+    holdout_after: float | None = None
+    drive_before: float | None = None  # of the drive foretold, base values refitted
+    drive_after: float | None = None  # of the last model
+    reads_drive: tuple[str, ...] = ()  # effects of the last model that read the measured drive
+
+
+@dataclass(frozen=True)
 class WeightedErrors(ErrorsEntry):
     """Errors as weighted rms, with the floor of the record held out."""
 

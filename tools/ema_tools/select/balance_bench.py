@@ -180,6 +180,13 @@ class Bench:
             base[:, place] = 0.0
         return replace(samples, target=target, base=base)
 
+    def taken_coefficients(self, setting: Setting) -> Reals:
+        """Coefficients of the base values that are not fitted, zero for the others, [4]."""
+        found = np.zeros(len(MECHANICAL_PARAMETERS))
+        for place, value in self.taken.items():
+            found[place] = _coefficient(setting, place, value)
+        return found
+
     def _ends(self, setting: Setting) -> dict[int, tuple[float, float]]:
         """Least and largest coefficient of the base values that are bounded, by their place."""
         return {

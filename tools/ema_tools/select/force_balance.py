@@ -42,6 +42,7 @@ from ema_tools.select.balance_bench import (
 from ema_tools.select.balance_setting import Setting
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
+from ema_tools.select.foretold_drive import foretold_percent, reads_drive
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
@@ -99,7 +100,7 @@ class Refusal:
 class ForceSteps:
     """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %,
     NaN where no lap is repeated, and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture;
-    `estimated`: the floor where no lap is repeated."""
+    `estimated`: the floor where no lap is repeated; `foretold`: error in % of the drive that the refitted base values, and the last model, foretell from the motion alone."""
 
     actuator: Actuator
     given: FoldErrors
@@ -111,6 +112,7 @@ class ForceSteps:
     period_s: float | None
     curves: Mapping[str, Reals]
     estimated: EstimatedFloor
+    foretold: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -355,7 +357,17 @@ class ForceSearch:
         matter = tried.gain / self.first
         if matter < LEAST_OF_FIRST:
             return f"it takes off {100.0 * matter:.2f} % of what the first model left, less than {100.0 * LEAST_OF_FIRST:g} %"
-        return self.veto(self, accepted, tried) if self.veto is not None else ""
+        circle = self._in_a_circle(accepted, tried)
+        return circle or (self.veto(self, accepted, tried) if self.veto is not None else "")
+
+    def _in_a_circle(self, accepted: Fitted, tried: Tried) -> str:
+        """Why an effect that reads the drive finds itself in the drive's own error; empty for any other."""
+        if not reads_drive(accepted.samples.setting.actuator, tried.effect):
+            return ""
+        before, after = foretold_percent(self.bench, accepted), foretold_percent(self.bench, tried.fit)
+        if not after >= before:
+            return ""
+        return f"it reads the drive, and lowers the error of the balance with the measured one alone: of the drive foretold from the motion {before:.3g} % to {after:.3g} %"
 
     def share(self, accepted: Fitted, gain: float) -> float:
         """Part of the squared error above the floor that a gain is."""
@@ -553,6 +565,7 @@ def improve_by_forces(
         records[0].period_s if len(records) == 1 else None,
         curves,
         estimated_floor(bench, accepted),
+        (foretold_percent(bench, first), foretold_percent(bench, accepted)),
     )
 
 

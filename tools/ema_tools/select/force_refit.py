@@ -18,6 +18,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, FoldErrors, floor_of, given_errors, load_effect, solved
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, Refusal, outside
+from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import Pattern, pattern_of
 
 _NEAR = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
@@ -29,7 +30,8 @@ class ForceRefit:
     """A model refitted: errors as it was given, with base values and its own effects refitted, and, where one was asked for, with the effect put in.
 
     `values`, `std`: of the last fit, by name; `kept`: base values that were taken and not fitted, with why: the user, or the records; `held`: effects of the model that were not refitted;
-    `at_ends`: values on an end of where they may be; `reason`: why the effect is not recommended, empty where it is.
+    `at_ends`: values on an end of where they may be;
+    `foretold`: error in % of the drive foretold from the motion alone, before and after; `reason`: why the effect is not recommended, empty where it is.
     """
 
     actuator: Actuator
@@ -43,6 +45,7 @@ class ForceRefit:
     at_ends: tuple[str, ...]
     floor_percent: float
     division: Division
+    foretold: tuple[float, float]
     reason: str = ""
 
 
@@ -109,7 +112,7 @@ class _Refit:
             self.search.prepare(samples.setting)
         return self.search.with_patterns(patterns, samples)
 
-    def finished(self, given: FoldErrors, refitted: FoldErrors, last: Fitted, reason: str = "") -> ForceRefit:
+    def finished(self, given: FoldErrors, before: Fitted, last: Fitted, reason: str = "") -> ForceRefit:
         """What the last fit came to. Raises InputError where the model cannot be written."""
         beyond = outside(last)
         if beyond:
@@ -126,7 +129,7 @@ class _Refit:
         return ForceRefit(
             bench.start.setting.actuator.changed(last.values),
             given,
-            refitted,
+            before.errors,
             last.errors,
             last.values,
             last.std,
@@ -135,6 +138,7 @@ class _Refit:
             (*bench.at_ends(last), *ends),
             floor_of(bench, last),
             bench.division,
+            (foretold_percent(bench, before), foretold_percent(bench, last)),
             reason,
         )
 
@@ -152,7 +156,7 @@ def refit_by_forces(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fix
     refit.bench.stay_in_ranges()
     tell(0.6, "fitting")
     last = refit.bench.judged(refit.begun())
-    return refit.finished(given_errors(actuator, refit.bench), last.errors, last)
+    return refit.finished(given_errors(actuator, refit.bench), last, last)
 
 
 def add_by_forces(
@@ -180,7 +184,7 @@ def add_by_forces(
             raise InputError(f"add {effect}: {LOAD} is kept by --fix, and is the same torque: leave one of the two out")
         before = bench.judged(bench.with_load_as_given(begun))
         last = bench.judged(begun)
-        return refit.finished(given, before.errors, last, search.judged_against(before, effect, last))
+        return refit.finished(given, before, last, search.judged_against(before, effect, last))
     before = bench.judged(begun)
     found = search.tried(before, effect, asked=True)
     if isinstance(found, Refusal):
@@ -189,4 +193,4 @@ def add_by_forces(
     last = bench.judged(found.fit)
     reason = doubt or search.judged_against(before, effect, last)
     last = bench.judged(search.settled(last) if last.patterns[-1].bends else search.refined(last))
-    return refit.finished(given, before.errors, last, reason)
+    return refit.finished(given, before, last, reason)

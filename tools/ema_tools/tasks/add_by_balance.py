@@ -13,6 +13,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.select.balance_bench import compared_percent
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_refit import ForceRefit, add_by_forces
+from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.tasks.diagnose_by_balance import gates_of
 
 
@@ -26,6 +27,7 @@ class BalanceAdded:
     known: Actuator
     forces: ForceRefit
     compared: tuple[float, float]
+    forward: Forward
 
     @property
     def actuator(self) -> Actuator:
@@ -61,4 +63,5 @@ def add_by_balance(
     gates_of(actuator, records, holdout)
     found = add_by_forces(actuator, effect, records, holdout, fixes, report)
     compared = (compared_percent(actuator, records), compared_percent(found.actuator, records))
-    return BalanceAdded(effect, tuple(records), tuple(holdout), actuator, found, compared)
+    forward = forward_of(actuator, found.actuator, records, holdout, found.division, found.foretold)
+    return BalanceAdded(effect, tuple(records), tuple(holdout), actuator, found, compared, forward)

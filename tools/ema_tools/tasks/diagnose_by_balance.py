@@ -26,6 +26,7 @@ from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.select.balance_bench import FoldErrors, compared_percent
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
+from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import Change, HealthyMachine, changes_of, healthy_machine
 from ema_tools.tasks.diagnose import check_apart
 
@@ -49,6 +50,7 @@ class BalanceAnswer:
     where: Where | None
     forces: ForceSteps
     compared: tuple[float, float]
+    forward: Forward
     healthy: HealthyMachine | None = None
     changes: tuple[Change, ...] = ()
 
@@ -211,7 +213,8 @@ def answer_by_balance(
     first = records[0]
     there = where(actuator, first) if not isinstance(first, MotionRecord) else None
     compared = (compared_percent(actuator, records), compared_percent(forces.actuator, records))
-    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces, compared)
+    forward = forward_of(actuator, forces.actuator, records, holdout, forces.division, forces.foretold)
+    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces, compared, forward)
 
 
 def _against(
@@ -229,4 +232,5 @@ def _against(
     apart = [record_of(name).base_value for name in named if record_of(name).base_value]
     changes = changes_of(machine, forces.actuator, records, fixes, apart)
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
-    return BalanceAnswer(tuple(records), tuple(holdout), known, gates, None, forces, compared, machine, changes)
+    forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
+    return BalanceAnswer(tuple(records), tuple(holdout), known, gates, None, forces, compared, forward, machine, changes)

@@ -10,7 +10,7 @@ from ema_tools.results.parts import ComparedErrors, CurvesEntry, ErrorsEntry, Fi
 from ema_tools.select.force_refit import ForceRefit
 from ema_tools.tasks.add import Added
 from ema_tools.tasks.add_by_balance import BalanceAdded
-from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, errors, steps
+from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, errors, forward, steps
 from ema_tools.words.sentences.addition import reason, reason_by_balance, sentence, sentence_by_balance, set_sentence
 
 
@@ -76,6 +76,7 @@ def addition_by_balance(found: BalanceAdded, actuator: str, provenance: Provenan
         holdout=tuple(record.file for record in found.holdout),
         error_unit=FORCE_UNIT,
         compared=ComparedErrors(*found.compared),
+        forward=forward(found.forward),
         kept=dict(forces.kept),
         held=forces.held,
         provenance=provenance,

@@ -24,7 +24,7 @@ from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
 from ema_tools.select.healthy_balance import Change, HealthyMachine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of
+from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.balance import next_step, sentence
 
@@ -58,6 +58,7 @@ def diagnosis_by_balance(
         error=ErrorsEntry(way.given.training, last.training, found.floor_percent, way.given.holdout, last.holdout),
         error_unit=FORCE_UNIT,
         floor_from=found.floor_from,
+        forward=forward(found.forward),
         next_experiment=next_step(found),
         unexplained=found.unexplained,
         steps=_steps(way),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ema_tools.results import parts
+from ema_tools.select.forward_errors import Forward
 from ema_tools.select.holdout import ErrorFall, Step
 
 FIRST = "as given"
@@ -20,6 +21,11 @@ def errors(found: ErrorFall) -> parts.WeightedErrors:
 def steps(way: Sequence[Step]) -> tuple[parts.StepEntry, ...]:
     """Model by model."""
     return tuple(parts.StepEntry(tuple(step.effects), step.added or FIRST, step.error, step.holdout) for step in way)
+
+
+def forward(found: Forward) -> parts.ForwardErrors:
+    """The forward solution beside the balance."""
+    return parts.ForwardErrors(*found.motion, *found.holdout, *found.drive, found.reads)
 
 
 def field_of(name: str) -> str:

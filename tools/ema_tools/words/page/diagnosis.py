@@ -302,6 +302,25 @@ def _not_shown(page: Sheet, suspects: Sequence[ShownSuspect]) -> None:
         page.add(f'<p class="note">Not tried here:</p><ul class="note">{lines}</ul>')
 
 
+def _changed(page: Sheet, result: Diagnosed) -> None:
+    """Values of the healthy machine beside those of today."""
+    if not result.changes:
+        return
+    rows = []
+    for one in result.changes:
+        entry = one.entry
+        low, high = entry.interval95
+        spread = words.interval(low, high) if low is not None and high is not None else "–"
+        state = '<span class="verdict missing">changed</span>' if entry.counts else ""
+        rows.append(
+            f'<tr><th scope="row">{escape(one.name)}</th><td class="left">{escape(entry.unit)}</td><td>{words.number(entry.healthy, 4)}</td>'
+            f'<td>{words.number(entry.today, 4)}</td><td>{spread}</td><td>{words.number(entry.limit, 2)}</td><td class="left">{state}</td></tr>'
+        )
+    caption = "Values of the healthy machine beside today's; a change must exceed what healthy records differ by."
+    heads = _heads("Value", "Unit", "Healthy", "Today", "Change, 95 %", "Must exceed", "", left=2, texts=(6,))
+    page.add("<h3>What has changed?</h3>", _table("values of the healthy machine", caption, heads, rows))
+
+
 def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> None:
     """The steps, and the curves before and after them."""
     if result.steps and "before" in result.errors:
@@ -350,6 +369,9 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
         )
         page.add('<li><span class="key dashed"></span>floor</li></ul></div>' if "floor" in result.errors else "</ul></div>")
         page.add(page.figure(f"{identity}-waterfall", diagnosis_figures.waterfall(result)), "</figure>")
+    if result.forward_sentence:
+        page.add(f"<p>{escape(result.forward_sentence)}</p>")
+    _changed(page, result)
     if result.curves is not None:
         names = " and ".join(result.steps[-1].effects) if result.steps else result.added
         titles = {"before": "Before: the first model", "after": f"After: with {names}" if names else "After: the new model"}

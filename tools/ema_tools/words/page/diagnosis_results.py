@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
-from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.results.diagnosis import ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
@@ -82,6 +82,14 @@ class ShownSignal:
 
 
 @dataclass(frozen=True)
+class ShownChange:
+    """One value of the healthy machine beside today's."""
+
+    name: str
+    entry: ChangeEntry
+
+
+@dataclass(frozen=True)
 class Diagnosed:
     """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by their names, those that are known; what the result does not hold is empty."""
 
@@ -105,6 +113,8 @@ class Diagnosed:
     learned_sentence: str
     steps: tuple[ShownSignal, ...]
     curves: Curves | None
+    forward_sentence: str = ""
+    changes: tuple[ShownChange, ...] = ()
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)

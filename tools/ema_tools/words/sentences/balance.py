@@ -7,6 +7,7 @@ import math
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
+from ema_tools.results.parts import ForwardErrors
 from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyMachine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 
@@ -76,6 +77,27 @@ def friction_sentence(found: FrictionShape) -> str:
     """Where steady friction is least, and how far above that it is at standstill."""
     turns = found.minimum_at_rad_s * 60.0 / (2.0 * math.pi)
     return f"Friction at standstill is {found.above_minimum_percent:.2g} % above its minimum, which lies at {found.minimum_at_rad_s:.3g} rad/s ({turns:.3g} rpm) of the motor."
+
+
+def forward_sentence(found: ForwardErrors) -> str:
+    """The forward solution beside the balance, and why it is looked at."""
+    told = []
+    if found.before is not None and found.after is not None:
+        held = (
+            f" (held out {found.holdout_before:.3g} % and {found.holdout_after:.3g} %)"
+            if found.holdout_before is not None and found.holdout_after is not None
+            else ""
+        )
+        told.append(
+            f"Solved forward over half a second under the measured drive, the motor's speed is off by {found.before:.3g} % before and {found.after:.3g} % after{held}."
+        )
+    if found.reads_drive and found.drive_before is not None and found.drive_after is not None:
+        names = " and ".join(found.reads_drive)
+        verb = "reads" if len(found.reads_drive) == 1 else "read"
+        told.append(
+            f"{names} {verb} the measured drive; foretold from the motion alone, the drive is off by {found.drive_before:.3g} % before and {found.drive_after:.3g} % after."
+        )
+    return " ".join(told)
 
 
 def next_step(found: BalanceAnswer) -> str:

@@ -18,9 +18,9 @@ from ema_tools.results.calibration import CalibrationResult, ForceCalibration, O
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
-from ema_tools.results.parts import StepEntry
+from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.words.sentences.balance import friction_sentence
+from ema_tools.words.sentences.balance import forward_sentence, friction_sentence
 from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
@@ -301,6 +301,7 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
             console,
             f"Of what the refitted base values leave above the floor, {100.0 * found.unexplained:.2g} % stays unexplained{estimated}.",
         )
+    _forward(console, found.forward)
     if found.standing:
         say(console, f"What the healthy machine has anyhow: {', '.join(found.standing)}.")
     if found.changes:
@@ -325,6 +326,13 @@ def _changes(console: Console, found: DiagnosisByBalanceResult) -> None:
         rows.add_row(name, one.unit, number(one.healthy, 4), number(one.today, 4), ends_text(*one.interval95), number(one.limit, 2), state)
     console.print(rows)
     console.print()
+
+
+def _forward(console: Console, found: ForwardErrors | None) -> None:
+    """The forward solution beside the balance, where there is one."""
+    sentence = forward_sentence(found) if found is not None else ""
+    if sentence:
+        say(console, sentence)
 
 
 def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
@@ -366,6 +374,7 @@ def added(console: Console, found: Addition) -> None:
         found.error.floor,
         "Force error, in % of the drive's force" if found.method == "balance" else "Weighted error",
     )
+    _forward(console, found.forward)
     for name, why in (found.kept or {}).items():
         say(console, f"{name}: {why}.")
     if found.held:
