@@ -331,3 +331,25 @@ def test_the_forward_solution_stands_beside_the_balance(folder: Path) -> None:
         and result["forward"]["holdout_after"] < result["forward"]["holdout_before"]
     )
     assert result["forward"]["reads_drive"] == []
+
+
+def test_the_page_draws_what_people_know(folder: Path) -> None:
+    """Torque against speed, over one turn of the motor, and its loop at reversals; before and after the model lies off and on the record."""
+    ran = run_ema("diagnose", folder / "machine.toml", folder / "today", "--json", folder / "p.json", "--report", folder / "p.html")
+    assert ran.code == 0, ran.err
+    pictures = json.loads((folder / "p.json").read_text(encoding="utf-8"))["where"]["pictures"]
+    against = pictures["torque_speed"]
+    measured, model = (np.interp(100.0, against[side]["center"], against[side]["mean"]) for side in ("measured", "expected"))
+    assert model == pytest.approx(measured, rel=0.02)
+    assert measured == pytest.approx(TRUE[CSJ] + 100.0 * TRUE[VISCOUS] + 0.006, rel=0.05)
+    turn = pictures["turn"]
+    assert len(turn["measured"]["center"]) > 40 and max(map(abs, turn["measured"]["mean"])) < 0.1 * TRUE[CSJ]
+    assert len(pictures["hysteresis"]["torque"]["measured"]["x"]) == len(pictures["hysteresis"]["torque"]["model"]["x"]) > 100
+    page = (folder / "p.html").read_text(encoding="utf-8")
+    for title in (
+        "Torque against speed",
+        "Torque over one turn of the motor, less base values",
+        "Torque at reversals",
+        "Solved forward over half a second",
+    ):
+        assert title in page, title

@@ -762,6 +762,35 @@ def export(
     output().print(", ".join(told), highlight=False)
 
 
+@cli.command(name="map")
+@click.argument("actuator")
+@click.argument("records", nargs=-1, required=True, metavar="REC...")
+@click.option("--report", "page", metavar="FILE.html", help="Write the page with the picture there.")
+@json_option
+def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_path: str | None, force: bool) -> None:
+    """Friction of ACTUATOR against speed, from runs at constant speed in any REC, both directions.
+
+    REC takes files, patterns and folders. The model's friction stands beside it; no controller needs to be known.
+    """
+    from ema_tools.compare.friction_map import friction_map as work
+    from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.any_record import read_any_record, record_files
+    from ema_tools.results.provenance import provenance
+    from ema_tools.words.answers.friction_map import friction_map
+    from ema_tools.words.terminal.friction_map import print_map
+
+    records = record_files(records)
+    writable(page, json_path=json_path, force=force, inputs=(actuator, *records))
+    model = read_actuator(actuator, complete=False)
+    found = work(model, [read_any_record(path, model) for path in records])
+    origin = provenance(command_line(), actuator=model.name, records=_few([one.file for one in found.records]))
+    result = friction_map(found, model.name, origin)
+    save(json_path, result, force)
+    _page(page, result, force)
+    print_map(output(), result)
+    _written(page)
+
+
 @cli.command()
 @click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")

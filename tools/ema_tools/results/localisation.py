@@ -93,6 +93,16 @@ class TorqueSpeed:
 
 
 @dataclass(frozen=True)
+class TurnTorque:
+    """Torque over one turn of the motor, less what the base values need; of the record, and of what the model's effects make."""
+
+    unit: str
+    axis_unit: str
+    measured: BinsEntry
+    model: BinsEntry
+
+
+@dataclass(frozen=True)
 class LinesEntry:
     """Amplitudes over orders, which are periods per turn."""
 
@@ -139,6 +149,7 @@ class Pictures:
     orders: dict[str, Orders] = field(default_factory=dict)  # by balance
     torque_speed: TorqueSpeed | None = field(default=None, metadata=SPARE)  # None where the mechanical balance cannot be drawn
     hysteresis: Hysteresis = field(default_factory=Hysteresis)
+    turn: TurnTorque | None = field(default=None, metadata=SPARE)  # None where less than a turn was recorded
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResul
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
 from ema_tools.results.files import DemoResult, DraftResult, ExportResult, ImportResult, ReportResult, SimulationResult, TableImportResult
+from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
 
 Result = (
@@ -32,6 +33,7 @@ Result = (
     | ExportResult
     | IdentificationResult
     | ImportResult
+    | MapResult
     | ReportResult
     | DemoResult
     | SimulationResult
@@ -48,6 +50,7 @@ _BY_COMMAND: Mapping[str, type[Result]] = {
     "import draft": DraftResult,
     "import emps": ImportResult,
     "import table": TableImportResult,
+    "map": MapResult,
     "next": Experiment,
     "report": ReportResult,
     "simulate": SimulationResult,

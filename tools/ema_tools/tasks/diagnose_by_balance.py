@@ -16,6 +16,7 @@ from ema_tools.balances.mechanical import mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare.localisation import Where, where
+from ema_tools.compare.motion_pictures import motion_pictures
 from ema_tools.compare.motion_validity import judge_motion
 from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
@@ -23,6 +24,7 @@ from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import FloorFrom, Verdict
+from ema_tools.results.localisation import Pictures
 from ema_tools.select.balance_bench import FoldErrors, compared_percent
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
@@ -40,7 +42,8 @@ _MARGINS: dict[FloorFrom, float] = {"laps": 1.2, "healthy records": 1.3, "estima
 class BalanceAnswer:
     """Everything that was found, `known` being the actuator as given; errors are relative force errors in %. `gates`: of every record fitted; `where`: of the first where it can be simulated.
 
-    `compared`: what `ema compare` reads of all rows of the records, before and after. With `healthy` records `known` is the machine that these show, and `changes` are of its values.
+    `compared`: what `ema compare` reads of all rows of the records, before and after.
+    `pictures`: of records without a controller. With `healthy` records `known` is the machine that these show, and `changes` are of its values.
     """
 
     records: tuple[AnyRecord, ...]
@@ -51,6 +54,7 @@ class BalanceAnswer:
     forces: ForceSteps
     compared: tuple[float, float]
     forward: Forward
+    pictures: Pictures | None = None
     healthy: HealthyMachine | None = None
     changes: tuple[Change, ...] = ()
 
@@ -214,7 +218,13 @@ def answer_by_balance(
     there = where(actuator, first) if not isinstance(first, MotionRecord) else None
     compared = (compared_percent(actuator, records), compared_percent(forces.actuator, records))
     forward = forward_of(actuator, forces.actuator, records, holdout, forces.division, forces.foretold)
-    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces, compared, forward)
+    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces, compared, forward, _pictures(forces, records))
+
+
+def _pictures(forces: ForceSteps, records: Sequence[AnyRecord]) -> Pictures | None:
+    """What is drawn of the last model on records without a controller; None of others, of which more is drawn."""
+    there = [record for record in records if isinstance(record, MotionRecord)]
+    return motion_pictures(forces.actuator, there) if there else None
 
 
 def _against(
@@ -233,4 +243,6 @@ def _against(
     changes = changes_of(machine, forces.actuator, records, fixes, apart)
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
-    return BalanceAnswer(tuple(records), tuple(holdout), known, gates, None, forces, compared, forward, machine, changes)
+    return BalanceAnswer(
+        tuple(records), tuple(holdout), known, gates, None, forces, compared, forward, _pictures(forces, records), machine, changes
+    )

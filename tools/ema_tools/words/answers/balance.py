@@ -17,7 +17,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.results import diagnosis as result
-from ema_tools.results.localisation import Localisation
+from ema_tools.results.localisation import Localisation, Pictures
 from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
@@ -65,7 +65,7 @@ def diagnosis_by_balance(
         forces=forces_of(way, found.compared),
         friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
         gate=validity(found.gates[0]),
-        where=localisation(found.where) if found.where is not None else Localisation(),
+        where=localisation(found.where) if found.where is not None else Localisation(pictures=found.pictures or Pictures()),
         provenance=provenance,
         curves=curves,
     )

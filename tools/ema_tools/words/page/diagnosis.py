@@ -27,6 +27,7 @@ _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
 _VERDICT = {"adequate": "nothing missing", "missing": "effect missing", "unknown": "unknown effect"}
 _PICTURE_TITLES = {
     "torque without inertia": "Torque against speed",
+    "torque over a turn": "Torque over one turn of the motor, less base values",
     "play loop": "Rod minus motor position",
     "torque loop": "Torque at reversals",
     "mechanical order": "Orders of the torque",
@@ -128,6 +129,9 @@ def _gate(page: Sheet, result: Diagnosed) -> None:
 
 def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
     if not result.where_sentence and not result.blocks:
+        if result.pictures:
+            page.add("<h3>What does the machine look like?</h3>")
+            _pictures(page, result, identity)
         return
     against = "the mean of the healthy repeats" if result.relative else "the model"
     page.add("<h3>Where does the model fail?</h3>", f"<p>{escape(result.where_sentence)}</p>")

@@ -232,6 +232,9 @@ def _pictures(found: Pictures) -> Iterator[Picture]:
         if torque.measured is not None:
             lines["measured"] = _binned(torque.measured)
         yield Picture("torque without inertia", "speed", torque.unit, torque.axis_unit, lines)
+    if found.turn is not None:
+        lines = {"model": _binned(found.turn.model), "measured": _binned(found.turn.measured)}
+        yield Picture("torque over a turn", "motor angle", found.turn.unit, found.turn.axis_unit, lines)
     for name, orders in found.orders.items():
         for peaks, axis in ((orders.turns, "periods per motor turn"), (orders.leads, "periods per screw lead")):
             if peaks.order:

@@ -10,12 +10,12 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.words.page import diagnosis, figures
+from ema_tools.words.page import diagnosis, figures, friction_map
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.results import Compared, Result, ShownIdentification
+from ema_tools.words.page.results import Compared, Mapped, Result, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
@@ -57,6 +57,8 @@ def render(results: list[Result], command: str) -> str:
             _identified(page, result, f"result-{index}")
         elif isinstance(result, Diagnosed):
             diagnosis.section(page, result, f"result-{index}", partial(_curves, page))
+        elif isinstance(result, Mapped):
+            friction_map.section(page, result, f"result-{index}")
         else:
             _compared(page, result, f"result-{index}")
         page.add("</div></section>")
@@ -109,6 +111,8 @@ def verdict(result: ShownIdentification) -> str:
 def _title(result: Result) -> str:
     if isinstance(result, Diagnosed):
         return diagnosis.headline(result)
+    if isinstance(result, Mapped):
+        return result.title
     return sentence(result) if isinstance(result, ShownIdentification) else _worst(result)
 
 
@@ -154,6 +158,8 @@ def _head(page: _Page, results: list[Result]) -> None:
 def _tile(result: Result) -> str:
     if isinstance(result, Diagnosed):
         return diagnosis.tile(result)
+    if isinstance(result, Mapped):
+        return friction_map.tile(result)
     if isinstance(result, Compared):
         share = result.channels.get("position_mm", (0.0, None))[1]
         small = f"rod position {words.number(share)} % off" if share is not None else "rod position does not move"

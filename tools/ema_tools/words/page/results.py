@@ -18,6 +18,7 @@ from ema_tools.results import reading as results
 from ema_tools.results.addition import Addition
 from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import KEYS, IdentificationResult, ProfileEntry, ShapeEntry
 from ema_tools.results.identification import EstimateEntry as ResultEstimate
 from ema_tools.results.parts import Place
@@ -136,7 +137,23 @@ class Compared:
         return f"Model against {self.name}"
 
 
-Result = ShownIdentification | Compared | Diagnosed
+@dataclass(frozen=True)
+class Mapped:
+    """A result of `ema map`."""
+
+    name: str
+    sentence: str
+    found: MapResult
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """What the page calls it."""
+        others = len(self.found.records) - 1
+        return f"Friction against speed, {self.name}{f' and {others} more' if others else ''}"
+
+
+Result = ShownIdentification | Compared | Diagnosed | Mapped
 
 
 def read_result(path: Path) -> Result:
@@ -157,9 +174,18 @@ def shown(found: results.Result, source: str, stem: str) -> Result:
         return identified(found, source, stem)
     if isinstance(found, ComparisonResult):
         return compared(found, source, stem)
+    if isinstance(found, MapResult):
+        return mapped(found, source)
     raise InputError(
-        f"{source}: the result of `ema {found.command}` has no page: give the --json result of `ema identify`, `ema compare`, `ema diagnose` or `ema add`"
+        f"{source}: the result of `ema {found.command}` has no page: give the --json result of `ema identify`, `ema compare`, `ema diagnose`, `ema add` or `ema map`"
     )
+
+
+def mapped(found: MapResult, source: str) -> Mapped:
+    """Of `ema map`. Raises InputError for a map without points."""
+    if not found.points:
+        raise fault(source, "points", "is empty, which leaves nothing to show")
+    return Mapped(found.name, found.sentence, found, found.provenance)
 
 
 def identified(found: IdentificationResult, source: str, stem: str) -> ShownIdentification:
