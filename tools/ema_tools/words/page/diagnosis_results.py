@@ -16,6 +16,7 @@ from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
 from ema_tools.words.page.recorded import Curves, curves_of
+from ema_tools.words.sentences.balance import forward_sentence
 
 _ERRORS = ("before", "after", "floor", "holdout_before", "holdout_after")
 
@@ -158,6 +159,8 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         learned_sentence=unknown.learned.sentence if unknown is not None and unknown.learned is not None else "",
         steps=_steps(found, suspects),
         curves=None if found.curves is None else curves_of(found.curves, source),
+        forward_sentence="" if isinstance(found, DiagnosisResult) or found.forward is None else forward_sentence(found.forward),
+        changes=tuple(ShownChange(*one) for one in found.changes.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
         records=count,
         by_forces=isinstance(found, DiagnosisByBalanceResult),
         provenance=found.provenance,
