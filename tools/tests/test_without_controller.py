@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ema_tools.balances.forward import forward_percent
+from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.machines.trials import actuator_of
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
@@ -18,7 +19,7 @@ from ema_tools.select import force_balance
 from ema_tools.select.balance_bench import Bench, compared_percent
 from ema_tools.select.fixes import fixes_of
 from ema_tools.select.force_balance import improve_by_forces
-from ema_tools.select.force_refit import add_by_forces, refit_by_forces
+from ema_tools.select.force_refit import BY_RECORDS, add_by_forces, refit_by_forces
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import diagnosed
@@ -354,3 +355,43 @@ def test_the_page_draws_what_people_know(folder: Path) -> None:
         "Solved forward over half a second",
     ):
         assert title in page, title
+
+
+def one_way(seed: int) -> MotionRecord:
+    """Four seconds forward, faster and slower."""
+    random, time = np.random.default_rng(seed), np.arange(800) * 5e-3
+    speed = 20.0 * (1.0 + 0.5 * np.sin((0.3 + 0.1 * seed) * 2.0 * np.pi * time))
+    torque = TRUE[INERTIA] * np.gradient(speed, 5e-3) + TRUE[VISCOUS] * speed + TRUE[CSJ] + random.normal(0.0, 2e-4, time.size)
+    return MotionRecord(5e-3, f"forward_{seed}.csv").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
+
+
+def test_a_motion_one_way_does_not_tell_a_load_from_friction_and_says_so() -> None:
+    records = [one_way(seed) for seed in range(3)]
+    found = refit_by_forces(machine(), records)
+    assert found.kept[LOAD] == BY_RECORDS and found.actuator[LOAD] == 0.0
+    assert found.actuator[CSJ] == pytest.approx(TRUE[CSJ], rel=0.02)
+    with pytest.raises(InputError, match="move one way only"):
+        add_by_forces(machine(), "constant_load", records)
+    # a load that the model has stays there
+    loaded = machine().changed({"constant_load.torque_Nm": 0.005})
+    again = refit_by_forces(loaded, records)
+    assert again.held == ("constant_load",) and again.actuator["constant_load.torque_Nm"] == 0.005
+    assert again.actuator[CSJ] == pytest.approx(TRUE[CSJ] - 0.005, rel=0.02)
+
+
+def test_one_speed_does_not_tell_viscous_friction_from_dry() -> None:
+    time = np.arange(400) * 0.05
+    speed = 5.0 + np.random.default_rng(1).normal(0.0, 0.01, time.size)
+    record = MotionRecord(0.05, "one speed").with_columns({"motor_speed_rad_s": speed, "torque_Nm": TRUE[CSJ] + TRUE[VISCOUS] * speed})
+    found = refit_by_forces(machine(), [record])
+    assert {LOAD, VISCOUS} <= set(found.kept)
+    given = machine()[VISCOUS]
+    assert found.actuator[CSJ] == pytest.approx(TRUE[CSJ] + 5.0 * (TRUE[VISCOUS] - given), rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_record_that_mostly_rests_is_answered() -> None:
+    run = swinging(0, 60.0)
+    speed = np.where(np.arange(run.rows) < 3500, 0.0, run.recorded("motor_speed_rad_s"))
+    found = diagnosed(machine(), [run.with_columns({"motor_speed_rad_s": speed})])
+    assert isinstance(found, BalanceAnswer) and to_json(diagnosis(found, {}))["sentence"]

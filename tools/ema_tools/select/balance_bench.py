@@ -23,7 +23,7 @@ from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division, divided
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import effect_of_base_value
-from ema_tools.select.balance_setting import LEVEL, Piece, Setting
+from ema_tools.select.balance_setting import LEVEL, VISCOUS, Piece, Setting
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.torque_patterns import Pattern
 
@@ -31,12 +31,16 @@ Rows = NDArray[np.bool_]
 
 _REST_SHARE = 0.01  # samples next to a rest, where the filter mixes in so much of it, are not of the sliding balance [judgement]
 _DETERMINED = 0.25  # an inertia that is known no better than this share is what the actuator states: data sheets err by less [judgement]
+_STEP = 0.05  # of a size that is searched, for its slope [precision]
 _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, says nothing of it [precision]
 _ON_END = 1e-9  # so near to an end of where it may be, relative, a base value lies on it [precision]
+_ALIKE = 0.02  # a base value's torque that is the others' but for so much of its length is not told from them [judgement]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
 INERTIA = "screw.inertia_kgm2"
+# What is taken as stated where it is one with others, in this order: friction is what a record of any motion shows.
+_TAKEN_FIRST = (LOAD, VISCOUS, INERTIA)
 
 
 def load_effect() -> str:
@@ -227,7 +231,19 @@ class Bench:
         )
 
     def keep_undetermined(self) -> tuple[str, ...]:
-        """Takes an inertia as stated that the records do not determine, and the end of its range for another base value that they put beyond it; the names of what was taken."""
+        """Takes an inertia as stated that the records do not determine, and the end of its range for another base value that they put beyond it; the names of what was taken.
+
+        So does a base value whose torque is the others': a load where the machine moves one way only, viscous friction where it keeps one speed.
+        """
+        for name in _TAKEN_FIRST:
+            place = MECHANICAL_PARAMETERS.index(name)
+            base = self.start.base[self.training]
+            column, others = base[:, place], np.delete(base, place, axis=1)
+            left = float(np.linalg.norm(column - others @ solved(others, column)))
+            if place not in self.taken and left < _ALIKE * float(np.linalg.norm(column)):
+                self.taken[place] = float(np.clip(self.start.setting.actuator[name], *self.between.get(place, (-math.inf, math.inf))))
+                self.start = self._as_stated(self.start)
+                self._bent.clear()
         while True:
             fit = self.fit(self.start, (), np.zeros((self.fold.size, 0)))
             std = self._std(fit)
@@ -346,9 +362,10 @@ class Bench:
         held = {name: values[name] for name in bends}
         slopes = []
         for name in bends:
-            step = 0.05 * values[name]
-            low, high = (self.changed({**held, name: values[name] + sign * step}) for sign in (-1.0, 1.0))
-            slopes.append(((high.base - low.base) @ fit.coefficients[:4] - (high.target - low.target)) / (2.0 * step))
+            row = row_of(name)
+            ends = tuple(float(np.clip(values[name] * (1.0 + sign * _STEP), row.lower, row.upper)) for sign in (-1.0, 1.0))
+            low, high = (self.changed({**held, name: end}) for end in ends)
+            slopes.append(((high.base - low.base) @ fit.coefficients[:4] - (high.target - low.target)) / (ends[1] - ends[0]))
         matrix = np.column_stack([fit.matrix, *slopes])[self.training]
         # a value on its end does not move
         matrix[:, [MECHANICAL_PARAMETERS.index(name) for name in self.at_ends(fit)]] = 0.0

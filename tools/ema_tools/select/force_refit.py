@@ -74,6 +74,10 @@ class _Refit:
             self.bench = Bench(bare, records, holdout, fixes, whole)
             others = [name for name in free if name not in (load_effect(), added)]
             self.search = ForceSearch(self.bench, report, [*others, added] if added else others)
+            if load_effect() in free and MECHANICAL_PARAMETERS.index(LOAD) in self.bench.taken:
+                # a load that nobody can tell from friction stays the model's
+                free = [name for name in free if name != load_effect()]
+                continue
             self.bench.load_named = load_effect() in free or added == load_effect()
             self.search.prepare(self.bench.start.setting)
             self.standing = [self._shape(name) for name in others]
@@ -182,6 +186,8 @@ def add_by_forces(
     if effect == load_effect():
         if LOAD in fixes.kept:
             raise InputError(f"add {effect}: {LOAD} is kept by --fix, and is the same torque: leave one of the two out")
+        if MECHANICAL_PARAMETERS.index(LOAD) in bench.taken:
+            raise InputError(f"add {effect}: the records move one way only, where a load is the same as friction: record the other way too")
         before = bench.judged(bench.with_load_as_given(begun))
         last = bench.judged(begun)
         return refit.finished(given, before, last, search.judged_against(before, effect, last))

@@ -49,7 +49,7 @@ class Sheet(Protocol):
 def headline(result: Diagnosed) -> str:
     """The answer for the page's title."""
     if result.added:
-        return f"{result.added} added: weighted error {_fall(result)} on {result.name}"
+        return f"{result.added} added: {'force error, %,' if result.by_forces else 'weighted error'} {_fall(result)} on {result.name}"
     if result.verdict == "adequate":
         return f"{result.name}: nothing exceeds what the machine repeats"
     if result.verdict == "unknown":

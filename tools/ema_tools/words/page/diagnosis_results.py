@@ -136,7 +136,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         gate, where, unknown, entries = found.gate, found.where, found.unknown, found.effects
         next_experiment, verdict = found.next_experiment, found.verdict
     suspects = tuple(map(_suspect, entries))
-    count = max(1, len(found.records or ())) if isinstance(found, DiagnosisByBalanceResult) else 1
+    count = 1 if isinstance(found, DiagnosisResult) else max(1, len(found.records or ()))
     others = f" and {count - 1} more record{'s' if count > 2 else ''}" if count > 1 else ""
     return Diagnosed(
         name=f"{found.name or stem}{others}",
@@ -162,7 +162,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         forward_sentence="" if isinstance(found, DiagnosisResult) or found.forward is None else forward_sentence(found.forward),
         changes=tuple(ShownChange(*one) for one in found.changes.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
         records=count,
-        by_forces=isinstance(found, DiagnosisByBalanceResult),
+        by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,
     )
 

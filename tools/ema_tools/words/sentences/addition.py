@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
@@ -51,11 +53,16 @@ def sentence_by_balance(found: BalanceAdded) -> str:
     size = load_definitions().effect(found.effect).size.name
     done = "was there and is refitted" if found.refitted else "added"
     errors = (
-        f"force error {forces.given.training:.2f} % on the {parts} fitted and {forces.given.holdout:.2f} % on the {parts} held out before,"
-        f" {forces.errors.training:.2f} % and {forces.errors.holdout:.2f} % after"
+        f"force error {percent(forces.given.training)} on the {parts} fitted and {percent(forces.given.holdout)} on the {parts} held out before,"
+        f" {percent(forces.errors.training)} and {percent(forces.errors.holdout)} after"
     )
     value = f"{row_of(size).field} {size_text(size, forces.values[size], forces.std.get(size))}"
     return f"{found.effect} {done}, {value}: {errors}. {'Recommended' if found.recommended else 'Not recommended'}: {reason_by_balance(found)}."
+
+
+def percent(value: float) -> str:
+    """An error in %; of what rests throughout there is none."""
+    return f"{value:.2f} %" if math.isfinite(value) else "none (at rest)"
 
 
 def set_sentence(effect: str, was: float | None) -> str:

@@ -10,6 +10,7 @@ from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
 from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyMachine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
+from ema_tools.words.sentences.addition import percent
 
 # What is fitted and held out, in the plural.
 PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
@@ -43,8 +44,8 @@ def sentence(found: BalanceAnswer) -> str:
     last = found.forces.steps[-1].errors
     names = ", ".join(step.effect for step in found.accepted)
     return (
-        f"{found.names}: missing are {names}: force error {given.training:.2f} % on the {parts} fitted and {given.holdout:.2f} % on the {parts} held out before,"
-        f" {last.training:.2f} % and {last.holdout:.2f} % after; {floor}."
+        f"{found.names}: missing are {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
+        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}."
     )
 
 
