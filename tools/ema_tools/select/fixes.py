@@ -20,6 +20,10 @@ class Fixes:
     between: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     effects: frozenset[str] = frozenset()
 
+    def with_effects(self, more: frozenset[str]) -> Fixes:
+        """The same with more effects that stay as they are."""
+        return Fixes(self.kept, self.between, self.effects | more)
+
 
 NONE = Fixes()
 

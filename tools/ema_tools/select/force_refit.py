@@ -147,6 +147,11 @@ class _Refit:
         )
 
 
+def _impossible(fit: Fitted) -> frozenset[str]:
+    """Effects of a fit whose values lie outside their ranges."""
+    return frozenset(pattern.effect for pattern in fit.patterns if outside(fit, pattern.effect))
+
+
 def _on_end(name: str, value: float) -> bool:
     row = row_of(name)
     return any(math.isclose(value, end, rel_tol=_NEAR) for end in (row.lower, row.upper))
@@ -156,10 +161,16 @@ def refit_by_forces(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fix
     """Base values and the sizes of the model's own effects, fitted to all of the records. Raises MissingSignal, InputError."""
     tell = report or untold
     tell(0.1, "parts and balance")
-    refit = _Refit(actuator, records, (), fixes, "", True, tell)
-    refit.bench.stay_in_ranges()
-    tell(0.6, "fitting")
-    last = refit.bench.judged(refit.begun())
+    while True:
+        refit = _Refit(actuator, records, (), fixes, "", True, tell)
+        refit.bench.stay_in_ranges()
+        tell(0.6, "fitting")
+        last = refit.bench.judged(refit.begun())
+        impossible = _impossible(last)
+        if not impossible:
+            break
+        # what the records would make impossible stays as the model states it
+        fixes = fixes.with_effects(impossible)
     return refit.finished(given_errors(actuator, refit.bench), last, last)
 
 
@@ -183,6 +194,9 @@ def add_by_forces(
     bench.stay_in_ranges()
     tell(0.5, f"fitting {effect}")
     begun = refit.begun()
+    impossible = _impossible(begun)
+    if impossible:
+        return add_by_forces(actuator, effect, records, holdout, fixes.with_effects(impossible), report)
     if effect == load_effect():
         if LOAD in fixes.kept:
             raise InputError(f"add {effect}: {LOAD} is kept by --fix, and is the same torque: leave one of the two out")

@@ -19,6 +19,7 @@ from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, ForceSteps, Tried, improve_by_forces
@@ -31,7 +32,7 @@ _LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell i
 _SEEN = (
     0.05  # a record that shows less of a value than this, as a share of the one that shows most, says nothing of its scatter [judgement]
 )
-_AS_HEALTHY = 0.25  # an effect that takes as large a share of this gain off the healthy records is no change [judgement]
+_AS_HEALTHY = 0.1  # an effect that takes so much of its gain off the healthy records too is no change [judgement]
 _MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judgement]
 
 
@@ -105,8 +106,12 @@ class HealthyMachine:
         """An effect that bends the balance: whether it does the healthy records as much good."""
         bench = self.bench
         before = bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))
-        after = bench.fit(bench.with_bends(tried.fit.patterns[-1:]), (), np.zeros((bench.fold.size, 0)))
-        healthy = 1.0 - after.square(bench.training) / before.square(bench.training)
+        last, bending = tried.fit.patterns[-1], record_of(tried.effect).bending
+        (size,) = last.shape
+        # another size may be the best of the healthy records
+        shapes = [last.shape, *({size: value} for value in (bending.sizes if bending is not None else ()))]
+        after = min(bench.fit(bench.changed(shape), (), np.zeros((bench.fold.size, 0))).square(bench.training) for shape in shapes)
+        healthy = 1.0 - after / before.square(bench.training)
         rows = search.bench.training
         today = 1.0 - tried.fit.square(rows) / accepted.square(rows)
         return "no change: it lowers the error of the healthy records as well" if healthy > _AS_HEALTHY * today else ""
@@ -215,8 +220,9 @@ def changes_of(
         if counts:
             base = name in MECHANICAL_PARAMETERS
             kept = Fixes(fixes.kept | {name}, {key: ends for key, ends in fixes.between.items() if key != name}, fixes.effects)
-            as_before = kept if base else Fixes(fixes.kept, fixes.between, fixes.effects | {name.partition(".")[0]})
+            as_before = kept if base else fixes.with_effects(frozenset({name.partition(".")[0]}))
             held = refit_by_forces(today.changed({name: healthy}), records, as_before)
-            counts = all(now < before for now, before in zip(free.errors.each, held.errors.each, strict=True))
+            # a part that rests throughout says nothing
+            counts = not any(now >= before for now, before in zip(free.errors.each, held.errors.each, strict=True))
         found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))
     return tuple(found)
