@@ -19,7 +19,6 @@ from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.library.definitions import load_definitions
-from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, ForceSteps, Tried, improve_by_forces
@@ -106,12 +105,12 @@ class HealthyMachine:
         """An effect that bends the balance: whether it does the healthy records as much good."""
         bench = self.bench
         before = bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))
-        last, bending = tried.fit.patterns[-1], record_of(tried.effect).bending
-        (size,) = last.shape
+        known = search.patterns[tried.effect]
+        if isinstance(known, str):
+            return ""
         # another size may be the best of the healthy records
-        shapes = [last.shape, *({size: value} for value in (bending.sizes if bending is not None else ()))]
-        after = min(bench.fit(bench.changed(shape), (), np.zeros((bench.fold.size, 0))).square(bench.training) for shape in shapes)
-        healthy = 1.0 - after / before.square(bench.training)
+        after = bench.searched(before, tried.effect, known)
+        healthy = 1.0 - after.square(bench.training) / before.square(bench.training)
         rows = search.bench.training
         today = 1.0 - tried.fit.square(rows) / accepted.square(rows)
         return "no change: it lowers the error of the healthy records as well" if healthy > _AS_HEALTHY * today else ""
