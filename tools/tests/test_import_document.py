@@ -51,7 +51,7 @@ def test_the_drives_missing_effects_are_named(tmp_path: Path, monkeypatch: pytes
     data = lead_screw_folder()
     monkeypatch.chdir(tmp_path)
     (tmp_path / data.name).symlink_to(data)
-    _, table, _, diagnose, *_ = blocks(DOCUMENT)
+    _, table, _, diagnose, refit, _, mapped = blocks(DOCUMENT)
     Path("build").mkdir()
     Path("build/map.toml").write_text(blocks(DOCUMENT, "toml")[0], encoding="utf-8")
     assert run_ema(*shlex.split(table)[1:]).code == 0
@@ -66,6 +66,12 @@ def test_the_drives_missing_effects_are_named(tmp_path: Path, monkeypatch: pytes
         assert any(wanted in alike for alike in accepted), wanted
     assert found["error"]["holdout_after"] < 0.6 * found["error"]["holdout_before"]
     assert run_ema("compare", "build/drive/found.toml", "build/drive/start_stop_50.csv").code == 0
+    for command in (*refit.strip().splitlines(), mapped.strip()):
+        ran = run_ema(*shlex.split(command)[1:], "--json", "refit.json", "--force")
+        assert ran.code == 0, ran.err
+    pairs = json.loads(Path("refit.json").read_text(encoding="utf-8"))["both_ways"]
+    least = min(pairs, key=lambda one: one["friction_Nm"])
+    assert 4.0 < least["speed_rad_s"] < 6.5 and 1.05 < pairs[0]["friction_Nm"] / least["friction_Nm"] < 1.15
 
 
 def test_the_tables_name_every_entry_and_nothing_else() -> None:
