@@ -21,8 +21,10 @@ from ema_tools.select.fixes import fixes_of
 from ema_tools.select.force_balance import improve_by_forces
 from ema_tools.select.force_refit import BY_RECORDS, add_by_forces, refit_by_forces
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
+from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import diagnosed
+from ema_tools.words.answers.calibration import calibration_by_balance
 from ema_tools.words.answers.method import diagnosis
 from support import complaint, run_ema
 
@@ -112,6 +114,9 @@ def test_a_model_that_is_refitted_reads_the_same_with_and_without_its_effects_na
     assert free.actuator["quadratic_viscous.drag_Nm_s2_per_rad2"] == pytest.approx(4e-7, rel=0.03)
     assert held.actuator["quadratic_viscous.drag_Nm_s2_per_rad2"] == 1e-7 and held.held == ("quadratic_viscous",)
     assert free.errors.training < held.errors.training
+    told = calibration_by_balance(calibrate_by_balance(model, records), "new.toml", {}, "")
+    drag = to_json(told)["parameters"]["effects.quadratic_viscous.drag_Nm_s2_per_rad2"]
+    assert drag["before"] == 1e-7 and drag["interval95"][0] < drag["after"] < drag["interval95"][1]
 
 
 @pytest.fixture(scope="module")

@@ -44,7 +44,7 @@ def calibration_by_balance(found: BalanceCalibration, actuator: str, provenance:
     forces, known = found.forces, found.known
     parameters = {}
     for name, one in fitted_values(forces).items():
-        before = known[name]
+        before = known[row_of(name).name]
         change = 100.0 * (one.value - before) / before if before else None
         parameters[name] = result.Calibrated(
             before, one.value, one.std, change, one.unit, "balance", one.at_bound, one.interval95 or (None, None)
