@@ -176,3 +176,38 @@ def test_a_record_is_not_its_own_healthy_reference() -> None:
     run = chirp_record(reference_actuator(), "chirp:duration_s=1")
     with pytest.raises(InputError, match="healthy is the record itself"):
         diagnosed(reference_actuator(), [run] * 2, [run])
+
+
+def in_contact(command: int, rise: float) -> MotionRecord:
+    """A shaft whose contact stretches 0.02 rad before it slides, by Dahl, and sticks at rest by `rise`; the motion as asked, its torque with noise."""
+    random, time = np.random.default_rng(command), np.arange(5000) * 2e-3
+    if command < 2:
+        angle = sum(
+            size * np.sin(2.0 * np.pi * hz * time + random.uniform(0.0, 6.0))
+            for hz, size in ((0.2, 8.0), (0.53, 4.0), (1.1, 1.8), (2.3, 0.6))
+        )
+    else:
+        levels = np.repeat(random.permutation(np.outer([1.0, -1.0], [1.0, 3.0, 7.0, 15.0, 40.0]).ravel()), 500)
+        window = np.hanning(151)
+        angle = np.cumsum(np.convolve(np.pad(levels, 75, mode="edge"), window / window.sum(), "valid")) * 2e-3
+    speed = np.gradient(angle, 2e-3)
+    stretch = np.zeros(time.size)
+    for row, way in enumerate(np.diff(angle) / 0.02, start=1):
+        stretch[row] = np.sign(way) - (np.sign(way) - stretch[row - 1]) * np.exp(-abs(way))
+    level = 0.02 * (1.0 + rise / (1.0 + (speed / 8.0) ** 2))
+    torque = 2e-5 * np.gradient(speed, 2e-3) + level * stretch + 1e-4 * speed + random.normal(0.0, 2e-4, time.size)
+    return MotionRecord(2e-3, f"run {command}").with_columns({"motor_angle_rad": angle, "torque_Nm": torque})
+
+
+@pytest.mark.slow
+def test_two_effects_that_are_refused_alone_are_named_together() -> None:
+    actuator = actuator_of("bare motor", 0).changed({"screw.inertia_kgm2": 2e-5})
+    found = improve_by_forces(actuator, [in_contact(command, 0.6) for command in range(4)])
+    assert {step.effect for step in found.steps} == {"presliding", "stribeck_friction"}
+    values = found.steps[-1].values
+    # the library's rise falls with another power of the speed, so that what both have is the friction at standstill
+    assert values["screw.csj_Nm"] * (1.0 + values["stribeck_friction.rise"]) == pytest.approx(0.032, rel=0.1)
+    assert found.steps[-1].values["presliding.stretch_rad"] == pytest.approx(0.02, rel=0.2)
+    # and without the rise the contact alone is
+    alone = improve_by_forces(actuator, [in_contact(command, 0.0) for command in range(4)])
+    assert [step.effect for step in alone.steps] == ["presliding"]

@@ -196,3 +196,10 @@ def test_values_stay_where_the_search_will_look() -> None:
             assert next(parameter for parameter in found.parameters if parameter.name == name).at_bound
     with pytest.raises(InputError, match=r"search.blk_lower_mm = 0.2: not below search.blk_upper_mm = 0.1: correct the bounds"):
         calibrate(reference_actuator().changed({"search.blk_lower_mm": 0.2}), [record])
+
+
+def test_a_run_that_is_given_twice_says_nothing_of_scatter(tmp_path: Path) -> None:
+    healthy = RECORDINGS / "story" / "healthy_1.csv"
+    ran = run_ema("calibrate", REFERENCE, healthy, healthy, "-o", tmp_path / "new.toml")
+    assert "healthy_1.csv: given twice: give every healthy run once" in complaint(ran)
+    assert not (tmp_path / "new.toml").exists()

@@ -176,6 +176,7 @@ def calibrate(
     from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.calibrate import calibrate as work
     from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance
+    from ema_tools.tasks.diagnose import check_once
     from ema_tools.tasks.method import check_fixes, chosen_for_calibration
     from ema_tools.tasks.own_machine import of_own_machine, own_machine
     from ema_tools.words.answers.calibration import calibration, calibration_by_balance
@@ -185,6 +186,7 @@ def calibrate(
     writable(out, json_path=json_path, force=force, inputs=(actuator, *records))
     model = read_actuator(actuator, complete=False)
     given = [read_any_record(record, model) for record in records]
+    check_once(given)
     way, fixes = chosen_for_calibration(model, given, method), fixes_of(model, fixed)
     check_fixes(way, fixes)
     origin = provenance(command_line(), actuator=model.name, records=", ".join(record.file for record in given))

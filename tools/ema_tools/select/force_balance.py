@@ -125,6 +125,9 @@ class Tried:
     part: Reals
 
 
+# Effects refused alone that are tried beside each other [effort]
+_PAIRED = 4
+
 # What else may be said against an effect, judged, beside accepted ones; empty where nothing is.
 Veto = Callable[["ForceSearch", Fitted, Tried], str]
 
@@ -143,6 +146,7 @@ class ForceSearch:
         self.effects = others if effects is None else list(effects)
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
+        self.weak: list[Tried] = []  # of the last round: what was refused after it was judged
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
 
@@ -383,6 +387,7 @@ class ForceSearch:
         left = [effect for effect in self.effects if effect not in here]
         added: list[Tried] = []
         refused: list[Refusal] = []
+        self.weak = []
         for place, effect in enumerate(left):
             self.report(share + _ROUND_SHARE * place / len(left), effect)
             found = self.tried(accepted, effect)
@@ -392,10 +397,45 @@ class ForceSearch:
             judged = replace(found, fit=self.bench.judged(found.fit))
             why = self.refusal(accepted, judged)
             if why:
+                self.weak.append(judged)  # which may be more beside another
                 refused.append(Refusal(effect, why, _of(effect, judged.fit.values), _of(effect, judged.fit.std), judged.fit.errors))
             else:
                 added.append(judged)
         return sorted(added, key=lambda one: -one.gain), refused
+
+    def pair(self, accepted: Fitted) -> tuple[Tried, Tried] | None:
+        """Two effects of which neither may be added alone and each may beside the other, the pair that lowers the error most; the first of them as it is alone.
+
+        One that stands in for another beside it goes wrong wherever the other is large, so that alone it raises the error of a part held out.
+        """
+        worth = [one for one in self.weak if one.gain >= LEAST_OF_FIRST * self.first and not outside(one.fit)]
+        worth = sorted(worth, key=lambda one: -one.gain)[:_PAIRED]
+        best: tuple[Tried, Tried] | None = None
+        for first in worth:
+            for second in worth:
+                both = self._beside(first, second.effect) if second is not first else None
+                if both is None or (best is not None and both.fit.errors.training >= best[1].fit.errors.training):
+                    continue
+                other = self.judged_against(second.fit, first.effect, both.fit)
+                if not other and not self.judged_against(accepted, second.effect, both.fit):
+                    best = first, both
+        return best
+
+    def _beside(self, first: Tried, effect: str) -> Tried | None:
+        """An effect beside another one that alone is refused; None where it is refused there, too."""
+        # a balance that bends is made again from the one that bends, which then comes first
+        if self.patterns_bend(effect):
+            return None
+        found = self.tried(first.fit, effect)
+        if isinstance(found, Refusal):
+            return None
+        judged = replace(found, fit=self.bench.judged(self.refined(found.fit)))
+        return None if self.refusal(first.fit, judged) else judged
+
+    def patterns_bend(self, effect: str) -> bool:
+        """Whether an effect changes the balance itself."""
+        known = self.patterns[effect]
+        return not isinstance(known, str) and known[0].bends
 
     def pruned(self, accepted: Fitted) -> tuple[Fitted, tuple[str, ...]]:
         """Without each earlier effect that the others have made needless, and their names."""
@@ -526,6 +566,13 @@ def improve_by_forces(
         )
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
+        pair = search.pair(accepted) if not added and not accepted.patterns else None
+        if pair is not None:
+            first_of, both = pair
+            for one, before in ((first_of, accepted), (both, first_of.fit)):
+                steps.append(ForceStep(one.effect, one.fit.values, one.fit.std, (), one.fit.errors, search.elsewhere(before, one.fit)))
+            accepted = bench.judged(search.settled(both.fit)) if first_of.fit.patterns[-1].bends else both.fit
+            continue
         if not added:
             break
         if len(steps) == EFFECTS_MAX:

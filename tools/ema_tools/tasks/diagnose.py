@@ -129,6 +129,12 @@ def check_apart(record: AnyRecord, healthy: Sequence[AnyRecord]) -> None:
     for place, other in enumerate(healthy):
         if _same_samples(record, other):
             raise InputError(f"{other.file}: healthy is the record itself, against which nothing has changed: leave it out of --healthy")
+    check_once(healthy)
+
+
+def check_once(healthy: Sequence[AnyRecord]) -> None:
+    """Raises InputError when a healthy record is given twice."""
+    for place, other in enumerate(healthy):
         for earlier in healthy[:place]:
             if _same_samples(earlier, other):
                 raise InputError(

@@ -16,6 +16,7 @@ from ema_tools.words.sentences.addition import percent
 PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
 
 
+_TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
 _FLOORS: dict[FloorFrom | None, str] = {
     "laps": "the laps repeat to {:.2f} %",
     "healthy records": "the healthy records leave {:.2f} %",
@@ -43,9 +44,12 @@ def sentence(found: BalanceAnswer) -> str:
         return f"{found.names}: {said} (force error {given.training:.2f} %, {floor})."
     last = found.forces.steps[-1].errors
     names = ", ".join(step.effect for step in found.accepted)
+    verb = "are" if len(found.accepted) > 1 else "is"
+    left = found.unexplained
+    stays = f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained" if left is not None and left > _TOLD else ""
     return (
-        f"{found.names}: missing are {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
-        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}."
+        f"{found.names}: missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
+        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{stays}."
     )
 
 
@@ -55,7 +59,8 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyMachine) -> str:
     given = found.forces.given
     against = f"against {count} healthy record{'s' if count > 1 else ''}"
     errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
-    told = [f"missing are {', '.join(step.effect for step in found.accepted)}"] if found.accepted else []
+    verb = "are" if len(found.accepted) > 1 else "is"
+    told = [f"missing {verb} {', '.join(step.effect for step in found.accepted)}"] if found.accepted else []
     told += [_changed(one) for one in found.changed]
     if not told:
         told.append(
