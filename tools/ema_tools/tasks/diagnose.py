@@ -126,7 +126,7 @@ def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Recor
 
 def check_apart(record: AnyRecord, healthy: Sequence[AnyRecord]) -> None:
     """Raises InputError when a healthy record is the record itself or is given twice: identical samples tell nothing of how the machine repeats."""
-    for place, other in enumerate(healthy):
+    for other in healthy:
         if _same_samples(record, other):
             raise InputError(f"{other.file}: healthy is the record itself, against which nothing has changed: leave it out of --healthy")
     check_once(healthy)
