@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from html import escape
 from importlib import resources
@@ -65,7 +65,7 @@ def render(results: list[Result], command: str) -> str:
     with_case = [result for result in identified if result.case is not None]
     if with_case:
         _paper(page, with_case)
-    _next(page, identified, compared, any(isinstance(result, Diagnosed) for result in results))
+    _next(page, identified, compared, [result for result in results if isinstance(result, Diagnosed)])
     _origin(page, results, command)
     page.add("</main>")
     return _document(_short_title(results[0]), page)
@@ -316,12 +316,20 @@ def _compared(page: _Page, result: Compared, identity: str) -> None:
         )
 
 
-def _next(page: _Page, identified: list[ShownIdentification], compared: list[Compared], diagnosed: bool) -> None:
+def _next(page: _Page, identified: list[ShownIdentification], compared: list[Compared], diagnosed: Sequence[Diagnosed]) -> None:
     page.add('<section id="next" aria-labelledby="next-title"><div class="wrap"><h2 id="next-title">What to do next</h2>')
     for result in identified:
         for reason in result.reasons:
             if words.advice(reason):
                 page.add(f"<p>{escape(result.title)}: {_code(words.advice(reason))}</p>")
+    if diagnosed and all(result.by_forces for result in diagnosed) and not identified:
+        page.add(
+            "<p>The effects go into the model, which is then held against a record to which nothing was fitted:</p>",
+            "<pre><code>ema diagnose mine.toml records/ --fitted found.toml\n"
+            "ema compare found.toml another_record.csv\n"
+            "ema map mine.toml records/    # friction against speed</code></pre></div></section>",
+        )
+        return
     if diagnosed:
         page.add(
             "<p>An effect that is recommended goes into the model, and from there into the firmware:</p>",
