@@ -388,7 +388,7 @@ def test_two_signals_of_one_motion_must_agree(tmp_path: Path) -> None:
         )
 
     assert "run against each other: change sign in [columns.motor_angle_rad]" in refused(tmp_path, "\n".join(lines), table_map(-1, "rad"))
-    assert "motor_angle_rad moves 0.0175 times as far as motor_speed_rad_s says: correct unit or scale" in refused(
+    assert "motor_angle_rad moves 0.0175 times as far as motor_speed_rad_s says: correct from, unit or scale" in refused(
         tmp_path, "\n".join(lines), table_map(1, "deg")
     )
     assert read_motion_record(imported(tmp_path, "b.csv", "\n".join(lines), table_map(1, "rad")) / "b.csv").rows == 400
@@ -591,3 +591,16 @@ def test_time_that_falls_is_said(tmp_path: Path) -> None:
     )
     ran = run_ema("import", "table", tmp_path / "log.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
     assert "time falls from row to row: write the rows in the order of time" in complaint(ran)
+
+
+def test_a_torque_in_the_place_of_a_speed_contradicts_the_angle(tmp_path: Path) -> None:
+    time = 0.002 * np.arange(4000)
+    angle, speed = 20.0 * np.sin(1.3 * time), 26.0 * np.cos(1.3 * time)
+    torque = 0.02 * np.sign(speed) + 1e-4 * speed
+    rows = "".join(f"{t:.3f},{a:.5f},{m:.6f},{w:.5f}\n" for t, a, w, m in zip(time, angle, speed, torque, strict=True))
+    (tmp_path / "log.csv").write_text("t,angle,w,T\n" + rows)
+    names = (("time_s", "t", "s"), ("motor_angle_rad", "angle", "rad"), ("motor_speed_rad_s", "w", "rad/s"), ("torque_Nm", "T", "N m"))
+    (tmp_path / "map.toml").write_text("".join(f'[columns.{name}]\nfrom = "{of}"\nunit = "{unit}"\n' for name, of, unit in names))
+    ran = run_ema("import", "table", tmp_path / "log.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
+    said = complaint(ran)
+    assert "motor_angle_rad moves" in said and "times as far as motor_speed_rad_s says: correct from, unit or scale" in said

@@ -18,6 +18,8 @@ from ema_tools.data.tables.units import EXAMPLES, suffix_of
 
 _FOLLOWS = 0.8  # correlation above which two signals are taken for the same motion or the same drive [judgement]
 _SAME = (0.8, 1.25)  # between these one signal is as large as the other, with room for a gear that is not known well [judgement]
+# What is so much like another motion, and so much smaller or larger, is no poor sensor of it but another column: a torque goes with the speed, too [judgement]
+_LIKE, _FAR = 0.4, (1.0 / 3.0, 3.0)
 _EXPLAINS = 0.3  # share of the drive's variance that a term must explain before its sign is believed [judgement]
 _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the direction [judgement]
 _CHANGES_SHARE = 0.2  # of the largest speed: where it varies by less it is held and not changed [judgement]
@@ -121,11 +123,11 @@ def _agree(record: MotionRecord, first: str, second: str, one: Reals, other: Rea
             " whichever is against the machine's positive direction"
         )
     times = float(np.linalg.norm(one) / np.linalg.norm(other))
-    if alike > _FOLLOWS and not _SAME[0] <= times <= _SAME[1]:
+    if (alike > _FOLLOWS and not _SAME[0] <= times <= _SAME[1]) or (alike > _LIKE and not _FAR[0] <= times <= _FAR[1]):
         across = first.startswith("motor_") != second.startswith("motor_") or ("_mm" in first) != ("_mm" in second)
         more = ", lead or ratio in [machine]" if across else ""
         raise InputError(
-            f"{record.file}: {first} moves {times:.3g} times as far as {second} says: correct unit or scale in [columns.{first}] or [columns.{second}]{more} of {mapped.file}"
+            f"{record.file}: {first} moves {times:.3g} times as far as {second} says: correct from, unit or scale in [columns.{first}] or [columns.{second}]{more} of {mapped.file}"
         )
 
 
