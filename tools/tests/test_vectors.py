@@ -100,6 +100,7 @@ def test_control_law_inputs_are_exact_in_float32_and_saturate_sometimes() -> Non
     assert 0.1 < np.mean(np.abs(saturated) == 0.5) < 0.9
 
 
+@pytest.mark.slow
 @needs_numba
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_records_show_what_they_are_for(case: Case) -> None:

@@ -210,6 +210,7 @@ def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
     assert found.healthy.sure == (count > 2)
 
 
+@pytest.mark.slow
 def test_what_healthy_records_do_not_explain_is_named_against_them() -> None:
     found = diagnosed(machine(), runs(0.0, 2e-6, first=20), HEALTHY)
     assert isinstance(found, BalanceAnswer)
@@ -218,6 +219,7 @@ def test_what_healthy_records_do_not_explain_is_named_against_them() -> None:
     assert not found.changed
 
 
+@pytest.mark.slow
 def test_a_changed_friction_is_a_fault_of_the_machine_with_its_interval() -> None:
     found = diagnosed(machine(), runs(csj_Nm=1.3 * TRUE[CSJ], first=20), HEALTHY)
     assert isinstance(found, BalanceAnswer)
@@ -230,6 +232,7 @@ def test_a_changed_friction_is_a_fault_of_the_machine_with_its_interval() -> Non
     assert result["mode"] == "against healthy records" and "csj_Nm has changed from" in result["sentence"]
 
 
+@pytest.mark.slow
 def test_what_the_healthy_machine_has_anyhow_stands_and_is_not_named() -> None:
     healthy = [swinging(30 + seed, speed, 0.006, 2e-6) for seed, speed in enumerate((60.0, 90.0, 130.0))]
     found = diagnosed(machine(), [swinging(40, 110.0, 0.006, 2e-6)], healthy)
@@ -269,6 +272,7 @@ def humming(seed: int, amplitude_Nm: float) -> MotionRecord:
     return run.with_columns({"torque_Nm": run.recorded("torque_Nm") + amplitude_Nm * np.sin(run.recorded("motor_speed_rad_s") / 4.0)})
 
 
+@pytest.mark.slow
 def test_what_plainly_remains_and_nothing_explains_is_unknown() -> None:
     """Records without laps have a floor by their own noise and by how far they are from each other in the same motion."""
     strange = diagnosed(machine(), [humming(seed, 0.004) for seed in range(3)])
