@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import partial
 from typing import TypeVar
 
@@ -58,3 +59,10 @@ def in_step(tasks: Sequence[Generator[Asked, Answer, Result]], answers: Callable
         for place, answer in zip(places, answers(wanted), strict=True):
             go_on(place, partial(tasks[place].send, answer))
     return [results[place] for place in range(len(tasks))]
+
+
+@contextmanager
+def beside(work: Callable[[], Result]) -> Iterator[Future[Result]]:
+    """`work` on a thread of its own while the body runs; leaving waits for it, and its exception is raised where its result is asked for."""
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        yield pool.submit(work)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.parallel import each
+from ema_tools.base.parallel import beside, each
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
@@ -214,7 +214,9 @@ def answer(
         gate = replace(
             gate, remarks=(RecordRemark("repeats", "weakens", doubt, "record a third run of the healthy machine"), *gate.remarks)
         )
-    found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+    healthy_machine = fitted_machine(evidence, None)
+    with beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located:
+        found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
     if doubt:
         # what changed and what repeats no better cannot be told apart
         found = found.refuted([one.name for one in found.named])
@@ -224,9 +226,9 @@ def answer(
         sensor = sensor if sensor.cost < found.cost_after - LEAST_LIMIT else None
         found = found.refuted([one.name for one in found.named]) if sensor is not None else found
     tell(0.86, "where the model fails")
+    places = located.result()
     best = found.fit
     known = fitted_machine(evidence, best)
-    places = where(known if evidence.relative else fitted_machine(evidence, None), record, same, evidence.whiten, evidence.channels)
     tell(0.9, "the record held out")
     errors, steps = walk(found, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     wrong = refuted(steps) if found.verdict == "missing" else ()
