@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
-from ema_tools.base.filters import butterworth, chebyshev, filtered, shares_of
+from ema_tools.base.filters import butterworth, chebyshev, filtered, filtered_every, quick_length, shares_of
 
 EDGE_S = 0.05  # time at both ends whose rows carry the filters' edges: 50 rows at 1 kHz, several periods of the highest cutoff [precision]
 _BLUNT = 1.001  # slower than the rate at which the usual cutoff is its largest, but for rounding [precision]
@@ -23,19 +23,20 @@ _ORDER = 4  # of the filter; run both ways it falls by the eighth power [judgeme
 _RATE_OVER_CUTOFF = 10  # rows per period of the cutoff: differences of rows are then derivatives to within 7 % at the cutoff [precision]
 _DECIMATOR = (8, 0.05)  # order and ripple in dB of the filter before rows are left out: 1 % of ripple, nothing folds back [precision]
 _DECIMATOR_SHARE = 0.8  # of the new half sample rate, where that filter begins to fall [precision]
+_MEMORY = 100.0  # half periods of the cutoff after which either filter has forgotten a row, to 1e-7 [precision]
 _CUTOFF_MAX_HZ = 100.0  # far above what moves an actuator's rod, below most sensor noise [judgement]
 
 
 @functools.lru_cache(maxsize=32)
 def _smoothing(rows: int, share: float) -> Reals:
     """Gains of the smoothing with a cutoff as share of half the sample rate, [rows - 1]."""
-    return butterworth(shares_of(rows), _ORDER, share)
+    return butterworth(shares_of(quick_length(rows, _MEMORY / share)), _ORDER, share)
 
 
 @functools.lru_cache(maxsize=32)
 def _decimation(rows: int, every: int) -> Reals:
     """Gains in front of a decimation, [rows - 1]."""
-    return chebyshev(shares_of(rows), *_DECIMATOR, _DECIMATOR_SHARE / every)
+    return chebyshev(shares_of(quick_length(rows, _MEMORY * every / _DECIMATOR_SHARE, every)), *_DECIMATOR, _DECIMATOR_SHARE / every)
 
 
 def smoothed(values: Reals, share: float, axis: int = -1) -> Reals:
@@ -47,8 +48,11 @@ def thinned(values: Reals, every: int, axis: int = -1) -> Reals:
     """Every n-th of the values along `axis`, what would fold back taken out before."""
     if every == 1:
         return values
-    low = np.moveaxis(filtered(values, _decimation(values.shape[axis], every), axis), axis, 0)[::every]
-    return np.ascontiguousarray(np.moveaxis(low, 0, axis))
+    gains = _decimation(values.shape[axis], every)
+    if gains.size % every:
+        low = np.moveaxis(filtered(values, gains, axis), axis, 0)[::every]
+        return np.ascontiguousarray(np.moveaxis(low, 0, axis))
+    return np.ascontiguousarray(filtered_every(values, gains, every, axis))
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ sine transform holds the lines, so that a filter is a factor for each and has no
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft
@@ -31,14 +33,48 @@ def shares_of(rows: int) -> Reals:
     return np.arange(rows - 1) / (rows - 1)
 
 
+def quick_length(rows: int, memory: float, every: int = 1) -> int:
+    """Rows of which a transform is quick, `rows` or `memory` of a filter and more beyond them, one more than a multiple of `every`; `rows` itself where there is no multiple so near."""
+    length = every * int(fft.next_fast_len(math.ceil((rows - 1 + memory) / every), real=True)) + 1
+    return length if length <= 2 * rows - 2 else rows
+
+
 def filtered(values: Reals, gains: Reals, axis: int = -1) -> Reals:
-    """Values [rows] along `axis` with every line of `shares_of(rows)` times its gain [rows - 1]."""
-    rows = np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1)
-    out = np.linspace(rows[..., 0], rows[..., -1], rows.shape[-1], axis=-1)
-    lines = fft.dst(rows[..., 1:-1] - out[..., 1:-1], type=1, axis=-1)
-    out *= gains[0]
-    out[..., 1:-1] += fft.idst(lines * gains[1:], type=1, axis=-1)
+    """Values [rows] along `axis` with every line of `shares_of(rows)` times its gain [rows - 1]; with more gains, as if the values went on that far."""
+    rows, straight, lines = _lines(values, gains, axis)
+    out = straight[..., : rows.shape[-1]] * gains[0]
+    inner = fft.idst(lines * gains[1:], type=1, axis=-1)[..., : rows.shape[-1] - 1]
+    out[..., 1 : 1 + inner.shape[-1]] += inner
     return np.asarray(np.moveaxis(out, -1, axis))
+
+
+def filtered_every(values: Reals, gains: Reals, every: int, axis: int = -1) -> Reals:
+    """The first and every n-th after it of `filtered`, [k]; as many gains as a multiple of `every`.
+
+    Sampled more slowly, lines that lie as far above a multiple of the new sample rate as others below it are one: they are added before the way back, which is then as much shorter.
+    """
+    rows, straight, lines = _lines(values, gains, axis)
+    period = 2 * gains.size // every
+    lines *= gains[1:]
+    turns = np.zeros((*lines.shape[:-1], period * -(-gains.size // period)))
+    turns[..., 1 : gains.size] = lines
+    folded = turns.reshape(*lines.shape[:-1], -1, period).sum(axis=-2)
+    alike = folded[..., 1 : period // 2] - folded[..., : period // 2 : -1]
+    out = straight[..., : rows.shape[-1] : every] * gains[0]
+    inner = fft.idst(alike, type=1, axis=-1)[..., : out.shape[-1] - 1] / every
+    out[..., 1 : 1 + inner.shape[-1]] += inner
+    return np.asarray(np.moveaxis(out, -1, axis))
+
+
+def _lines(values: Reals, gains: Reals, axis: int) -> tuple[Reals, Reals, Reals]:
+    """Values with `axis` last; the straight line between the ends, [..., gains + 1]; and the sine transform of what is beside it, [..., gains - 1]."""
+    rows = np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1)
+    count, length = rows.shape[-1], gains.size + 1
+    beyond = 2.0 * rows[..., -1:] - rows[..., count - 2 : 2 * count - 2 - length : -1] if length > count else rows[..., :0]
+    last = beyond[..., -1] if length > count else rows[..., -1]
+    straight = np.linspace(rows[..., 0], last, length, axis=-1)
+    beside = np.concatenate([rows[..., 1:], beyond], axis=-1)[..., : length - 2] - straight[..., 1:-1]
+    return rows, straight, fft.dst(beside, type=1, axis=-1, overwrite_x=True)
 
 
 def correlated(one: Reals, two: Reals) -> Reals:

@@ -20,6 +20,7 @@ from scipy.optimize import minimize
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
@@ -43,7 +44,7 @@ from ema_tools.select.balance_setting import Setting
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
-from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of
+from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of, rows_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
@@ -154,17 +155,20 @@ class ForceSearch:
         """All patterns in a setting."""
         same_current = self.setting is not None and np.array_equal(self.setting.states.current_A, setting.states.current_A)
         self.setting = setting
-        for effect in self.effects:
-            # torques and loads do not look at the contact, so that without another current they are what they were
-            if same_current and load_definitions().effect(effect).site in ("TORQUE", "LOAD"):
-                continue
-            self.patterns[effect] = found = patterns_of(setting, effect)
-            self.columns[effect] = [] if isinstance(found, str) else self._decimated(found)
+        # torques and loads do not look at the contact, so that without another current they are what they were
+        anew = [effect for effect in self.effects if not (same_current and load_definitions().effect(effect).site in ("TORQUE", "LOAD"))]
 
-    def _decimated(self, patterns: Sequence[Pattern]) -> list[Reals]:
-        """The columns of patterns on the samples, all of them filtered at once."""
-        ends = np.cumsum([pattern.columns.shape[1] for pattern in patterns])[:-1]
-        return np.split(self.bench.decimated(np.concatenate([pattern.columns for pattern in patterns], axis=1)), ends, axis=1)
+        def made(effect: str) -> tuple[Sequence[Pattern] | str, list[Reals]]:
+            columns: list[Reals] = []
+
+            def taken(pattern: Pattern) -> Pattern:
+                columns.append(self.bench.decimated(pattern.columns))
+                return pattern.light
+
+            return patterns_of(setting, effect, taken), columns
+
+        for effect, (found, columns) in zip(anew, each(made, anew), strict=True):
+            self.patterns[effect], self.columns[effect] = found, columns
 
     def settled(self, fit: Fitted) -> Fitted:
         """A fit whose last effect changed the balance itself, with all patterns made again from it."""
@@ -173,14 +177,8 @@ class ForceSearch:
 
     def with_patterns(self, patterns: Sequence[Pattern], samples: Samples) -> Fitted:
         """A fit of known shapes, their columns from the present setting."""
-        found = []
-        for pattern in patterns:
-            known = self.patterns[pattern.effect]
-            same = [one for one in known if one.shape == pattern.shape] if not isinstance(known, str) else []
-            again = same[0] if same and samples.setting is self.setting else pattern_of(samples.setting, pattern.effect, pattern.shape)
-            found.append(pattern if isinstance(again, str) else again)
-        columns = [self.bench.decimated(pattern.columns) for pattern in found]
-        return self.bench.fit(samples, found, np.column_stack([np.zeros((self.bench.fold.size, 0)), *columns]))
+        columns = [self.bench.decimated(rows_of(samples.setting, pattern)) for pattern in patterns]
+        return self.bench.fit(samples, patterns, np.column_stack([np.zeros((self.bench.fold.size, 0)), *columns]))
 
     def refined(self, fit: Fitted) -> Fitted:
         """A fit with the continuous shape parameters of its last effect between the shapes tried."""

@@ -18,7 +18,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import POINT, library
 from ema_tools.select.balance_bench import Bench, Fitted
 from ema_tools.select.balance_setting import Setting
-from ema_tools.select.torque_patterns import pattern_of
+from ema_tools.select.torque_patterns import rows_of
 
 _ROUNDS = 3  # after which the foretold drive has settled: what reads it is a small part of it [effort]
 _PROBE = 0.1  # of an effect's range, at which it is asked whether it reads the drive [judgement]
@@ -65,8 +65,7 @@ def _asked(bench: Bench, fit: Fitted, setting: Setting, drive_Nm: Reals) -> Real
     place = 4
     for pattern in fit.patterns:
         width = pattern.columns.shape[1]
-        again = pattern_of(here, pattern.effect, pattern.shape) if reads_drive(setting.actuator, pattern.effect) else pattern
-        columns = pattern.columns if isinstance(again, str) else again.columns
+        columns = rows_of(here if reads_drive(setting.actuator, pattern.effect) else setting, pattern)
         total = total + columns @ fit.coefficients[place : place + width]
         place += width
     return total

@@ -6,7 +6,7 @@ An effect whose record has no torque in closed form is asked through the balance
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,6 +46,11 @@ class Pattern:
     def bends(self) -> bool:
         """Whether the effect changes the balance itself, so that its size is searched and not solved for."""
         return bool(self.columns.shape[1] == 0)
+
+    @property
+    def light(self) -> Pattern:
+        """The same without its rows, [0, 1 or 2]: of minutes of record all shapes of all effects together are gigabytes."""
+        return replace(self, columns=self.columns[:0].copy())
 
     def values(self, coefficients: Reals, base: Mapping[str, float]) -> dict[str, float]:
         """The effect's values by name for fitted coefficients [1 or 2] and base values."""
@@ -159,15 +164,21 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
     return Pattern(effect.name, {}, found[:, None])
 
 
-def patterns_of(setting: Setting, effect: str) -> Sequence[Pattern] | str:
-    """Every shape of an effect that is tried; or in one sentence why none can be."""
+def patterns_of(setting: Setting, effect: str, taken: Callable[[Pattern], Pattern] | None = None) -> Sequence[Pattern] | str:
+    """Every shape of an effect that is tried, each as `taken` makes of it as soon as it is there; or in one sentence why none can be."""
     shapes = [{}] if (known := _shapes(setting, effect)) is None else known
     why = _not_known(setting.waveless, effect, shapes[0]) if shapes else ""
     if why:
         return why
-    found = [pattern_of(setting, effect, shape) for shape in shapes]
-    refused = next((one for one in found if isinstance(one, str)), NOT_HERE)
-    return tuple(one for one in found if not isinstance(one, str)) or refused
+    found: list[Pattern] = []
+    refused = ""
+    for shape in shapes:
+        one = pattern_of(setting, effect, shape)
+        if isinstance(one, str):
+            refused = refused or one
+        else:
+            found.append(taken(one) if taken is not None else one)
+    return tuple(found) or refused or NOT_HERE
 
 
 def is_texture(setting: Setting, effect: str, shape: Shape) -> bool:
@@ -208,6 +219,14 @@ def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
     if record.bending is not None:
         return Pattern(effect, shape, np.zeros((setting.rows, 0)))
     return _asked(setting.foretold if load_definitions().effect(effect).site == "FRICTION" else setting, load_definitions().effect(effect))
+
+
+def rows_of(setting: Setting, pattern: Pattern) -> Reals:
+    """A pattern's columns in a setting, [rows, 0, 1 or 2]. Raises InputError where the effect has none there."""
+    found = pattern_of(setting, pattern.effect, pattern.shape)
+    if isinstance(found, str):
+        raise InputError(f"{pattern.effect}: {found}: leave it out")
+    return found.columns
 
 
 def continuous_of(effect: str) -> tuple[str, ...]:
