@@ -29,6 +29,8 @@ from ema_tools.plant.native import CHANNELS
 from ema_tools.select.search import standing_effects
 
 _USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it [judgement]
+# An effect that is just beyond what counts as slight here may come out just within it where it is refitted, and then nobody would hold what it does [chance]
+_SLIGHT_MARGIN = 1.25
 
 
 def common_channels(records: Sequence[Record]) -> tuple[str, ...]:
@@ -106,10 +108,10 @@ def _effect_of(changes: Mapping[str, float]) -> str:
 
 
 def _still_slight(wanted: Sequence[Mapping[str, float]], deviations: Reals) -> list[Mapping[str, float]]:
-    """Those whose effects are as slight as on every machine by their `deviations` [k]: a larger one is to be named, not taken for granted."""
+    """Those whose effects are as slight as on every machine by their `deviations` [k], or a little more: a larger one is to be named, not taken for granted."""
     effects = [_effect_of(changes) for changes in wanted]
     size = {effect: np.hypot.reduce([at for name, at in zip(effects, deviations, strict=True) if name == effect]) for effect in effects}
-    return [changes for changes, effect in zip(wanted, effects, strict=True) if size[effect] <= spreads.SLIGHT_REACH]
+    return [changes for changes, effect in zip(wanted, effects, strict=True) if size[effect] <= _SLIGHT_MARGIN * spreads.SLIGHT_REACH]
 
 
 def healthy_model(

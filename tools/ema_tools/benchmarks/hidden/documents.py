@@ -82,7 +82,7 @@ friction that yields 1 to 3 mrad before it slides on odd ones. Each differs from
 0.6 % of the friction, a friction asymmetry of 0.3 %, a rod sensor off by 0.02 % and 2 um, a current sensor off by 0.3 % and 20 mA, 0.5 um, 10 mA and 10 mV of resolution, 0.2 um of noise in the loop. From run to run
 scatter {scatter}; noise is 2 um on both positions, 30 mA and 10 mV, at 1 kHz. Shapes (phases, periods, places, widths, masses, speeds) are drawn per machine and lie on no grid of the search.
 The search gets the data sheet's actuator and the records, nothing else. Counted is the result that `ema diagnose --json` writes, refusals, suspected sensors and records held out among it; a shift of CSJ or BLK
-counts where the result states it.
+counts where the result states it. Without repeats a name of what the unit has by itself, by its true size to a quarter, is not wrong: nobody told the search that it is usual there.
 
 Medium is the lower end of an effect's typical size, large three times that, small a third, edge a tenth. Commands: {", ".join(COMMANDS)}; mostly the first.
 The ideal observer knows every signature on that very machine in its hidden shape, the noise of every signal by frequency and the directions of the scatter, and picks the likeliest effect with its size left free; what it cannot name, no method can.

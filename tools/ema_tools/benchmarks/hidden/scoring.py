@@ -81,7 +81,7 @@ def first_right(row: Row) -> bool:
 
 def exact_set(row: Row) -> bool:
     """Whether all that is hidden is put forward for adding, and nothing else."""
-    return len([said for said in put_forward(row) if not _beside(row, said)]) == len(row["effects"]) and all_named(row)
+    return len([said for said in _changed(row) if not _beside(row, said)]) == len(row["effects"]) and all_named(row)
 
 
 def all_named(row: Row) -> bool:
@@ -89,14 +89,19 @@ def all_named(row: Row) -> bool:
     return all(any(matches(row, hidden, said) for said in put_forward(row)) for hidden in row["effects"])
 
 
+def _changed(row: Row) -> list[str]:
+    """The names put forward but for what the unit has by itself, by its true size, which a data sheet alone does not tell."""
+    return [said for said in put_forward(row) if said not in row.get("standing", ())]
+
+
 def accused(row: Row) -> bool:
-    """Whether any name is put forward for adding."""
-    return bool(put_forward(row))
+    """Whether any name is put forward for adding that the unit does not have by itself."""
+    return bool(_changed(row))
 
 
 def wrongly_accused(row: Row) -> bool:
-    """Whether a name is put forward that is not hidden."""
-    return any(not _beside(row, said) and not any(matches(row, hidden, said) for hidden in row["effects"]) for said in put_forward(row))
+    """Whether a name is put forward that is neither hidden nor the unit's own."""
+    return any(not _beside(row, said) and not any(matches(row, hidden, said) for hidden in row["effects"]) for said in _changed(row))
 
 
 def observed(rows: Sequence[Row]) -> Share:

@@ -38,6 +38,8 @@ _ELECTRICAL = (
     "magnet_weakening",
     "torque_ripple",
 )
+# How near its true size what a unit has by itself must be told.
+_OF_ITS_SIZE = 0.25
 # Settings that differ from what the search assumes of a data sheet, which counts most where there are no repeats.
 _PRIORS = ("twice", "half")
 
@@ -233,6 +235,20 @@ def _sizes(answer: sealed.SealedAnswer, hidden: Sequence[Change], effects: Seque
     return found
 
 
+def _standing(unit: Machine, answer: sealed.SealedAnswer) -> list[str]:
+    """Accepted names of what the unit has by itself, by about its true size: without repeats they are right."""
+    return [
+        said.name
+        for said in answer.said
+        if said.accepted
+        and any(
+            unit.values.get(f"{said.name}.{field}", 0.0) != 0.0 and abs(value / unit.values[f"{said.name}.{field}"] - 1.0) <= _OF_ITS_SIZE
+            for field, value in said.values.items()
+            if not field.startswith("phase")
+        )
+    ]
+
+
 def _estimated_change(answer: sealed.SealedAnswer, said: sealed.Said, size: str) -> float:
     """From the healthy machine's model, which may hold a little of the effect already; what has a phase changes as a vector."""
     stood = answer.standing.get(said.name, {})
@@ -270,6 +286,7 @@ def perform(trial: Trial) -> dict[str, Any]:
             trial.machine, unit.own, trial.command, trial.effects, trial.severity, run, healthy, trial.channels, unit.setting
         )
     row["sizes"] = _sizes(answer, hidden, trial.effects)
+    row["standing"] = [] if trial.repeats else _standing(unit, answer)
     if answer.held_out is not None:
         row["held_out"] = {"command": HELD_OUT[trial.command], **answer.held_out}
     return row

@@ -10,8 +10,9 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
-from ema_tools.fit.nuisance import is_slight
+from ema_tools.fit.nuisance import WORN, is_slight
 from ema_tools.fit.refit import Fit, best_of_each, jointly
+from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, refined_near
@@ -71,9 +72,22 @@ class DataSheetAlone(Strategy):
         """Seen from where the machine itself explains most."""
         return confounded_fits(self._free)
 
-    def least_of_confounded(self, least: float, cost: float) -> float:
+    def least_of_confounded(self, effect: str, least: float, cost: float) -> float:
         """That it is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign."""
-        return min(least, _CONFOUNDED_LIMIT * max(1.0, cost / max(self.evidence.floor, 1.0)))
+        limit = min(least, _CONFOUNDED_LIMIT * max(1.0, cost / max(self.evidence.floor, 1.0)))
+        return limit * self._wider_than_usual(effect)
+
+    def _wider_than_usual(self, effect: str) -> float:
+        """How much farther from its data sheet this unit is in everything else, over what units usually are: mean square of the deviations, at least 1. Where all else is far off, one more is
+        no effect. What wears tells nothing, nor does the parameter that the effect acts by."""
+        confounded = record_of(effect).confounded
+        own = confounded.parameter if confounded is not None else ""
+        others = [
+            float(at) ** 2
+            for one, at in zip(self.evidence.spread, self._free.deviations[: len(self.evidence.spread)], strict=True)
+            if one.title not in (own, *WORN)
+        ]
+        return max(1.0, sum(others) / max(len(others), 1))
 
     def limit_at(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
         """In units of the misfit that is left."""
