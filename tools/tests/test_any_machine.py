@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records
 from ema_tools.benchmarks.machines.trials import HEALTHY, MachineTrial, actuator_of, perform, plan, right, wrong
+from ema_tools.compare.motion_validity import judge_motion
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.motion_records import MotionRecord, of_controlled, write_motion_record
 from ema_tools.fit.division import divided
@@ -197,6 +199,17 @@ def in_contact(command: int, rise: float) -> MotionRecord:
     level = 0.02 * (1.0 + rise / (1.0 + (speed / 8.0) ** 2))
     torque = 2e-5 * np.gradient(speed, 2e-3) + level * stretch + 1e-4 * speed + random.normal(0.0, 2e-4, time.size)
     return MotionRecord(2e-3, f"run {command}").with_columns({"motor_angle_rad": angle, "torque_Nm": torque})
+
+
+@pytest.mark.parametrize("command", range(3))
+@pytest.mark.parametrize(("rows", "side"), [(0, ""), (20, "behind"), (-30, "ahead of")])
+def test_a_drive_of_another_clock_is_told_and_a_contact_that_yields_is_none(command: int, rows: int, side: str) -> None:
+    record, actuator = in_contact(command, 0.3), actuator_of("bare motor", 0).changed({"screw.inertia_kgm2": 2e-5})
+    late = record.with_columns({"torque_Nm": np.roll(record.recorded("torque_Nm"), rows)})
+    remarks = [one.text for one in judge_motion(actuator, late).remarks if one.topic == "clock"]
+    told = [re.match(r"the drive is about (\d+) ms (behind|ahead of) the motion", one) for one in remarks]
+    # to a step of the search, and half of one of the record
+    assert [(one[2], abs(float(one[1]) - 2.0 * abs(rows)) <= 6.0) for one in told if one] == ([(side, True)] if side else []), remarks
 
 
 @pytest.mark.slow

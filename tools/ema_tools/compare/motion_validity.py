@@ -3,19 +3,32 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import optimize
 
 from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.mechanical import mechanical_model
+from ema_tools.balances.mechanical import Mechanical, mechanical_model
+from ema_tools.balances.motion import motion_of
+from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.compare.validity import RecordRemark, RecordValidity
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import DRIVES, MOTIONS, VOLTAGES, MotionRecord, motion_signal
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import effect_of
 
 _MOVING = 1e-9  # of its largest value: a motion that spans less does not change at all [precision]
 _A_TENTH = 0.1  # of the time, and of the largest speed, that a record moves to either side before its signs are doubted [judgement]
 _AGAINST = (
     -0.5
 )  # correlation of the drive with the way it moves: friction alone makes it positive, a load of its own size makes it none [judgement]
+
+_LAG_STEP_S = 0.005  # lags are tried so far apart .. [precision]
+_LAG_MAX_S = 0.1  # .. up to here, slower than the transport of any drive's messages .. [physics]
+_LAG_ROWS_MAX = 20_000  # rows looked at: 100 s tell clocks apart [effort]
+_STRETCHES_RAD = (0.003, 0.01, 0.03, 0.1)  # turns of the motor over which contacts yield [physics]
+_LAG_STEPS_MIN = 10  # .. or for so many steps of a slow record [judgement]
+_LAG_DOUBTFUL_S = 0.015  # a drive that is later: what filters drives as it is recorded takes less [judgement]
+_LAG_GAIN = 0.75  # and must leave less than this share of the error: once per turn, what repeats finds itself again elsewhere [judgement]
 
 
 def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
@@ -48,8 +61,54 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
             remarks.append(
                 RecordRemark("signs", "weakens", text, "look whether the sign of the drive or of the motion is turned in the map")
             )
+        remarks += _late(actuator, record, model)
     fastest = float(np.max(np.abs(speed)))
     return RecordValidity(present, tuple(remarks), {"speed_max_rad_s": fastest, "moving_share": float(np.mean(~model.resting))})
+
+
+def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[RecordRemark]:
+    """Whether the drive was recorded by another clock than the motion: whether inertia and friction fit it far better with the motion some time earlier or later.
+
+    A contact that yields before it slides is late as well, by an angle and not by a time: it is free on either side.
+    """
+    every = max(1, round(_LAG_STEP_S / record.period_s))
+    step_s = every * record.period_s
+    kept = slice(0, _LAG_ROWS_MAX)
+    target = model.smoother.inner(model.drive_Nm - model.load_Nm - model.added_Nm)[::every][kept]
+    moves = model.smoother.inner(~model.resting)[::every][kept]
+    columns = [model.smoother.inner(one)[::every][kept] for one in _yielding(actuator, record, model)]
+    most = min(max(_LAG_STEPS_MIN, round(_LAG_MAX_S / step_s)), target.size // 10)
+    errors = {}
+    for steps in range(-most, most + 1):
+        here, there = slice(max(0, -steps), target.size - max(0, steps)), slice(max(0, steps), target.size - max(0, -steps))
+        errors[steps] = min(_left_percent(one[here][moves[here]], target[there][moves[here]]) for one in columns)
+    best = min(errors, key=lambda steps: (errors[steps], abs(steps)))
+    if abs(best) * step_s < max(_LAG_DOUBTFUL_S, 2.0 * record.period_s) or errors[best] > _LAG_GAIN * errors[0]:
+        return []
+    text = (
+        f"the drive is about {1e3 * abs(best) * step_s:.0f} ms {'behind' if best > 0 else 'ahead of'} the motion: so shifted, "
+        f"inertia and friction leave {errors[best]:.3g} % of it instead of {errors[0]:.3g} %"
+    )
+    return [RecordRemark("clock", "weakens", text, "record both by one clock, or shift one of them")]
+
+
+def _yielding(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[Reals]:
+    """The columns of the base parameters as the actuator has them, and with contacts that yield, [rows, 4] each."""
+    size = next((effect.size for effect in load_definitions().physical if effect.site == "PRESLIDING"), None)
+    if size is None or effect_of(size.name) in actuator.active_effects:
+        return [model.columns]
+    motion = motion_of(actuator, record, model.smoother)
+    soft = (actuator.changed({size.name: stretch}) for stretch in _STRETCHES_RAD)
+    return [model.columns, *(mechanical_model(one, record, model.smoother, motion).columns for one in soft)]
+
+
+def _left_percent(columns: Reals, drive: Reals) -> float:
+    """What inertia, drag and friction, none of them negative, and any load leave of the drive, %."""
+    both = np.column_stack([columns, -columns[:, 3]])
+    sizes = np.linalg.norm(both, axis=0)
+    # products serve, and are few
+    root = np.asarray(np.linalg.qr(np.column_stack([both / np.where(sizes > 0.0, sizes, 1.0), drive]), mode="r"))
+    return 100.0 * float(optimize.nnls(root[:, :-1], root[:, -1])[1]) / (float(np.linalg.norm(drive)) or 1.0)
 
 
 def _name(record: MotionRecord) -> str:
