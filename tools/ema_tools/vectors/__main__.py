@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
+from rich.progress import track
 
 from ema_tools.vectors import parts, session, text
 from ema_tools.vectors.cases import CASES, CHANNELS, Tolerance
@@ -115,7 +117,7 @@ def texts() -> dict[str, str]:
         "ema_vec_random.inc": _random_text(),
     }
     entries: list[dict[str, object]] = []
-    for case in CASES:
+    for case in track(CASES, "reference vectors", console=Console(stderr=True)):
         rows = rows_of(case)
         name = f"ema_vec_{case.name}.inc"
         files[name] = text.case_text(case, rows)
