@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Generator, Sequence
 
 import pytest
 
-from ema_tools.base.parallel import each, in_step
+from ema_tools.base.parallel import beside, each, in_step
 
 
 def halvings(number: int) -> Generator[int, float, list[float]]:
@@ -47,3 +48,21 @@ def test_each_keeps_the_order_and_raises_what_is_raised(count: int) -> None:
     if count:
         with pytest.raises(ZeroDivisionError):
             each(lambda number: 1 // number, range(count))
+
+
+def test_work_beside_the_body_raises_where_it_is_asked_for() -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def work() -> int:
+        begun.set()
+        assert go_on.wait(10.0)
+        raise ValueError("here")
+
+    with beside(work) as found:
+        assert begun.wait(10.0)  # while the body runs
+        go_on.set()
+        with pytest.raises(ValueError, match="here"):
+            found.result()
+    with beside(lambda: 5) as kept:
+        pass
+    assert kept.result() == 5
