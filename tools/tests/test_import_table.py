@@ -216,6 +216,16 @@ def test_signals_with_rates_of_their_own_come_to_the_slowest(tmp_path: Path) -> 
     assert "rates of their own" in said_of(tmp_path)[0]
 
 
+def test_empty_cells_are_no_rate_of_their_own(tmp_path: Path) -> None:
+    lines = rows_of(text())
+    holed = [line.rpartition(",")[0] + "," if k in (7, 8, 40) else line for k, line in enumerate(lines)]
+    record = read_motion_record(imported(tmp_path, "a.csv", "\n".join(holed)) / "a.csv")
+    assert record.period_s == 0.005
+    kept = np.delete(np.arange(record.rows), (6, 7, 39))
+    np.testing.assert_allclose(record.recorded("torque_Nm")[kept], run()[2][kept], atol=1e-9)
+    assert said_of(tmp_path) == ["3 cells of torque_Nm are empty, the first in row 8: filled by straight lines"]
+
+
 def test_dates_and_times_of_day(tmp_path: Path) -> None:
     lines = rows_of(text())
     for first, stamp in (

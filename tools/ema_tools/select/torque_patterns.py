@@ -25,6 +25,7 @@ NOT_HERE = "it does not show between the motor's torque and the measured motion"
 _RELATIVE_TO = (LEVEL, VISCOUS)
 _STRETCHES = 8  # of a record, by turns, from whose one half the phase of a wave in the other half is taken [judgement]
 _PROBE = 1e-3  # probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows [precision]
+_ROUNDING = 1e-9  # share of the drive that is no torque [precision]
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,8 @@ def _asked(setting: Setting, effect: Effect) -> Pattern | str:
     probe = _PROBE * reach
     try:
         found = column()
-        if not np.any(found):
+        # what the whole range of the effect makes may be nothing but rounding
+        if float(np.max(np.abs(found))) * abs(reach) <= _ROUNDING * float(np.max(np.abs(setting.drive_Nm))):
             return NOT_HERE
         for name in _RELATIVE_TO:
             base = setting.actuator[name]

@@ -15,7 +15,20 @@ from ema_tools.data.motion_records import ROWS_MIN
 from ema_tools.data.tables.raw import Rows
 
 RemarkKind = Literal[
-    "rounded", "repeated", "filled", "resampled", "rates", "gap", "restart", "short", "unwrapped", "cut_row", "footer", "rms", "one_way"
+    "rounded",
+    "repeated",
+    "filled",
+    "empty",
+    "resampled",
+    "rates",
+    "gap",
+    "restart",
+    "short",
+    "unwrapped",
+    "cut_row",
+    "footer",
+    "rms",
+    "one_way",
 ]
 GAP_STEPS = 3.5  # a step longer than so many usual ones is a gap that straight lines may not cross: three lost rows are still few of the motion [judgement]
 _EVEN_SHARE = 0.01  # of a step: rows that are off an even rate by less are on it, the error is below a percent of the speed [precision]
@@ -194,6 +207,10 @@ def _own_rows(
     slowest = max(usual, key=lambda name: usual[name])
     period_s = _nice(usual[slowest], _EVEN_SHARE * usual[slowest])
     told = [Remark("rates", None, {"period_s": period_s}, slowest)]
+    if max(usual.values()) - min(usual.values()) <= _EVEN_SHARE * usual[slowest]:
+        # one rate, and cells that are empty here and there
+        holes = {name: np.flatnonzero(~there[name]) for name in fast if not there[name].all()}
+        told = [Remark("empty", int(rows[places[0]]), {"count": float(places.size)}, name) for name, places in holes.items()]
     common = spans[0]
     for other in spans[1:]:
         common = [(max(a, c), min(b, d)) for a, b in common for c, d in other if min(b, d) > max(a, c)]

@@ -12,6 +12,7 @@ _SAID: Mapping[RemarkKind, str] = {
     "rounded": "the stamps of time are rounded: put on an even rate of {period_s:g} s",
     "repeated": "row {row} is the first of {count:g} with the time of the row before: left out",
     "filled": "{count:g} rows are missing: filled by straight lines",
+    "empty": "{count:g} cells of {column} are empty, the first in row {row}: filled by straight lines",
     "resampled": "time is uneven, steps of {shortest_s:.3g} to {longest_s:.3g} s: resampled to {period_s:g} s by straight lines",
     "rates": "the columns have rates of their own: all are brought to that of {column}, {period_s:g} s, by straight lines",
     "gap": "nothing is recorded for {length_s:.3g} s before row {row}: cut there",
