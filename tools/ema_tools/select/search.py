@@ -117,7 +117,7 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         slight = {effect for fit in fits if strategy.is_slight(fit, effect := _newest(fit, held))}
         fits = tuple(fit for fit in fits if _newest(fit, held) not in slight)
         scores = {name: score for name, score in scores.items() if name not in slight}
-        limits = {effect: strategy.least_of_confounded(effect, least, cost) for effect in sorted(apart)}
+        limits = {fit.effects[0]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
         rounds.append(Round(scores, fits, limits))
         shown = [(fit, limits.get(effect, least)) for fit in fits if fit.shown(effect := _newest(fit, held)) >= _SHOWN]
         enough = [(fit, must) for fit, must in shown if cost - fit.judged >= must]

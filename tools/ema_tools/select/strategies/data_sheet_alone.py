@@ -72,21 +72,21 @@ class DataSheetAlone(Strategy):
         """Seen from where the machine itself explains most."""
         return confounded_fits(self._free)
 
-    def least_of_confounded(self, effect: str, least: float, cost: float) -> float:
+    def least_of_confounded(self, fit: Fit, least: float, cost: float) -> float:
         """That it is there is a matter of what the data sheet leaves open alone, which no roughness of the model and no choice of shapes can feign."""
         limit = min(least, _CONFOUNDED_LIMIT * max(1.0, cost / max(self.evidence.floor, 1.0)))
-        return limit * self._wider_than_usual(effect)
+        return limit * self._wider_than_usual(fit)
 
-    def _wider_than_usual(self, effect: str) -> float:
-        """How much farther from its data sheet this unit is in everything else, over what units usually are: mean square of the deviations, at least 1. Where all else is far off, one more is
-        no effect. What wears tells nothing, nor does the parameter that the effect acts by."""
-        confounded = record_of(effect).confounded
+    def _wider_than_usual(self, fit: Fit) -> float:
+        """How much farther from its data sheet this unit is in everything else, over what units usually are: mean square of the deviations beside the effect, at least 1. Where all else is
+        far off, one more is no effect. What wears tells nothing, nor does the parameter that the effect acts by, nor the farthest of the others, which may stand in for that one."""
+        confounded = record_of(fit.effects[0]).confounded
         own = confounded.parameter if confounded is not None else ""
-        others = [
+        others = sorted(
             float(at) ** 2
-            for one, at in zip(self.evidence.spread, self._free.deviations[: len(self.evidence.spread)], strict=True)
+            for one, at in zip(self.evidence.spread, fit.view.deviations[: len(self.evidence.spread)], strict=True)
             if one.title not in (own, *WORN)
-        ]
+        )[:-1]
         return max(1.0, sum(others) / max(len(others), 1))
 
     def limit_at(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
