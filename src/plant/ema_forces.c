@@ -102,9 +102,15 @@ void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_wo
     segment->start.speed_rad_s = state->speed_rad_s;
     segment->start.angle_rad = state->angle_rad;
     ema_forces_at(plant, state, work, &segment->start);
-    segment->forces = work->forces;
-    span->input = segment->forces.input;
-    span->torque_Nm = segment->forces.torque_Nm;
+    /* one by one: a copy of the whole waits for the writes to its parts */
+    const ema_real input = work->forces.input;
+    const ema_real torque_Nm = work->forces.torque_Nm;
+    segment->forces.input = input;
+    segment->forces.torque_Nm = torque_Nm;
+    segment->forces.level_forward_Nm = work->forces.level_forward_Nm;
+    segment->forces.level_backward_Nm = work->forces.level_backward_Nm;
+    span->input = input;
+    span->torque_Nm = torque_Nm;
     segment->end.current_A = EMA_R(0.0);
     segment->end.speed_rad_s = EMA_R(0.0);
     segment->turn_rad = EMA_R(0.0);
