@@ -44,8 +44,12 @@ typedef struct {
 typedef struct {
     ema_point_t start;
     ema_point_t end;
+    ema_point_t between; /* a node on the way */
     ema_forces_t forces; /* at the start */
     ema_real turn_rad;   /* from start to end */
+    ema_real bend_A;     /* of the current between its ends */
+    ema_real bend_rad_s; /* and of the speed */
+    ema_real working_Nm; /* what friction and motor are worth there, which what is left over is held against */
 } ema_segment_t;
 
 /* What the current does over a segment that is located. */

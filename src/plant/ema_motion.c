@@ -5,13 +5,6 @@
 #include "ema_math.h"
 #include "ema_resolve.h"
 
-typedef struct {
-    ema_real gained_A;
-    ema_real gained_rad_s;
-    ema_real bend_A;
-    ema_real bend_rad_s;
-} ema_way_t;
-
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
 {
     if (state->motion == (int32_t)EMA_MOTION_ELASTIC) {
@@ -21,12 +14,11 @@ void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
     ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
-/* The way from the segment's start to its end, the same for every node: current and speed bend by what their rates
- * change from end to end. */
-static ema_way_t ema_segment_way(const ema_plant_t* plant, const ema_state_t* state, const ema_work_t* work)
+/* Current and speed bend on their way to the segment's end by what their rates change from end to end. */
+static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
     const ema_circuit_t* const circuit = work->circuit;
-    const ema_segment_t* const segment = &work->segment;
+    ema_segment_t* const segment = &work->segment;
     const ema_real gained_A = segment->end.current_A - segment->start.current_A;
     const ema_real gained_rad_s = segment->end.speed_rad_s - segment->start.speed_rad_s;
     const ema_real half_s = EMA_R(0.5) * work->span_s;
@@ -36,29 +28,29 @@ static ema_way_t ema_segment_way(const ema_plant_t* plant, const ema_state_t* st
                      * ((plant->screw.viscous_Nm_s_per_rad * gained_rad_s)
                         - (plant->motor.torque_constant_Nm_per_A * gained_A) - work->span.torque_rise_Nm);
     }
-    const ema_real bend_A = circuit->algebraic
-                                ? (circuit->rate_speed * bend_rad_s)
-                                : (-half_s
-                                   * ((circuit->rate_current * gained_A) + (circuit->rate_speed * gained_rad_s)
-                                      + (circuit->rate_voltage * work->span.input_rise)));
-    const ema_way_t way = {gained_A, gained_rad_s, bend_A, bend_rad_s};
-    return way;
+    segment->bend_rad_s = bend_rad_s;
+    segment->bend_A = circuit->algebraic ? (circuit->rate_speed * bend_rad_s)
+                                         : (-half_s
+                                            * ((circuit->rate_current * gained_A) + (circuit->rate_speed * gained_rad_s)
+                                               + (circuit->rate_voltage * work->span.input_rise)));
 }
 
 /* What the forces at the node are off an even rise, into the work's `forces`. */
-static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_way_t* way,
+static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work,
                             const ema_node_t* node)
 {
-    const ema_segment_t* const segment = &work->segment;
-    const ema_point_t here = {
-        segment->start.current_A + (node->at * way->gained_A) + (node->bubble * way->bend_A),
-        segment->start.speed_rad_s + (node->at * way->gained_rad_s) + (node->bubble * way->bend_rad_s),
+    ema_segment_t* const segment = &work->segment;
+    const ema_real gained_A = segment->end.current_A - segment->start.current_A;
+    const ema_real gained_rad_s = segment->end.speed_rad_s - segment->start.speed_rad_s;
+    segment->between.current_A = segment->start.current_A + (node->at * gained_A) + (node->bubble * segment->bend_A);
+    segment->between.speed_rad_s =
+        segment->start.speed_rad_s + (node->at * gained_rad_s) + (node->bubble * segment->bend_rad_s);
+    segment->between.angle_rad =
         segment->start.angle_rad
-            + (work->span_s
-               * ((node->at * (segment->start.speed_rad_s + (EMA_R(0.5) * node->at * way->gained_rad_s)))
-                  + (node->turn * way->bend_rad_s))),
-    };
-    ema_forces_at(plant, state, work, &here);
+        + (work->span_s
+           * ((node->at * (segment->start.speed_rad_s + (EMA_R(0.5) * node->at * gained_rad_s)))
+              + (node->turn * segment->bend_rad_s)));
+    ema_forces_at(plant, state, work, &segment->between);
     if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         work->forces.torque_Nm +=
             work->rod.reaction_start_Nm + (node->at * (work->rod.reaction_end_Nm - work->rod.reaction_start_Nm));
@@ -67,34 +59,31 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     work->forces.input -= segment->forces.input + (node->at * work->span.input_rise);
 }
 
-/* Whether input and torque are within a share of what works there. */
-static bool ema_segment_within(const ema_work_t* work, ema_real working_Nm, ema_real input, ema_real torque_Nm,
-                               ema_real share)
+static bool ema_segment_within(const ema_work_t* work, ema_real input, ema_real torque_Nm, ema_real share)
 {
-    return (ema_abs(torque_Nm) <= (share * working_Nm))
+    return (ema_abs(torque_Nm) <= (share * work->segment.working_Nm))
            && (ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(work->applied.input)));
 }
 
-/* Bends and twists the forces through those at the first node and, in the work, at the second; how many nodes say
- * whether they are resolved by that. */
-static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work, ema_real working_Nm, ema_real first_input,
-                                 ema_real first_Nm)
+/* From what the forces are off at the first node, which the span holds, and at the second: their bend and twist. How
+ * many nodes say whether they are resolved by that. */
+static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
 {
     ema_span_t* const span = &work->span;
     const ema_forces_t* const here = &work->forces;
-    const ema_real twists_Nm = here->torque_Nm - first_Nm;
+    const ema_real twists_Nm = here->torque_Nm - span->torque_bend_Nm;
     uint32_t nodes = 4U;
-    if (ema_segment_within(work, working_Nm, EMA_R(0.0), twists_Nm, EMA_TAME)) {
+    if (ema_segment_within(work, EMA_R(0.0), twists_Nm, EMA_TAME)) {
         nodes = 3U;
         if ((state->motion != (int32_t)EMA_MOTION_ELASTIC)
             && (ema_abs(here->torque_Nm) <= (EMA_GENTLE * ema_abs(span->torque_rise_Nm)))
-            && ema_segment_within(work, working_Nm, ema_max(ema_abs(first_input), ema_abs(here->input)),
+            && ema_segment_within(work, ema_max(ema_abs(span->input_bend), ema_abs(here->input)),
                                   EMA_LEFT_OF_BEND * here->torque_Nm, EMA_UNRESOLVED)) {
             nodes = 2U;
         }
     }
-    span->input_bend = EMA_BEND_OF_SUM * (first_input + here->input);
-    span->torque_bend_Nm = EMA_BEND_OF_SUM * (first_Nm + here->torque_Nm);
+    span->input_bend = EMA_BEND_OF_SUM * (span->input_bend + here->input);
+    span->torque_bend_Nm = EMA_BEND_OF_SUM * (span->torque_bend_Nm + here->torque_Nm);
     span->torque_twist_Nm = EMA_TWIST_OF_DIFFERENCE * twists_Nm;
     ema_segment_respond(state->motion, work, 6U, EMA_RESPONSES);
     return nodes;
@@ -105,40 +94,34 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work, ema
  * much for it. */
 static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
 {
-    const ema_segment_t* const segment = &work->segment;
+    ema_segment_t* const segment = &work->segment;
     const ema_forces_t* const here = &work->forces;
-    const ema_span_t* const span = &work->span;
-    if ((state->motion == (int32_t)EMA_MOTION_ELASTIC)
-        && !((segment->start.speed_rad_s * segment->end.speed_rad_s) > EMA_R(0.0))) {
-        return false;
-    }
-    const ema_real working_Nm =
+    ema_span_t* const span = &work->span;
+    segment->working_Nm =
         plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
-    ema_way_t way = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
-    ema_real first_input = EMA_R(0.0);
-    ema_real first_Nm = EMA_R(0.0);
+    bool resolved = (state->motion != (int32_t)EMA_MOTION_ELASTIC)
+                    || ((segment->start.speed_rad_s * segment->end.speed_rad_s) > EMA_R(0.0));
     uint32_t nodes = 2U;
-    bool resolved = true;
     for (uint32_t k = 0; resolved && (k < nodes); ++k) {
         const ema_node_t* const node = &ema_nodes[k];
         /* the second node is on the first one's way */
         if (k != 1U) {
-            way = ema_segment_way(plant, state, work);
+            ema_segment_bow(plant, state, work);
         }
-        ema_segment_off(plant, state, work, &way, node);
+        ema_segment_off(plant, state, work, node);
         if (k == 0U) {
-            first_input = here->input;
-            first_Nm = here->torque_Nm;
-            if (ema_segment_within(work, working_Nm, first_input, first_Nm, EMA_UNEVEN)
-                && ema_segment_within(work, working_Nm, EMA_R(0.0), span->torque_rise_Nm, EMA_TAME)) {
+            span->input_bend = here->input;
+            span->torque_bend_Nm = here->torque_Nm;
+            if (ema_segment_within(work, here->input, here->torque_Nm, EMA_UNEVEN)
+                && ema_segment_within(work, EMA_R(0.0), span->torque_rise_Nm, EMA_TAME)) {
                 nodes = 1U;
             }
         } else if (k == 1U) {
-            nodes = ema_segment_bend(state, work, working_Nm, first_input, first_Nm);
+            nodes = ema_segment_bend(state, work);
         } else {
             const ema_real bent_Nm =
                 span->torque_bend_Nm + (((EMA_R(2.0) * node->at) - EMA_R(1.0)) * span->torque_twist_Nm);
-            resolved = ema_segment_within(work, working_Nm, here->input - (node->bubble * span->input_bend),
+            resolved = ema_segment_within(work, here->input - (node->bubble * span->input_bend),
                                           here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
         }
     }
