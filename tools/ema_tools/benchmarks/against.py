@@ -77,11 +77,13 @@ def diagnoses_s(states: Sequence[Path]) -> dict[str, list[float]]:
         case = next(one for one in frozen.CASES if one.name == name)
         shortest = [float("inf")] * len(states)
         with tempfile.TemporaryDirectory() as folder:
-            arguments = frozen.made(case, Path(folder)) or []
+            actuator, *arguments = frozen.made(case, Path(folder)) or []
             for turn in range(_TURNS):
                 for place, state in enumerate(states):
                     begun = time.perf_counter()
-                    _run(state, _DIAGNOSE, ["diagnose", *arguments, "--json", f"{turn}_{place}.json"], "", Path(folder))
+                    # each state reads its own file of the same machine: the earlier one refuses keys that came later
+                    own = str(state / "actuators" / actuator)
+                    _run(state, _DIAGNOSE, ["diagnose", own, *arguments, "--json", f"{turn}_{place}.json"], "", Path(folder))
                     shortest[place] = min(shortest[place], time.perf_counter() - begun)
         found[title] = shortest
     return found

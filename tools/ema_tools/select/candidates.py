@@ -194,6 +194,7 @@ def candidates(screen: Screen, without: Collection[str] = (), only: Collection[s
                 Candidate(fault, value, {}, _ladders(0.0, 20.0 * nominal, nominal, _LADDER[:3]), 0.05 * nominal, 20.0 * nominal, nominal)
             )
     wanted = [effect for effect in load_definitions().physical if effect.name not in without and (only is None or effect.name in only)]
+    screen.look([effect.name for effect in wanted])
     return [*found, *itertools.chain.from_iterable(each(lambda effect: _of_effect(effect, view, screen), wanted))]
 
 
@@ -272,7 +273,7 @@ def promising(screen: Screen, earlier: Sequence[Signature], least: float) -> tup
         if length > 0.0 and (product > 0.0 or signature.candidate.lower < signature.candidate.zero):
             guessed[name] = max(guessed.get(name, 0.0), product * product / length)
     effects = load_definitions().physical
-    for effect, shaped in zip(effects, each(lambda effect: screen.shapes_of(effect.name), effects), strict=True):
+    for effect, shaped in zip(effects, screen.look([effect.name for effect in effects]), strict=True):
         if shaped:
             guessed[effect.name] = max(guessed.get(effect.name, 0.0), shaped[0].score)
     kept = sorted((name for name, score in guessed.items() if score > _PROMISING_SHARE * least), key=lambda name: -guessed[name])

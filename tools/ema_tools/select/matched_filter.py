@@ -7,13 +7,16 @@ simulations of the whole model.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ema_tools.base.arrays import Complexes, Reals
 from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, View
 from ema_tools.fit.whitening import counted, frequencies, lines_of, spectrum
 from ema_tools.library.registry import record_of
@@ -34,6 +37,7 @@ _QUARTERS = (
     np.pi,
     -0.5 * np.pi,
 )  # the other phases at which what holds at rest is tried: it need not stand where it slides [physics]
+_AT_ONCE = 16  # patterns of one sign whose lines are found together: they fit the fast memory [effort]
 _KEPT = 3  # shapes that go on to simulation. One whose neighbour is close in score and was kept adds nothing [effort]
 
 
@@ -61,6 +65,15 @@ class Screen:
         self._filtered = np.sum(np.conj(response) * self._residual, axis=0)
         self._power = np.sum(np.abs(response) ** 2 * self._weights, axis=0)
         self._shapes: dict[str, list[Shaped] | None] = {}
+        self._waves: dict[tuple[Callable[[States], Reals], int], Reals] = {}
+
+    def look(self, effects: Sequence[str]) -> list[list[Shaped] | None]:
+        """`shapes_of` each of several effects, on all cores."""
+        periodic = [one for effect in effects if effect not in self._shapes and (one := record_of(effect).periodic) is not None]
+        asked = Counter((one.angle, number) for one in periodic for number in one.periods or (1,))
+        shared = [key for key, count in asked.items() if count > 1 and key not in self._waves]
+        self._waves |= zip(shared, each(lambda key: self._wave(*key), shared), strict=True)
+        return each(self.shapes_of, effects)
 
     def shapes_of(self, effect: str) -> list[Shaped] | None:
         """The shapes of an effect that the residual suggests, best first; None for an effect whose shapes are not a matter of torque patterns. Found once."""
@@ -86,11 +99,13 @@ class Screen:
         lines = (spectrum(torques) + actuator["motor.torque_constant_Nm_per_A"] * currents)[:, None, :] * self._response
         if "current_A" in self.view.evidence.channels:
             lines[:, self.view.evidence.channels.index("current_A")] += currents
-        products = np.real(np.einsum("kcl,cl->k", np.conj(lines), self._residual))
-        square = np.real(np.einsum("kcl,cl,mcl->km", np.conj(lines), self._weights, lines))
+        flat = lines.reshape(len(lines), -1)
+        turned = np.conj(flat)
+        products = np.real(turned @ self._residual.ravel())
+        square = np.real((turned * self._weights.ravel()) @ flat.T)
         return _solved(square, products)
 
-    @property
+    @cached_property
     def _impedance(self) -> Complexes:
         """Of the winding, [lines]; without end where the drive holds the current."""
         if self.actuator["drive.mode"] != 0.0:
@@ -107,23 +122,34 @@ class Screen:
         """The best shapes of a torque of one sign, best first."""
         found = []
         level = self._level(one.of_level)
-        for shape in combined(values_in(one.tried, self.states)):
-            sizes, score = self.fits(level * one.torque(self.states, shape)[None, :])
-            if sizes[0] > 0.0:
-                found.append(Shaped({f"effects.{effect}.{field}": value for field, value in shape.items()}, float(sizes[0]), score))
+        shapes = combined(values_in(one.tried, self.states))
+        for first in range(0, len(shapes), _AT_ONCE):
+            some = shapes[first : first + _AT_ONCE]
+            lines = spectrum(np.array([level * one.torque(self.states, shape) for shape in some]))
+            products = np.real(np.conj(lines) @ self._filtered)
+            squares = (lines.real**2 + lines.imag**2) @ self._power
+            for shape, product, square in zip(some, products, squares, strict=True):
+                if product > 0.0 and square > 0.0:
+                    named = {f"effects.{effect}.{field}": value for field, value in shape.items()}
+                    found.append(Shaped(named, float(product / square), float(product * (product / square))))
         return sorted(found, key=lambda one: -one.score)[:_KEPT]
+
+    def _wave(self, angle: Callable[[States], Reals], number: int) -> Reals:
+        """Sine and cosine of so many periods per turn of an angle, [2, rows]."""
+        angle_rad = angle(self.states)
+        turned = number * angle_rad
+        # what the ripple leaves of itself over a row
+        mean = np.sinc(number * np.gradient(angle_rad) / (2.0 * np.pi))
+        return np.array([mean * np.sin(turned), mean * np.cos(turned)])
 
     def periodic(self, effect: str, one: PeriodicTorque) -> list[Shaped]:
         """The best numbers of periods per turn with their amplitude and phase, best first."""
         found = []
-        angle_rad, torque = one.angle(self.states), self._level(one.of_level) * one.torque(self.states)
+        torque = self._level(one.of_level) * one.torque(self.states)
         voltage = one.voltage(self.states) if one.voltage is not None else None
-        turn = np.gradient(angle_rad)
         for number in one.periods or (1,):
-            turned = number * angle_rad
-            # what the ripple leaves of itself over a row
-            mean = np.sinc(number * turn / (2.0 * np.pi))
-            waves = np.array([mean * np.sin(turned), mean * np.cos(turned)])
+            known = self._waves.get((one.angle, number))
+            waves = known if known is not None else self._wave(one.angle, number)
             (in_phase, quadrature), score = (
                 self.fits(torque * waves) if voltage is None else self.fits_with_voltage(torque * waves, voltage * waves)
             )

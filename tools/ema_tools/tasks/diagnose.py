@@ -209,15 +209,17 @@ def answer(
         gate = replace(gate, remarks=(_terminals(lost_V), *gate.remarks))
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
-    doubt = _two_healthy_states(evidence, same)
+    healthy_machine = fitted_machine(evidence, None)
+    with (
+        beside(lambda: _two_healthy_states(evidence, same)) as doubted,
+        beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located,
+    ):
+        found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+    doubt = doubted.result()
     if doubt:
         gate = replace(
             gate, remarks=(RecordRemark("repeats", "weakens", doubt, "record a third run of the healthy machine"), *gate.remarks)
         )
-    healthy_machine = fitted_machine(evidence, None)
-    with beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located:
-        found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
-    if doubt:
         # what changed and what repeats no better cannot be told apart
         found = found.refuted([one.name for one in found.named])
     sensor = suspect(evidence) if found.verdict != "adequate" else None
