@@ -16,6 +16,8 @@ from ema_tools.benchmarks.speed import measure
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.cases import CASES
 
+pytestmark = pytest.mark.slow
+
 RECORDINGS = Path(__file__).resolve().parents[2] / "recordings"
 ACTUATOR = reference_actuator()
 

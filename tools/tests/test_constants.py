@@ -153,6 +153,7 @@ def test_what_moved_is_counted_in_the_cases_that_read_the_constant() -> None:
     assert "| `fit.here` `_OTHER` | `1.0` | another | chance | not reached by these cases | not reached by these cases |" in text
 
 
+@pytest.mark.slow
 def test_rows_are_kept_for_the_same_value_and_the_same_sources(tmp_path: Path) -> None:
     rows = swept_rows()
     rows.keep(ONE, 2.0, "a", answer("missing", 1.0, "x"))
@@ -168,6 +169,7 @@ def test_rows_are_kept_for_the_same_value_and_the_same_sources(tmp_path: Path) -
         read_swept(path)
 
 
+@pytest.mark.slow
 def test_rows_of_other_sources_hold_where_the_plain_answer_is_what_it_was() -> None:
     rows = swept_rows()
     for name in ("a", "b"):
@@ -180,6 +182,7 @@ def test_rows_of_other_sources_hold_where_the_plain_answer_is_what_it_was() -> N
     assert (rows.count, found.count) == (2, 1)
 
 
+@pytest.mark.slow
 def test_a_group_is_halved_until_it_is_known_which_constant_moved_the_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of six constants the fourth turns the verdict of one case, and the sixth ends the program in another; of the others nothing moves."""
     chosen = [Constant("fit.here", f"_{place}", place, "2.0", "what it is", "judgement") for place in range(6)]

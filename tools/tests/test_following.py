@@ -31,6 +31,8 @@ from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.sentences.experiment import advice, offence, sentence
 from support import REFERENCE, complaint, run_ema
 
+pytestmark = pytest.mark.slow
+
 
 def option(found: Next, title: str) -> Option:
     """The option of the menu called `title`."""

@@ -84,15 +84,14 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
 
 
 def hidden_cases() -> list[Any]:
-    """Signals, effect and wear; the quick one is a mechanical effect of a worn machine with all signals."""
-    found = []
-    for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True)):
-        quick = worn and not only and effect == "stribeck_friction"
-        name = f"{'position' if only else 'four_signals'}-{effect}-{worn}"
-        found.append(pytest.param(effect, worn, only, id=name, marks=() if quick else pytest.mark.slow))
-    return found
+    """Signals, effect and wear."""
+    return [
+        pytest.param(effect, worn, only, id=f"{'position' if only else 'four_signals'}-{effect}-{worn}")
+        for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True))
+    ]
 
 
+@pytest.mark.slow
 @needs_numba
 @pytest.mark.parametrize(("effect", "worn", "only"), hidden_cases())
 def test_a_hidden_effect_is_named_and_once_added_csj_and_blk_are_right(effect: str, worn: bool, only: bool) -> None:
