@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import check_calls
+import check_class_names
 import check_compiles
 import check_format
 import check_layers
@@ -773,6 +774,34 @@ class PythonLayers(Tree):
     def test_nothing(self) -> None:
         """An empty project fails."""
         self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root / "none")), 1)
+
+
+class ClassNames(Tree):
+    """check_class_names.py"""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write("tools/ema_tools/fit/a.py", "class Fit:\n    class Step: ...\n")
+        self.write("tools/ema_tools/truth/a.py", "class Fit: ...\n")
+
+    def test_good(self) -> None:
+        """What stands apart may have the same name."""
+        self.assertEqual(check_class_names.check(self.root), ([], 2))
+        self.assertEqual(self.exit_code("check_class_names.py", "--root", str(self.root)), 0)
+
+    def test_twice(self) -> None:
+        """Both places are named, those inside another class too."""
+        self.write("tools/ema_tools/select/b.py", "\nclass Step: ...\n")
+        problems, _ = check_class_names.check(self.root)
+        self.assertEqual(
+            problems,
+            ["tools/ema_tools/select/b.py:2: class Step stands at tools/ema_tools/fit/a.py:2, too: give one of them a name of its own"],
+        )
+        self.assertEqual(self.exit_code("check_class_names.py", "--root", str(self.root)), 1)
+
+    def test_nothing(self) -> None:
+        """An empty project fails."""
+        self.assertEqual(self.exit_code("check_class_names.py", "--root", str(self.root / "none")), 1)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.results.codec import to_json
 from ema_tools.select.baseline import gather
 from ema_tools.select.candidates import candidates
-from ema_tools.select.holdout import Step, refuted
+from ema_tools.select.holdout import Rung, refuted
 from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import Answer, answer
@@ -300,15 +300,15 @@ def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Re
 
 def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow() -> None:
     steps = [
-        Step((), "", 9.0, 8.0),
-        Step((), "own", 5.0, 4.0),
-        Step(("a",), "a", 2.0, 3.0),
-        Step(("a", "b"), "b", 1.5, 3.5),
-        Step(("a", "b", "c"), "c", 1.0, 2.0),
+        Rung((), "", 9.0, 8.0),
+        Rung((), "own", 5.0, 4.0),
+        Rung(("a",), "a", 2.0, 3.0),
+        Rung(("a", "b"), "b", 1.5, 3.5),
+        Rung(("a", "b", "c"), "c", 1.0, 2.0),
     ]
     assert refuted(steps) == ("b", "c")
     assert refuted(steps[:3]) == ()
-    assert refuted([Step((), "", 9.0, None), Step(("a",), "a", 2.0, None)]) == ()
+    assert refuted([Rung((), "", 9.0, None), Rung(("a",), "a", 2.0, None)]) == ()
 
 
 @needs_numba

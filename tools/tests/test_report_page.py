@@ -20,7 +20,7 @@ from ema_tools.data.cases import CASES
 from ema_tools.words.page import figures, write_report
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.recorded import SLOPE_ROWS, slope
-from ema_tools.words.page.results import Compared, ShownIdentification, parse_result
+from ema_tools.words.page.results import ShownComparison, ShownIdentification, parse_result
 from report_results import ROWS, compared, identified
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -265,7 +265,7 @@ def test_long_record_keeps_its_extremes() -> None:
 def test_figures_are_valid_plotly() -> None:
     result = _made(identified(case="A"))
     comparison = parse_result(compared(), "c.json", "c")
-    assert isinstance(comparison, Compared)
+    assert isinstance(comparison, ShownComparison)
     for figure in (figures.scalars(result), figures.search(result), figures.accuracy([result]), figures.shares(comparison.where)):
         go.Figure({"data": figure["data"], "layout": figure["layout"]})
         assert figure["label"] and all("role" in trace["meta"] for trace in figure["data"])
@@ -290,7 +290,7 @@ def test_search_shows_every_candidate_and_the_best() -> None:
 
 def test_places_without_surprise_are_left_out() -> None:
     result = parse_result(compared(), "c.json", "c")
-    assert isinstance(result, Compared)
+    assert isinstance(result, ShownComparison)
     assert [place.name for place in result.where] == ["rod position: speed 0 to 5 mm/s"]
 
 

@@ -313,7 +313,7 @@ def test_the_forward_solution_is_that_of_the_true_model() -> None:
 def test_a_drive_foretold_is_the_balance_where_nothing_reads_the_drive() -> None:
     bench = Bench(machine(), runs(0.0, 2e-6))
     fit = bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0))))
-    assert foretold_percent(bench, fit) == pytest.approx(bench.relative(fit.residual, fit.samples.drive, bench.fitted), rel=0.02)
+    assert foretold_percent(bench, fit) == pytest.approx(bench.error_of(fit.residual, fit.samples.drive, bench.fitted), rel=0.02)
     known = [effect.name for effect in load_definitions().physical if reads_drive(machine(), effect.name)]
     assert {"load_dependent_friction", "torque_ripple"} <= set(known) and not {"quadratic_viscous", "cogging_torque"} & set(known)
 

@@ -59,7 +59,7 @@ class MapPoint:
 
 
 @dataclass(frozen=True)
-class Pair:
+class SpeedPair:
     """One speed in both directions: half the difference of their torques is friction, half the sum a load."""
 
     speed_rad_s: float
@@ -73,7 +73,7 @@ class FrictionMap:
 
     records: tuple[AnyRecord, ...]
     points: tuple[MapPoint, ...]
-    pairs: tuple[Pair, ...]
+    pairs: tuple[SpeedPair, ...]
     runs: int
     left_out: dict[str, str]
 
@@ -178,7 +178,7 @@ def _point(actuator: Actuator, group: Sequence[SteadyRun]) -> MapPoint:
     return MapPoint(speed, mean, float(np.std(torque)), interval95(mean, std), model, len(group), float(np.sum(weights)), files)
 
 
-def _pairs(points: Sequence[MapPoint]) -> tuple[Pair, ...]:
+def _pairs(points: Sequence[MapPoint]) -> tuple[SpeedPair, ...]:
     """Speeds that were run both ways."""
     found = []
     back = [point for point in points if point.speed_rad_s < 0.0]
@@ -187,7 +187,7 @@ def _pairs(points: Sequence[MapPoint]) -> tuple[Pair, ...]:
         if near:
             other = min(near, key=lambda point: abs(-point.speed_rad_s - forward.speed_rad_s))
             found.append(
-                Pair(forward.speed_rad_s, 0.5 * (forward.torque_Nm - other.torque_Nm), 0.5 * (forward.torque_Nm + other.torque_Nm))
+                SpeedPair(forward.speed_rad_s, 0.5 * (forward.torque_Nm - other.torque_Nm), 0.5 * (forward.torque_Nm + other.torque_Nm))
             )
     return tuple(found)
 

@@ -49,7 +49,7 @@ class Limit:
 class Sight:
     """What is seen on one command, by value (csj, blk): `onboard` by the rod position, `signals` by all that are recorded; `verdict`: the shift that the onboard module calls a fault by the
     actuator's own thresholds, with the test's power. `false_alarms`: how often a healthy machine exceeds one of
-    those; `relative`: the shift that the onboard test finds over the one that is to be called a fault, root mean square of both."""
+    those; `over_wanted`: the shift that the onboard test finds over the one that is to be called a fault, root mean square of both."""
 
     title: str
     command: str
@@ -58,7 +58,7 @@ class Sight:
     signals: Mapping[str, Limit]
     verdict: Mapping[str, float]
     false_alarms: float
-    relative: float
+    over_wanted: float
     peak_current_A: float
     peak_speed_mm_s: float
 
@@ -91,11 +91,11 @@ class Detection:
         """The same where it may take longer; None where that gains nothing."""
         found = self._first(lambda one: replace(one, duration_s=self.present.duration_s).serves_for(self.present))
         best = self.best or self.present
-        return found if found is not None and found.relative < _BETTER * best.relative else None
+        return found if found is not None and found.over_wanted < _BETTER * best.over_wanted else None
 
     def _first(self, able: Callable[[Sight], bool]) -> Sight | None:
         found = next(filter(able, self.options), None)
-        return found if found is not None and found.relative < _BETTER * self.present.relative else None
+        return found if found is not None and found.over_wanted < _BETTER * self.present.over_wanted else None
 
 
 def scatter_given(text: str | None) -> dict[str, float]:
@@ -255,7 +255,7 @@ def detection(
         asked.sight, [present, *safe], lambda count: tell(count / (len(safe) + 1), safe[min(count, len(safe) - 1)].title if safe else "")
     )
     first = sights[0]
-    options = sorted(sights[1:], key=lambda one: one.relative)
+    options = sorted(sights[1:], key=lambda one: one.over_wanted)
     tell(1.0, "done")
     known = {fault: first.onboard[fault].std for fault in asked.names}
     return Detection(test, recorded, known, first, tuple(options), unsafe | refused, one_way, limits)

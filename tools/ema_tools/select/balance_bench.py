@@ -278,7 +278,7 @@ class Bench:
         """The samples with the effects at work that change the balance itself."""
         return self.changed({name: value for pattern in patterns if pattern.bends for name, value in pattern.shape.items()})
 
-    def relative(self, residual: Reals, drive: Reals, rows: Rows) -> float:
+    def error_of(self, residual: Reals, drive: Reals, rows: Rows) -> float:
         """Relative error of some samples, %; NaN where nothing slides there, or nothing drives."""
         size = float(np.linalg.norm(drive[rows]))
         return 100.0 * float(np.linalg.norm(residual[rows])) / size if size > 0.0 else math.nan
@@ -352,8 +352,8 @@ class Bench:
 
     def _errors(self, fit: Fitted) -> FoldErrors:
         drive, held_out = fit.samples.drive, self.held_out(fit)
-        each = tuple(self.relative(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.division.folds))
-        return FoldErrors(self.relative(fit.residual, drive, self.training), self.relative(fit.residual, drive, self.held), each)
+        each = tuple(self.error_of(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.division.folds))
+        return FoldErrors(self.error_of(fit.residual, drive, self.training), self.error_of(fit.residual, drive, self.held), each)
 
     def _std(self, fit: Fitted) -> dict[str, float]:
         """Standard errors of the values, jointly; sizes that are searched are taken as linear where they are."""
@@ -508,8 +508,8 @@ def given_errors(actuator: Actuator, bench: Bench) -> FoldErrors:
     found = [mechanical(actuator, record, smoother) for record, smoother in zip(bench.records, bench.smoothers, strict=True)]
     residual, measured = (np.concatenate([getattr(one, name) for one in found]) for name in ("residual", "measured"))
     parts = [bench.fold == part for part in range(bench.division.folds)]
-    *training, held = (bench.relative(residual, measured, part) for part in parts)
-    return FoldErrors(bench.relative(residual, measured, ~parts[-1]), held, (*training, held))
+    *training, held = (bench.error_of(residual, measured, part) for part in parts)
+    return FoldErrors(bench.error_of(residual, measured, ~parts[-1]), held, (*training, held))
 
 
 def compared_percent(actuator: Actuator, records: Sequence[AnyRecord]) -> float:

@@ -19,7 +19,7 @@ from ema_tools.fit.refit import refit
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
-from ema_tools.select.known_machine import LAST_STEPS, Fit, KnownMachine, Start
+from ema_tools.select.known_machine import LAST_STEPS, KnownMachine, MachineFit, Start
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 # Steps of one fit: all effects by size alone, the better ones from two starts; then the few best with all their values [effort]
@@ -33,7 +33,7 @@ _RIVALS = 16  # effects that are fitted in a fault's place, by their signatures:
 _RIVAL_SHARE = 0.1  # of what a fault explains: an effect that leaves more after its first fit is no rival [judgement]
 
 
-def beside(known: KnownMachine, base: Fit, only: str | None = None) -> list[Fit]:
+def beside(known: KnownMachine, base: MachineFit, only: str | None = None) -> list[MachineFit]:
     """Every effect, or `only` one, fitted beside CSJ and BLK, best first; the few best with all their values."""
     sizes = _sizes()
     healthy = {name: known.actuator[name] for name in known.faults}
@@ -51,25 +51,27 @@ def _sizes() -> dict[str, str]:
     return {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
 
 
-def _with_all_values(known: KnownMachine, fits: Sequence[Fit], ends: Mapping[str, tuple[float, float]] | None = None) -> list[Fit]:
+def _with_all_values(
+    known: KnownMachine, fits: Sequence[MachineFit], ends: Mapping[str, tuple[float, float]] | None = None
+) -> list[MachineFit]:
     """The fits gone on with, all values free but whole numbers, inside `ends` where given; best first."""
 
-    def last(one: Fit) -> Fit | None:
+    def last(one: MachineFit) -> MachineFit | None:
         shape = (name for name in one.values if name.startswith("effects.") and not name.endswith(".periods"))
         return known.fit(one.effect, one.values, (*known.free, *shape), LAST_STEPS, ends)
 
     return _best_of_each(each(last, fits))
 
 
-def _best_of_each(fits: Sequence[Fit | None]) -> list[Fit]:
+def _best_of_each(fits: Sequence[MachineFit | None]) -> list[MachineFit]:
     """The best fit of each effect, best first."""
-    best: dict[str, Fit] = {}
+    best: dict[str, MachineFit] = {}
     for one in sorted((one for one in fits if one is not None), key=lambda one: one.cost + penalty([one.effect])):
         best.setdefault(one.effect, one)
     return list(best.values())
 
 
-def rivals(known: KnownMachine, base: Fit, fault: str, least: float) -> list[Fit]:
+def rivals(known: KnownMachine, base: MachineFit, fault: str, least: float) -> list[MachineFit]:
     """Effects that explain the record as well as the shift of `fault` does in `base`, which then is no larger than half of `least`, relative; best first.
 
     Half: what leaves a shift just below what is called a fault explains nothing.
@@ -85,14 +87,14 @@ def rivals(known: KnownMachine, base: Fit, fault: str, least: float) -> list[Fit
     sizes = _sizes()
     starts = sorted(known.starts(without, held=fault), key=lambda one: -one.gain)[:_RIVALS]
 
-    def first(one: Start) -> Fit | None:
+    def first(one: Start) -> MachineFit | None:
         return known.fit(one.effect, {**without.values, **one.values}, (sizes[one.effect], *known.free), _FIRST_STEPS, ends)
 
     near = [one for one in _best_of_each(each(first, starts)) if one.cost - base.cost < _RIVAL_SHARE * shown][:_SECOND]
     return [one for one in _with_all_values(known, near, ends) if one.cost + penalty([one.effect]) < base.cost + _ALIKE * unit]
 
 
-def named(known: KnownMachine, base: Fit) -> tuple[str, Fit | None, tuple[str, ...]]:
+def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None, tuple[str, ...]]:
     """Verdict, the best effect, what looks like it."""
     numbers = known.evidence.numbers
     excess = max(base.cost - known.floor, 1e-9)
@@ -127,7 +129,7 @@ def beside_faults(evidence: Evidence, effect: str) -> tuple[dict[str, float], di
     return {name: base.values[name] for name in known.faults}, {**own, **{name: fits[0].values[name] for name in known.faults}}
 
 
-def on_unit(unit: Evidence, named: Fit) -> Fit:
+def on_unit(unit: Evidence, named: MachineFit) -> MachineFit:
     """The named effect's size where the machine may differ from its file as units do from their data sheet; `named` itself where that leaves nothing of the effect."""
     values = {name: value for name, value in named.values.items() if name.startswith(f"effects.{named.effect}.")}
     try:
@@ -137,7 +139,7 @@ def on_unit(unit: Evidence, named: Fit) -> Fit:
     if not fit.determined(named.effect):
         return named
     machine = spreads.moved(unit.actuator, unit.spread, fit.deviations())
-    return Fit(
+    return MachineFit(
         named.effect,
         {**named.values, **{name: machine[name] for name in named.values if name in machine}, **fit.values},
         {**named.std, **fit.std},

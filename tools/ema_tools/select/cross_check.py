@@ -16,7 +16,7 @@ import numpy as np
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.select.beside_fault import named, on_unit, rivals
-from ema_tools.select.known_machine import Compared, Fit, KnownMachine, OpenStd, blocked
+from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, OpenStd, blocked
 
 # What was found: the known machine with another CSJ and BLK explains everything; an effect is missing; something is missing that no effect explains; an effect
 # explains the record as well as a fault does.
@@ -95,13 +95,13 @@ def cross_check(
     return said("missing", _with_effect(_faults(known, best), best, alike, actuator))
 
 
-def _faults(known: KnownMachine, fit: Fit) -> _Said:
+def _faults(known: KnownMachine, fit: MachineFit) -> _Said:
     """CSJ and BLK of a fit, and their shifts from the machine that is known."""
     values = {name: fit.values[name] for name in known.faults}
     return _Said(faults=values, shift={name: value / known.actuator[name] - 1.0 for name, value in values.items()})
 
 
-def _with_effect(said: _Said, one: Fit, alike: Sequence[str], actuator: Actuator) -> _Said:
+def _with_effect(said: _Said, one: MachineFit, alike: Sequence[str], actuator: Actuator) -> _Said:
     own = {name: value for name, value in one.values.items() if name.startswith(f"effects.{one.effect}.")}
     return replace(
         said,

@@ -52,7 +52,7 @@ def foretold_percent(bench: Bench, fit: Fitted) -> float:
     for _ in range(_ROUNDS):
         told = np.where(moves, _asked(bench, fit, setting, told), measured)
     seen = bench.decimated(np.column_stack([measured, told]))
-    return bench.relative(seen[:, 0] - seen[:, 1], seen[:, 0], bench.fitted)
+    return bench.error_of(seen[:, 0] - seen[:, 1], seen[:, 0], bench.fitted)
 
 
 def _asked(bench: Bench, fit: Fitted, setting: Setting, drive_Nm: Reals) -> Reals:

@@ -36,7 +36,7 @@ _MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judg
 
 
 @dataclass(frozen=True)
-class HealthyMachine:
+class HealthyByBalance:
     """What healthy records show. `actuator`: the machine with its `standing` effects; `steps`: how these were found; `refit`: the last fit; `scatter`: standard deviation of one record, by name.
 
     `groups`: what the scatter was taken over; `sure`: whether these are records; `error_Nm`: rms of what is left of the healthy records, and `worst_Nm` of the worst of them.
@@ -153,7 +153,9 @@ def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]
     ]
 
 
-def healthy_machine(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes = NONE, report: Report | None = None) -> HealthyMachine:
+def healthy_machine(
+    actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes = NONE, report: Report | None = None
+) -> HealthyByBalance:
     """The machine as healthy records show it. Raises MissingSignal, InputError."""
     tell = report or untold
     steps = improve_by_forces(actuator, records, (), lambda share, text: tell(0.8 * share, text), fixes)
@@ -174,7 +176,7 @@ def healthy_machine(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fix
             scatter[name] = spread if sure else max(spread, _LEAST_SCATTER * abs(known[name]))
     squares = [float(np.mean(left[group == number] ** 2)) for number in np.unique(group)]
     tell(1.0, "done")
-    return HealthyMachine(
+    return HealthyByBalance(
         tuple(records),
         known,
         tuple(name for name in known.active_effects if name not in actuator.active_effects),
@@ -201,7 +203,7 @@ class Change:
 
 
 def changes_of(
-    machine: HealthyMachine, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, apart: Sequence[str]
+    machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, apart: Sequence[str]
 ) -> tuple[Change, ...]:
     """Every value of the healthy machine that is fitted on both sides, but for `apart`; `today`: the model with what was accepted. Raises MissingSignal, InputError."""
     free = refit_by_forces(today, records, fixes)

@@ -19,7 +19,7 @@ from ema_tools.base.noise import white_noise
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.whitening import least_noise
-from ema_tools.select.known_machine import Compared, Fit, KnownMachine
+from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
 
 # How far values of one machine may lie apart on two days, relative: beyond, one record is of another state. Grease may do anything [judgement]
 _OF_DAYS = {"screw.csj_Nm": 0.18, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
@@ -37,7 +37,7 @@ class Apart:
     by: float
 
 
-def two_states(beside: Compared, bases: Sequence[Fit]) -> Apart | None:
+def two_states(beside: Compared, bases: Sequence[MachineFit]) -> Apart | None:
     """Two groups of the healthy repeats, whose fits are `bases`; None where they are one."""
     for name, usual in _OF_DAYS.items():
         if all(name in base.values for base in bases) and beside.actuator[name] > 0.0:
@@ -56,7 +56,7 @@ def two_states(beside: Compared, bases: Sequence[Fit]) -> Apart | None:
     return None
 
 
-def checked_states(beside: Compared, bases: Sequence[Fit]) -> str:
+def checked_states(beside: Compared, bases: Sequence[MachineFit]) -> str:
     """Raises InputError where the healthy repeats are of two states. Two alone that differ in a signal may be of a machine that repeats no better: that is said, in words, and left to the verdict."""
     groups = two_states(beside, bases)
     if groups is None:
@@ -79,7 +79,7 @@ def _said(beside: Compared, groups: Apart) -> str:
     return f"{few}: not of the same state as {rest}: {what}: leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other"
 
 
-def _left(machine: KnownMachine, base: Fit) -> Reals:
+def _left(machine: KnownMachine, base: MachineFit) -> Reals:
     """What the known machine leaves of a repeat, in the noise of each signal, [signals, rows]."""
     target = machine.evidence.target
     # of a signal in coarse counts most differences are none: then their rms tells

@@ -48,7 +48,7 @@ class ErrorFall:
 
 
 @dataclass(frozen=True)
-class Step:
+class Rung:
     """One model of the way: its effects, what came last (mostly one, both faults where they came together), and the weighted errors; None where there is no record held out."""
 
     effects: tuple[str, ...]
@@ -57,7 +57,7 @@ class Step:
     holdout: float | None
 
 
-def refuted(steps: Sequence[Step]) -> tuple[str, ...]:
+def refuted(steps: Sequence[Rung]) -> tuple[str, ...]:
     """Effects whose addition raised the error of the record held out, and all that came after them; none without one."""
     known: set[str] = set()
     for earlier, step in itertools.pairwise(steps):
@@ -94,7 +94,7 @@ def error_of(evidence: Evidence, values: Mapping[str, float]) -> float:
 
 def walk(
     diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None, healthy: Sequence[Record] = ()
-) -> tuple[ErrorFall, tuple[Step, ...]]:
+) -> tuple[ErrorFall, tuple[Rung, ...]]:
     """The fall of the error from the first model over every accepted set of effects, with its twin on `holdout`, a record that nothing was fitted to.
 
     `healthy`: repeats of the command of `holdout`, where there are any.
@@ -106,12 +106,12 @@ def walk(
         return error_of(held_out(evidence, fitted_machine(evidence, fit), holdout, healthy), fit.values if fit is not None else {})
 
     first = held_out(evidence, evidence.actuator, holdout, healthy) if holdout is not None else None
-    steps = [Step((), "", weighted(raw_cost(evidence), evidence), weighted(raw_cost(first), first) if first is not None else None)]
-    steps.append(Step((), SCATTER if evidence.relative else UNIT, weighted(diagnosis.cost_before, evidence), other(None)))
+    steps = [Rung((), "", weighted(raw_cost(evidence), evidence), weighted(raw_cost(first), first) if first is not None else None)]
+    steps.append(Rung((), SCATTER if evidence.relative else UNIT, weighted(diagnosis.cost_before, evidence), other(None)))
     known: tuple[str, ...] = ()
     for fit in diagnosis.steps:
         added = " and ".join(effect for effect in fit.effects if effect not in known) or fit.effects[-1]
-        steps.append(Step(fit.effects, added, weighted(fit.cost, evidence), other(fit)))
+        steps.append(Rung(fit.effects, added, weighted(fit.cost, evidence), other(fit)))
         known = fit.effects
     last = steps[-1]
     floor = weighted(diagnosis.cost_floor, evidence)

@@ -48,7 +48,7 @@ _NOISELESS = 2e-4  # of a record without noise: what integration and rounding le
 
 
 @dataclass(frozen=True)
-class Fit:
+class MachineFit:
     """A fit of CSJ, BLK, what scatters and, where it has a name, an effect: values and standard errors by name, and the cost that is left."""
 
     effect: str
@@ -113,7 +113,7 @@ class KnownMachine:
         other.evidence = replace(self.evidence, target=self.evidence.repeats[place])
         return other
 
-    def today(self, base: Fit) -> dict[str, float]:
+    def today(self, base: MachineFit) -> dict[str, float]:
         """Grease and winding as they are today, by name."""
         return {name: base.values[name] for name in self.scatter}
 
@@ -153,7 +153,7 @@ class KnownMachine:
         free: Sequence[str],
         steps: int,
         ends: Mapping[str, tuple[float, float]] | None = None,
-    ) -> Fit | None:
+    ) -> MachineFit | None:
         """Fits the values `free` of those in `start`, inside `ends` where given; None where the model refuses the start."""
         first = {**{name: self.actuator[name] for name in self.free}, **start}
         inside = ends or {}
@@ -182,7 +182,7 @@ class KnownMachine:
 
         found = bounded.fit(unknowns, lambda values: vectors([values])[0], OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6), many=vectors)
         std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
-        return Fit(effect, {**first, **found.values}, std, found.cost)
+        return MachineFit(effect, {**first, **found.values}, std, found.cost)
 
     def _unknown(self, name: str, first: float, ends: tuple[float, float] | None) -> FreeValue:
         lower, upper = ends or self._ends(name)
@@ -202,14 +202,14 @@ class KnownMachine:
             return _PHASE_SCALE
         return max(abs(first), 1e-9 if name.startswith("effects.") else 0.3 * abs(self.actuator[name]))
 
-    def base(self, estimates: Mapping[str, float]) -> Fit:
+    def base(self, estimates: Mapping[str, float]) -> MachineFit:
         """CSJ and BLK alone, from their healthy values and from `estimates`: the better of both."""
         healthy = {name: self.actuator[name] for name in self.faults}
         found = {name: max(estimates.get(name, healthy[name]), 0.2 * healthy[name]) for name in healthy}
         fits = each(lambda start: self.fit("", start, self.free, LAST_STEPS), (healthy,) if found == healthy else (healthy, found))
         return min((one for one in fits if one is not None), key=lambda one: one.cost)
 
-    def plain(self, base: Fit) -> bool:
+    def plain(self, base: MachineFit) -> bool:
         """Whether the residual is as small as those of healthy repeats; without them, in every signal as small as its sensor's noise, over the whole record and in every part of it."""
         left = self.evidence.target - self.signals(base.values)
         if self.evidence.relative:
@@ -238,7 +238,7 @@ class KnownMachine:
     def _lasting_below(self, left: Reals, limit: Reals) -> bool:
         return bool(np.all(self._lasting(left) <= limit[:, None]))
 
-    def at_reach(self, base: Fit) -> bool:
+    def at_reach(self, base: MachineFit) -> bool:
         """Whether grease or winding would have to go farther than a day takes them."""
         ends = {name: self._ends(name) for name in self.scatter}
         return any(
@@ -246,13 +246,13 @@ class KnownMachine:
             for name, (lower, upper) in ends.items()
         )
 
-    def left_of(self, base: Fit) -> float:
+    def left_of(self, base: MachineFit) -> float:
         """What a fit leaves beyond noise, over what CSJ and BLK explain in it."""
         healthy = self.residual({**base.values, **{name: self.actuator[name] for name in self.faults}})
         explained = float(healthy @ healthy) - base.cost
         return max(base.cost - self.floor, 0.0) / explained if explained > 0.0 else float("inf")
 
-    def open_std(self, base: Fit, left: float = 0.0) -> dict[str, OpenStd]:
+    def open_std(self, base: MachineFit, left: float = 0.0) -> dict[str, OpenStd]:
         """Standard errors of CSJ and BLK where the machine may be today as far from what is known of it as machines go, by name; with a cost `left` that may lie along either of them."""
         here = self.residual(base.values)
         machine = self.actuator.changed(base.values)
@@ -273,7 +273,7 @@ class KnownMachine:
             found[name] = OpenStd(std, worst, float(np.sqrt(max(std**2 - noise**2, 0.0))))
         return found
 
-    def starts(self, base: Fit, only: str | None = None, held: str = "") -> list[Start]:
+    def starts(self, base: MachineFit, only: str | None = None, held: str = "") -> list[Start]:
         """Where the fit of each effect, or of `only` one, begins, one start for each sign: the shape and size whose signature at the base explains most.
 
         CSJ and BLK are free there, but for the one `held`.

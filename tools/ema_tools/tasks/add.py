@@ -22,7 +22,7 @@ from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather
 from ema_tools.select.beside_fault import beside_faults
 from ema_tools.select.candidates import signatures
-from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, walk
+from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, walk
 from ema_tools.select.known_machine import known_machine
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis
@@ -71,7 +71,7 @@ class Added:
     actuator: Actuator
     fit: Fit
     errors: ErrorFall
-    steps: tuple[Step, ...]
+    steps: tuple[Rung, ...]
     judgement: Judgement
     correlations: tuple[tuple[str, str, float], ...]
     refitted: bool = False

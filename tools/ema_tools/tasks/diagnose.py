@@ -22,7 +22,7 @@ from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import checked_states
-from ema_tools.select.holdout import ErrorFall, Step, fitted_machine, refuted, walk
+from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, walk
 from ema_tools.select.known_machine import Compared
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
@@ -46,7 +46,7 @@ class Answer:
     evidence: Evidence
     diagnosis: Diagnosis
     errors: ErrorFall
-    steps: tuple[Step, ...]
+    steps: tuple[Rung, ...]
     known: Actuator
     actuator: Actuator
     left: tuple[unknowns.Unknown, ...]

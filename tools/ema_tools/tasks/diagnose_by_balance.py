@@ -29,7 +29,7 @@ from ema_tools.select.balance_bench import FoldErrors, compared_percent
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
 from ema_tools.select.forward_errors import Forward, forward_of
-from ema_tools.select.healthy_balance import Change, HealthyMachine, changes_of, healthy_machine
+from ema_tools.select.healthy_balance import Change, HealthyByBalance, changes_of, healthy_machine
 from ema_tools.tasks.diagnose import check_apart
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
@@ -55,7 +55,7 @@ class BalanceAnswer:
     compared: tuple[float, float]
     forward: Forward
     pictures: Pictures | None = None
-    healthy: HealthyMachine | None = None
+    healthy: HealthyByBalance | None = None
     changes: tuple[Change, ...] = ()
 
     @property
@@ -228,7 +228,7 @@ def _pictures(forces: ForceSteps, records: Sequence[AnyRecord]) -> Pictures | No
 
 
 def _against(
-    machine: HealthyMachine,
+    machine: HealthyByBalance,
     records: Sequence[AnyRecord],
     holdout: Sequence[AnyRecord],
     gates: tuple[RecordValidity, ...],

@@ -20,7 +20,7 @@ from ema_tools.data.motion_signals import Origin, Train, drive_torque, integrate
 from ema_tools.data.tables import doubts
 from ema_tools.data.tables.convert import Converted, convert
 from ema_tools.data.tables.draft import Draft, draft_map
-from ema_tools.data.tables.rate import Remark
+from ema_tools.data.tables.rate import TableRemark
 from ema_tools.data.tables.read import files_of, read_table
 from ema_tools.data.tables.table_map import TableMap, read_map
 from ema_tools.data.tables.units import Units
@@ -60,7 +60,7 @@ class TablesImported:
     actuator: Actuator
     estimated: tuple[str, ...]
     signals: Mapping[str, tuple[Origin, str]]
-    remarks: tuple[Remark, ...]
+    remarks: tuple[TableRemark, ...]
 
     @property
     def records(self) -> tuple[MotionRecord, ...]:

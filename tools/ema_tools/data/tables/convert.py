@@ -13,7 +13,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.data.motion_records import COLUMNS, PERIOD_MAX_S, PERIOD_MIN_S, MotionRecord
-from ema_tools.data.tables.rate import Remark, pieces_of
+from ema_tools.data.tables.rate import TableRemark, pieces_of
 from ema_tools.data.tables.raw import RawColumn, RawTable
 from ema_tools.data.tables.read import read_table
 from ema_tools.data.tables.table_map import ColumnMap, TableMap
@@ -32,7 +32,7 @@ class Converted:
 
     path: Path
     records: tuple[MotionRecord, ...]
-    remarks: tuple[Remark, ...]
+    remarks: tuple[TableRemark, ...]
 
 
 def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Converted:
@@ -41,11 +41,11 @@ def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Convert
     table = read_table(path, mapped.stated, known)
     _once(mapped)
     raw = {name: found_column(table, name, column, mapped.file) for name, column in mapped.columns.items() if column.source is not None}
-    remarks: list[Remark] = []
+    remarks: list[TableRemark] = []
     if table.cut_row is not None:
-        remarks.append(Remark("cut_row", table.cut_row))
+        remarks.append(TableRemark("cut_row", table.cut_row))
     if table.footer_rows:
-        remarks.append(Remark("footer", None, {"count": float(table.footer_rows)}))
+        remarks.append(TableRemark("footer", None, {"count": float(table.footer_rows)}))
     time_s = _time(table, raw.get("time_s"), mapped, known)
     columns: dict[str, Reals] = {}
     for name, column in mapped.columns.items():
@@ -177,7 +177,9 @@ def _moments(table: RawTable, column: RawColumn) -> Reals:
     return np.asarray(found - found[0], dtype=np.float64)
 
 
-def _signal(table: RawTable, column: RawColumn, name: str, entry: ColumnMap, mapped: TableMap, units: Units) -> tuple[Reals, list[Remark]]:
+def _signal(
+    table: RawTable, column: RawColumn, name: str, entry: ColumnMap, mapped: TableMap, units: Units
+) -> tuple[Reals, list[TableRemark]]:
     """A column in the unit of the record, [rows], NaN where there is no number. Raises InputError."""
     _check_cells(table, column)
     raw, told = column.values, []
@@ -192,9 +194,9 @@ def _signal(table: RawTable, column: RawColumn, name: str, entry: ColumnMap, map
         turn = 2.0 * math.pi / float(units.converted(np.ones(1), entry.unit, name, where)[0]) / abs(entry.scale)
         raw, wrapped = _unwrapped(raw, (turn, *_WRAPS) if name == "motor_angle_rad" else _WRAPS)
         if wrapped:
-            told.append(Remark("unwrapped", None, {"count": float(wrapped)}, name))
+            told.append(TableRemark("unwrapped", None, {"count": float(wrapped)}, name))
     if entry.unit.strip().lower() in RMS:
-        told.append(Remark("rms", None, None, name))
+        told.append(TableRemark("rms", None, None, name))
     values = units.converted(entry.scale * raw + entry.offset, entry.unit, name, where)
     return entry.sign * values, told
 

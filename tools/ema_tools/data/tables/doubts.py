@@ -12,7 +12,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.data.motion_records import DRIVES, MOTIONS, MotionRecord
 from ema_tools.data.motion_signals import Train, drive_torque, integrated, motor_speed
-from ema_tools.data.tables.rate import Remark
+from ema_tools.data.tables.rate import TableRemark
 from ema_tools.data.tables.table_map import TableMap
 from ema_tools.data.tables.units import EXAMPLES, suffix_of
 
@@ -40,7 +40,7 @@ _LARGEST = {
 }
 
 
-def check(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Remark, ...]:
+def check(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[TableRemark, ...]:
     """Looks at all records of an import together. Raises InputError for what cannot be right; answers what is only odd."""
     train = Train(mapped.mm_per_rad)
     for name in dict.fromkeys(name for record in records for name in record.present):
@@ -195,7 +195,7 @@ def _acceleration(speed: Reals, period_s: float) -> Reals:
     return np.zeros_like(speed) if held else np.asarray(np.gradient(speed, period_s))
 
 
-def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tuple[Remark, ...]:
+def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tuple[TableRemark, ...]:
     """Drive against motion: a drive overcomes friction and speeds up the mass. Raises InputError where it does neither but the reverse."""
     found = _rows(records, mapped, train)
     if found is None:
@@ -222,7 +222,7 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
     if "inertia" in along and mapped.inertia_kgm2 > 0.0 and (drive_name != "current_A" or "torque_constant" in mapped.machine):
         _inertia(columns, rows.drive, records, mapped, (drive_name, motion_name))
     if not both_ways and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
-        return (Remark("one_way", None, None, drive_name),)
+        return (TableRemark("one_way", None, None, drive_name),)
     return ()
 
 

@@ -38,7 +38,7 @@ _DIGITS = 9  # most digits behind the point of a time in seconds: clocks of reco
 
 
 @dataclass(frozen=True)
-class Remark:
+class TableRemark:
     """One thing that was done to a file or is odd about it: its row where it has one, and its numbers by name."""
 
     kind: RemarkKind
@@ -48,7 +48,7 @@ class Remark:
 
 
 @dataclass(frozen=True)
-class Piece:
+class EvenPiece:
     """Rows of one constant rate; every array of shape [rows]."""
 
     period_s: float
@@ -95,19 +95,21 @@ def _nice(period_s: float, allowed_s: float) -> float:
     return period_s
 
 
-def pieces_of(time_s: Reals, columns: Mapping[str, Reals], rows: Rows, slow: Sequence[str] = ()) -> tuple[list[Piece], list[Remark]]:
+def pieces_of(
+    time_s: Reals, columns: Mapping[str, Reals], rows: Rows, slow: Sequence[str] = ()
+) -> tuple[list[EvenPiece], list[TableRemark]]:
     """The pieces of a record with a constant rate each, and what was done.
 
     `columns` [rows] may hold NaN where there is no number; `rows`: their numbers in the file; `slow`: columns that are not cut but filled by straight lines.
     """
     kept = np.isfinite(time_s)
     time_s, rows, columns = time_s[kept], rows[kept], {name: values[kept] for name, values in columns.items()}
-    found: list[Piece] = []
-    told: list[Remark] = []
+    found: list[EvenPiece] = []
+    told: list[TableRemark] = []
     starts = [0, *(np.flatnonzero(np.diff(time_s) < 0.0) + 1).tolist(), time_s.size]
     for first, last in pairwise(starts):
         if first:
-            told.append(Remark("restart", int(rows[first])))
+            told.append(TableRemark("restart", int(rows[first])))
         part = slice(first, last)
         if last > first:
             pieces, remarks = _one_clock(time_s[part], {name: values[part] for name, values in columns.items()}, rows[part], slow)
@@ -116,20 +118,20 @@ def pieces_of(time_s: Reals, columns: Mapping[str, Reals], rows: Rows, slow: Seq
     return found, told
 
 
-def _one_clock(time_s: Reals, columns: dict[str, Reals], rows: Rows, slow: Sequence[str]) -> tuple[list[Piece], list[Remark]]:
+def _one_clock(time_s: Reals, columns: dict[str, Reals], rows: Rows, slow: Sequence[str]) -> tuple[list[EvenPiece], list[TableRemark]]:
     """Pieces of rows whose time never falls."""
     fast = [name for name in columns if name not in slow]
     there = {name: np.isfinite(columns[name]) for name in columns}
     full = all(there[name].all() for name in fast)
     rate = even(time_s)
     if full and rate is not None:
-        told = [Remark("rounded", None, {"period_s": rate[1]})] if np.any(np.diff(time_s) <= 0.0) else []
+        told = [TableRemark("rounded", None, {"period_s": rate[1]})] if np.any(np.diff(time_s) <= 0.0) else []
         filled = {name: values if name in fast else _line(time_s, time_s, values, there[name]) for name, values in columns.items()}
-        return _long_enough([Piece(rate[1], rate[0], filled)], rows, told)
+        return _long_enough([EvenPiece(rate[1], rate[0], filled)], rows, told)
     told = []
     rising = np.concatenate(([True], np.diff(time_s) > 0.0))
     if not rising.all():
-        told.append(Remark("repeated", int(rows[np.flatnonzero(~rising)[0]]), {"count": float(np.sum(~rising))}))
+        told.append(TableRemark("repeated", int(rows[np.flatnonzero(~rising)[0]]), {"count": float(np.sum(~rising))}))
         time_s, rows = time_s[rising], rows[rising]
         columns, there = {name: values[rising] for name, values in columns.items()}, {name: flags[rising] for name, flags in there.items()}
     if all(np.array_equal(there[name], there[fast[0]]) for name in fast):
@@ -141,7 +143,7 @@ def _one_clock(time_s: Reals, columns: dict[str, Reals], rows: Rows, slow: Seque
 
 def _same_rows(
     time_s: Reals, columns: Mapping[str, Reals], there: Mapping[str, Flags], seen: Flags, rows: Rows, fast: Sequence[str]
-) -> tuple[list[Piece], list[Remark]]:
+) -> tuple[list[EvenPiece], list[TableRemark]]:
     """Pieces where all signals are there in the same rows."""
     whole, told = time_s, []
     time_s, rows = time_s[seen], rows[seen]
@@ -152,10 +154,10 @@ def _same_rows(
     found = []
     for first, last in zip((0, *cuts.tolist()), (*cuts.tolist(), time_s.size), strict=True):
         if first:
-            told.append(Remark("gap", int(rows[first]), {"length_s": float(time_s[first] - time_s[first - 1])}))
+            told.append(TableRemark("gap", int(rows[first]), {"length_s": float(time_s[first] - time_s[first - 1])}))
         times = time_s[first:last]
         if times.size < ROWS_MIN:
-            told.append(Remark("short", int(rows[first]), {"count": float(times.size)}))
+            told.append(TableRemark("short", int(rows[first]), {"count": float(times.size)}))
             continue
         rate = even(times)
         if rate is not None:
@@ -169,11 +171,11 @@ def _same_rows(
         others = {
             name: _line(np.asarray(grid, dtype=np.float64), whole, columns[name], there[name]) for name in columns if name not in fast
         }
-        found.append(Piece(period_s, float(grid[0]), {**own, **others}))
+        found.append(EvenPiece(period_s, float(grid[0]), {**own, **others}))
     return found, told
 
 
-def _regular(times: Reals) -> tuple[Reals, float, Remark]:
+def _regular(times: Reals) -> tuple[Reals, float, TableRemark]:
     """A grid of the usual step over uneven times, and what it makes of them: lost rows filled, or all resampled."""
     steps = np.diff(times)
     usual = float(np.median(steps))
@@ -181,19 +183,19 @@ def _regular(times: Reals) -> tuple[Reals, float, Remark]:
     if float(np.max(np.abs(steps - counts * usual))) <= max(_EVEN_SHARE * usual, 2.0 * _STAMP_SHARE * _stamp_s(times)):
         total = int(np.sum(counts))
         period_s = _nice(float((times[-1] - times[0]) / total), _EVEN_SHARE * usual / total)
-        return times[0] + period_s * np.arange(total + 1), period_s, Remark("filled", None, {"count": float(total - steps.size)})
+        return times[0] + period_s * np.arange(total + 1), period_s, TableRemark("filled", None, {"count": float(total - steps.size)})
     period_s = _nice(usual, _EVEN_SHARE * usual)
     grid = times[0] + period_s * np.arange(math.floor((times[-1] - times[0]) / period_s + 1e-9) + 1)
     return (
         grid,
         period_s,
-        Remark("resampled", None, {"shortest_s": float(np.min(steps)), "longest_s": float(np.max(steps)), "period_s": period_s}),
+        TableRemark("resampled", None, {"shortest_s": float(np.min(steps)), "longest_s": float(np.max(steps)), "period_s": period_s}),
     )
 
 
 def _own_rows(
     time_s: Reals, columns: Mapping[str, Reals], there: Mapping[str, Flags], rows: Rows, fast: Sequence[str]
-) -> tuple[list[Piece], list[Remark]]:
+) -> tuple[list[EvenPiece], list[TableRemark]]:
     """Pieces where signals are there in rows of their own: all come to the rate of the slowest, where each has numbers near."""
     usual, spans = {}, []
     for name in fast:
@@ -206,26 +208,26 @@ def _own_rows(
         spans.append(list(zip((times[0], *times[cuts + 1]), (*times[cuts], times[-1]), strict=True)))
     slowest = max(usual, key=lambda name: usual[name])
     period_s = _nice(usual[slowest], _EVEN_SHARE * usual[slowest])
-    told = [Remark("rates", None, {"period_s": period_s}, slowest)]
+    told = [TableRemark("rates", None, {"period_s": period_s}, slowest)]
     if max(usual.values()) - min(usual.values()) <= _EVEN_SHARE * usual[slowest]:
         # one rate, and cells that are empty here and there
         holes = {name: np.flatnonzero(~there[name]) for name in fast if not there[name].all()}
-        told = [Remark("empty", int(rows[places[0]]), {"count": float(places.size)}, name) for name, places in holes.items()]
+        told = [TableRemark("empty", int(rows[places[0]]), {"count": float(places.size)}, name) for name, places in holes.items()]
     common = spans[0]
     for other in spans[1:]:
         common = [(max(a, c), min(b, d)) for a, b in common for c, d in other if min(b, d) > max(a, c)]
-    found: list[Piece] = []
+    found: list[EvenPiece] = []
     last_end: float | None = None
     for start, end in sorted(common):
         if last_end is not None:
             place = int(np.searchsorted(time_s, start))
-            told.append(Remark("gap", int(rows[min(place, rows.size - 1)]), {"length_s": float(start - last_end)}))
+            told.append(TableRemark("gap", int(rows[min(place, rows.size - 1)]), {"length_s": float(start - last_end)}))
         last_end = end
         grid = start + period_s * np.arange(math.floor((end - start) / period_s + 1e-9) + 1)
         if grid.size < ROWS_MIN:
-            told.append(Remark("short", int(rows[np.searchsorted(time_s, start)]), {"count": float(grid.size)}))
+            told.append(TableRemark("short", int(rows[np.searchsorted(time_s, start)]), {"count": float(grid.size)}))
             continue
-        found.append(Piece(period_s, float(start), {name: _line(grid, time_s, columns[name], there[name]) for name in columns}))
+        found.append(EvenPiece(period_s, float(start), {name: _line(grid, time_s, columns[name], there[name]) for name in columns}))
     return found, told
 
 
@@ -236,13 +238,13 @@ def _line(grid: Reals, time_s: Reals, values: Reals, there: Flags) -> Reals:
     return np.interp(grid, time_s[there], values[there]) if there.any() else np.full(grid.size, np.nan)
 
 
-def _long_enough(pieces: list[Piece], rows: Rows, told: list[Remark]) -> tuple[list[Piece], list[Remark]]:
+def _long_enough(pieces: list[EvenPiece], rows: Rows, told: list[TableRemark]) -> tuple[list[EvenPiece], list[TableRemark]]:
     """Without pieces that are too short to show a motion."""
     kept = []
     for piece in pieces:
         size = next(iter(piece.columns.values())).size
         if size < ROWS_MIN:
-            told.append(Remark("short", int(rows[0]), {"count": float(size)}))
+            told.append(TableRemark("short", int(rows[0]), {"count": float(size)}))
         else:
             kept.append(piece)
     return kept, told

@@ -21,7 +21,7 @@ from ema_tools.results.localisation import Localisation, Pictures
 from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_balance import ForceStep, ForceSteps, Refusal
-from ema_tools.select.healthy_balance import Change, HealthyMachine
+from ema_tools.select.healthy_balance import Change, HealthyByBalance
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward
@@ -80,7 +80,7 @@ def _standing(found: BalanceAnswer) -> dict[str, dict[str, float]]:
     }
 
 
-def _healthy(found: BalanceAnswer, machine: HealthyMachine) -> result.HealthyEntry:
+def _healthy(found: BalanceAnswer, machine: HealthyByBalance) -> result.HealthyEntry:
     values = {
         shown(row_of(name)): result.HealthyValue(value, machine.refit.std.get(name), machine.scatter.get(name), row_of(name).unit)
         for name, value in machine.refit.values.items()

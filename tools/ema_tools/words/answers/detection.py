@@ -41,7 +41,7 @@ def _sight(one: Sight, found: Detection) -> result.SightEntry:
         _limits(one.signals),
         dict(one.verdict),
         one.false_alarms,
-        one.relative,
+        one.over_wanted,
         one.serves_for(found.present),
         one.peak_current_A,
         one.peak_speed_mm_s,

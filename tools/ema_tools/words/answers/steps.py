@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ema_tools.results import parts
 from ema_tools.select.forward_errors import Forward
-from ema_tools.select.holdout import ErrorFall, Step
+from ema_tools.select.holdout import ErrorFall, Rung
 
 FIRST = "as given"
 REFITTED = "base values refitted"
@@ -18,7 +18,7 @@ def errors(found: ErrorFall) -> parts.WeightedErrors:
     return parts.WeightedErrors(found.before, found.after, found.floor, found.holdout_before, found.holdout_after, found.holdout_floor)
 
 
-def steps(way: Sequence[Step]) -> tuple[parts.StepEntry, ...]:
+def steps(way: Sequence[Rung]) -> tuple[parts.StepEntry, ...]:
     """Model by model."""
     return tuple(parts.StepEntry(tuple(step.effects), step.added or FIRST, step.error, step.holdout) for step in way)
 

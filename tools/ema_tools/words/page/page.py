@@ -15,7 +15,7 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.results import Compared, Mapped, Result, ShownIdentification
+from ema_tools.words.page.results import Mapped, Result, ShownComparison, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
@@ -47,7 +47,7 @@ def render(results: list[Result], command: str) -> str:
     """The page as text. `command` made it and stands in its provenance."""
     page = _Page()
     identified = [result for result in results if isinstance(result, ShownIdentification)]
-    compared = [result for result in results if isinstance(result, Compared)]
+    compared = [result for result in results if isinstance(result, ShownComparison)]
     page.add('<a class="skip" href="#main">Skip to the results</a>', '<header><div class="wrap">')
     _head(page, results)
     page.add("</div></header>", '<main id="main">')
@@ -116,7 +116,7 @@ def _title(result: Result) -> str:
     return sentence(result) if isinstance(result, ShownIdentification) else _worst(result)
 
 
-def _worst(result: Compared) -> str:
+def _worst(result: ShownComparison) -> str:
     """The title of a comparison: the balance that the model misses most, else the rod position."""
     known = {name: value[1] for name, value in result.balances.items() if isinstance(value, tuple)}
     if known:
@@ -160,7 +160,7 @@ def _tile(result: Result) -> str:
         return diagnosis.tile(result)
     if isinstance(result, Mapped):
         return friction_map.tile(result)
-    if isinstance(result, Compared):
+    if isinstance(result, ShownComparison):
         share = result.channels.get("position_mm", (0.0, None))[1]
         small = f"rod position {words.number(share)} % off" if share is not None else "rod position does not move"
         return f'<span class="head"><span>{escape(result.name)}</span></span><span class="big">Model against record</span><span class="small">{small}</span>'
@@ -296,7 +296,7 @@ def _paper(page: _Page, results: list[ShownIdentification]) -> None:
     )
 
 
-def _compared(page: _Page, result: Compared, identity: str) -> None:
+def _compared(page: _Page, result: ShownComparison, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     if result.sentence and identity != "result-1":
         page.add(f"<p>{_text(result.sentence)}</p>")
@@ -316,7 +316,7 @@ def _compared(page: _Page, result: Compared, identity: str) -> None:
         )
 
 
-def _next(page: _Page, identified: list[ShownIdentification], compared: list[Compared], diagnosed: Sequence[Diagnosed]) -> None:
+def _next(page: _Page, identified: list[ShownIdentification], compared: list[ShownComparison], diagnosed: Sequence[Diagnosed]) -> None:
     page.add('<section id="next" aria-labelledby="next-title"><div class="wrap"><h2 id="next-title">What to do next</h2>')
     for result in identified:
         for reason in result.reasons:

@@ -120,7 +120,7 @@ class ShownIdentification:
 
 
 @dataclass(frozen=True)
-class Compared:
+class ShownComparison:
     """A result of `ema compare`: channels as (rms in the channel's unit, % of the measured), balances alike or why there is none."""
 
     name: str
@@ -153,7 +153,7 @@ class Mapped:
         return f"Friction against speed, {self.name}{f' and {others} more' if others else ''}"
 
 
-Result = ShownIdentification | Compared | Diagnosed | Mapped
+Result = ShownIdentification | ShownComparison | Diagnosed | Mapped
 
 
 def read_result(path: Path) -> Result:
@@ -261,13 +261,13 @@ def _map(shape: ShapeEntry, source: str) -> ShownMap:
     )
 
 
-def compared(found: ComparisonResult, source: str, stem: str) -> Compared:
+def compared(found: ComparisonResult, source: str, stem: str) -> ShownComparison:
     """Of `ema compare`."""
     balances: dict[str, tuple[float, float] | str] = {
         name: (one.rms, one.relative_percent) if one.rms is not None and one.relative_percent is not None else one.reason or "not available"
         for name, one in found.balances.items()
     }
-    return Compared(
+    return ShownComparison(
         name=found.name or stem,
         sentence=found.sentence,
         channels={name: (one.rmse, one.relative_percent) for name, one in found.channels.items()},

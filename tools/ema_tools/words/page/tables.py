@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from ema_tools.words.page import text as words
-from ema_tools.words.page.results import BALANCES, FAULTS, Compared, ShownIdentification
+from ema_tools.words.page.results import BALANCES, FAULTS, ShownComparison, ShownIdentification
 
 _LABELS = {"csj_Nm": ("CSJ", "Nm"), "blk_mm": ("BLK", "mm")}
 _CHANNELS = {
@@ -72,7 +72,7 @@ def _cell(text: str | None, rows: int = 1, here: bool = False) -> str:
     return f"<td{span}{_HERE if here else ''}>{text if text is not None else '–'}</td>"
 
 
-def compared_tables(result: Compared) -> str:
+def compared_tables(result: ShownComparison) -> str:
     """Error per channel, and the four balances."""
     rows = []
     for name, (rmse, relative) in result.channels.items():

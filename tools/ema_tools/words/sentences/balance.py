@@ -8,7 +8,7 @@ from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
-from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyMachine
+from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyByBalance
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
 
@@ -53,7 +53,7 @@ def sentence(found: BalanceAnswer) -> str:
     )
 
 
-def _against_healthy(found: BalanceAnswer, machine: HealthyMachine) -> str:
+def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     """What has changed against healthy records."""
     count, after = len(machine.records), found.last
     given = found.forces.given

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ema_tools.data.motion_signals import Origin
-from ema_tools.data.tables.rate import Remark, RemarkKind
+from ema_tools.data.tables.rate import RemarkKind, TableRemark
 
 # Each with the names of the remark's numbers, `row` and `column`.
 _SAID: Mapping[RemarkKind, str] = {
@@ -32,7 +32,7 @@ _MADE: Mapping[Origin, str] = {
 }
 
 
-def remark_text(remark: Remark) -> str:
+def remark_text(remark: TableRemark) -> str:
     """One remark about a file."""
     return _SAID[remark.kind].format(row=remark.row, column=remark.column, **(remark.numbers or {}))
 

@@ -1,0 +1,44 @@
+"""Holds one vocabulary in the tools: a class name stands once, so that a reader who meets it knows which it is.
+
+Apart are what shares nothing with the tools on purpose, and programs that are run alone: they have words of their own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import sys
+from pathlib import Path
+
+from sources import finish
+
+APART = ("reference", "truth", "benchmarks", "vectors")
+
+
+def check(root: Path) -> tuple[list[str], int]:
+    """Problems, and the number of classes that were looked at."""
+    package = root / "tools" / "ema_tools"
+    places: dict[str, list[str]] = {}
+    for path in sorted(package.rglob("*.py")):
+        if path.relative_to(package).parts[0] not in APART:
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ClassDef):
+                    places.setdefault(node.name, []).append(f"{path.relative_to(root)}:{node.lineno}")
+    problems = [
+        f"{where[1]}: class {name} stands at {where[0]}, too: give one of them a name of its own"
+        for name, where in places.items()
+        if len(where) > 1
+    ]
+    return problems, sum(map(len, places.values()))
+
+
+def main() -> int:
+    """Entry point."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--root", type=Path, required=True)
+    problems, looked_at = check(parser.parse_args().root.resolve())
+    return finish("class names", problems, looked_at, "classes")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
