@@ -106,9 +106,9 @@ def test_the_present_test_and_better_ones(found: Detection) -> None:
     assert found.present.command.startswith("chirp:amplitude_mm=2,start_hz=0.1,end_hz=4")
     # nothing finds less of the friction than what friction itself differs by from day to day
     assert all(one.onboard["csj"].alone >= 0.4 * found.test.found() * 0.999 for one in (found.present, *found.options))
-    assert [one.relative for one in found.options] == sorted(one.relative for one in found.options)
+    assert [one.over_wanted for one in found.options] == sorted(one.over_wanted for one in found.options)
     best = found.best
-    assert best is not None and best.relative < found.present.relative and best.duration_s <= found.present.duration_s
+    assert best is not None and best.over_wanted < found.present.over_wanted and best.duration_s <= found.present.duration_s
     assert best.onboard["blk"].alone < 0.5 * found.present.onboard["blk"].alone
     assert best.command in sentence(found)
     for one in (found.present, best):
