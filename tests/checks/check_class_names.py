@@ -5,12 +5,11 @@ Apart are what shares nothing with the tools on purpose, and programs that are r
 
 from __future__ import annotations
 
-import argparse
 import ast
 import sys
 from pathlib import Path
 
-from sources import finish
+from sources import run
 
 APART = ("reference", "truth", "benchmarks", "vectors")
 
@@ -32,13 +31,5 @@ def check(root: Path) -> tuple[list[str], int]:
     return problems, sum(map(len, places.values()))
 
 
-def main() -> int:
-    """Entry point."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--root", type=Path, required=True)
-    problems, looked_at = check(parser.parse_args().root.resolve())
-    return finish("class names", problems, looked_at, "classes")
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("class names", "classes", check, __doc__))

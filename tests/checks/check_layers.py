@@ -7,12 +7,11 @@ alone shows single blocks to the tools.
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
 from pathlib import Path
 
-from sources import c_files, finish, without_comments
+from sources import c_files, run, without_comments
 
 # Level -> levels whose headers it may see.
 ALLOWED = {
@@ -134,13 +133,5 @@ def circles(root: Path, direct: dict[Path, list[Path]]) -> list[str]:
     return [f"{' -> '.join(ring)}: a circle: move what both need into a header of its own" for ring in found.values()]
 
 
-def main() -> int:
-    """Entry point."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--root", type=Path, required=True)
-    problems, looked_at = check(parser.parse_args().root.resolve())
-    return finish("layers", problems, looked_at, "includes")
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("layers", "includes", check, __doc__))

@@ -6,12 +6,11 @@ not have fails: give it its place. Imports that are made inside a function count
 
 from __future__ import annotations
 
-import argparse
 import ast
 import sys
 from pathlib import Path
 
-from sources import finish
+from sources import run
 
 PACKAGE = "ema_tools"
 # Top first: each may import what stands in a line below it. Folders and modules by their name in the package.
@@ -122,13 +121,5 @@ def check(root: Path) -> tuple[list[str], int]:
     return problems + circles(uses), looked_at
 
 
-def main() -> int:
-    """Entry point."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--root", type=Path, required=True)
-    problems, looked_at = check(parser.parse_args().root.resolve())
-    return finish("python layers", problems, looked_at, "imports")
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("python layers", "imports", check, __doc__))

@@ -1,10 +1,11 @@
-"""What the checks of the sources share: finding C files, and seeing code without comments and strings."""
+"""What the checks of the sources share: finding C files, seeing code without comments and strings, and the verdict."""
 
 from __future__ import annotations
 
+import argparse
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 _TOKEN = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL)
@@ -56,6 +57,14 @@ def finish(name: str, problems: Iterable[str], checked: int, what: str) -> int:
         return 1
     print(f"{name}: {checked} {what}, {len(problems)} wrong")
     return 1 if problems else 0
+
+
+def run(name: str, what: str, check: Callable[[Path], tuple[list[str], int]], description: str | None) -> int:
+    """Entry point of a check that looks at the project alone: `check` of the folder after --root, and its verdict."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--root", type=Path, required=True)
+    problems, looked_at = check(parser.parse_args().root.resolve())
+    return finish(name, problems, looked_at, what)
 
 
 def fail(message: str) -> int:

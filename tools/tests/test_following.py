@@ -66,7 +66,6 @@ def test_a_constant_load_and_a_spring_are_told_apart() -> None:
     assert not advice(found)
 
 
-@pytest.mark.slow
 def test_a_bad_spot_and_a_ripple_of_the_screw_need_more_than_one_lead() -> None:
     found = next_experiment(reference_actuator(), ["jam_spot", "pitch_ripple"])
     assert found.best is not None
@@ -74,7 +73,6 @@ def test_a_bad_spot_and_a_ripple_of_the_screw_need_more_than_one_lead() -> None:
     assert found.best.separation > 5.0 * option(found, "chirp").separation
 
 
-@pytest.mark.slow
 def test_the_separation_is_what_noisy_records_show() -> None:
     """On a record with noise, the wrong effect's best fit costs the square of the separation more than the right one's."""
     actuator = reference_actuator()
@@ -104,7 +102,6 @@ def test_the_separation_is_what_noisy_records_show() -> None:
     assert said.separation <= np.sqrt(one_way)
 
 
-@pytest.mark.slow
 def test_a_signal_that_is_not_recorded_is_asked_for() -> None:
     # a stiff loop hides a torque from the position: what is small there is plain in the current
     values = {"effects.viscous_rise.rise": 0.05, "effects.inertia_change.change": 0.005}
@@ -121,7 +118,6 @@ def test_a_signal_that_is_not_recorded_is_asked_for() -> None:
     assert with_current.best.separation == pytest.approx(better.separation)
 
 
-@pytest.mark.slow
 def test_three_effects_are_ranked_by_their_worst_pair() -> None:
     found = next_experiment(reference_actuator(), ["constant_load", "coulomb_asymmetry", "inertia_change"])
     assert found.confused == (("constant_load", "coulomb_asymmetry"),)
@@ -130,7 +126,6 @@ def test_three_effects_are_ranked_by_their_worst_pair() -> None:
     assert max(one.pairs["constant_load", "inertia_change"] for one in found.options) > SEPARATE
 
 
-@pytest.mark.slow
 def test_more_noise_separates_less() -> None:
     def chirp(noise: float) -> float:
         found = next_experiment(
@@ -159,7 +154,6 @@ def test_what_is_recommended_is_safe_on_the_machine(supply_V: float) -> None:
         assert np.max(np.abs(run.speed_mm_s)) <= found.limits.speed_mm_s
 
 
-@pytest.mark.slow
 def test_an_unsafe_command_is_left_out_and_said() -> None:
     found = next_experiment(
         reference_actuator(),
@@ -201,7 +195,6 @@ def test_every_effect_has_a_size_that_the_model_takes() -> None:
             assert abs(larger[size] - present) == pytest.approx(3.0 * abs(values[size] - present))
 
 
-@pytest.mark.slow
 def test_an_effect_without_a_usual_size_gets_one_that_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(following, "typical_change", lambda *_: None)
     found = next_experiment(reference_actuator(), ["winding_heating", "viscous_rise"])

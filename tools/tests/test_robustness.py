@@ -20,7 +20,6 @@ from support import RECORDINGS, REFERENCE, run_ema
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.slow
 def test_a_few_settings_are_searched_and_written(tmp_path: Path) -> None:
     arguments = ["--settings", "2", "--records", "0", "--effects", "none", "--workers", "0", "-o", str(tmp_path / "rows")]
     ran = CliRunner().invoke(main, [*arguments, "--document", str(tmp_path / "page.md")])

@@ -77,7 +77,9 @@ def diagnoses_s(states: Sequence[Path]) -> dict[str, list[float]]:
         case = next(one for one in frozen.CASES if one.name == name)
         shortest = [float("inf")] * len(states)
         with tempfile.TemporaryDirectory() as folder:
-            actuator, *arguments = frozen.made(case, Path(folder)) or []
+            made = frozen.made(case, Path(folder))
+            assert made is not None  # only records of another machine may be absent
+            actuator, *arguments = made
             for turn in range(_TURNS):
                 for place, state in enumerate(states):
                     begun = time.perf_counter()

@@ -97,21 +97,17 @@ def section(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> 
 
 def _table(label: str, caption: str, heads: str, rows: list[str]) -> str:
     """A table whose rows stand as blocks where the page is narrow, each cell with the head of its column beside it."""
-    titles = re.findall(r"<th[^>]*>(.*?)</th>", heads)
+    titles = [re.sub(r"<[^>]*>", " ", head) for head in re.findall(r"<th[^>]*>(.*?)</th>", heads)]
 
     def titled(row: str) -> str:
-        place = itertools.count()
-        return re.sub(r"<(td|th)\b", lambda cell: f'{cell[0]} data-head="{_title(titles, next(place))}"', row)
+        left = itertools.chain(titles, itertools.repeat(""))
+        return re.sub(r"<(td|th)\b", lambda cell: f'{cell[0]} data-head="{next(left)}"', row)
 
     return (
         f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="stacks"><caption>{caption}</caption><thead><tr>{heads}</tr></thead><tbody>'
         + "".join(map(titled, rows))
         + "</tbody></table></div>"
     )
-
-
-def _title(titles: list[str], place: int) -> str:
-    return re.sub(r"<[^>]*>", " ", titles[place]) if place < len(titles) else ""
 
 
 def _heads(*names: str, left: int = 1, texts: tuple[int, ...] = ()) -> str:
