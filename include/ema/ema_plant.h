@@ -178,11 +178,7 @@ typedef struct {
 } ema_encoder_t;
 
 /* A set of effects: one bit per row of ema_effects.def. */
-#ifdef EMA_OWN_EFFECTS
 typedef uint64_t ema_effect_set_t;
-#else
-typedef uint32_t ema_effect_set_t;
-#endif
 
 /* Where an effect acts. */
 typedef enum {
@@ -194,17 +190,18 @@ typedef enum {
     EMA_SITE_MOTOR = 5,
     EMA_SITE_PRESLIDING = 6,
     EMA_SITE_TRANSMISSION = 7,
-    EMA_SITE_READING = 8
+    EMA_SITE_READING = 8,
+    EMA_SITE_WINDING = 9,
+    EMA_SITE_GREASE = 10
 } ema_effect_site_t;
 
-#define EMA_SITE_COUNT 9U
+#define EMA_SITE_COUNT 11U
 
 /* Which effects act while the model runs. */
 typedef struct {
-    bool any;                            /* one that acts on the motion */
-    uint8_t substeps;                    /* integration steps in a model step that they need */
-    ema_effect_set_t at[EMA_SITE_COUNT]; /* by ema_effect_site_t; those at site PARAMETER do not act while it runs */
-    ema_effect_set_t tables;             /* all learned tables, wherever they act */
+    bool any;                 /* one that acts on the motion */
+    uint8_t substeps;         /* integration steps in a model step that they need */
+    ema_effect_set_t present; /* that differ from zero; those at site PARAMETER do not act while it runs */
 } ema_active_t;
 
 /* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables
@@ -219,6 +216,8 @@ typedef struct {
 #define EMA_EFFECT_AT_PRESLIDING(name) EMA_HELD_MEMBER(name)
 #define EMA_EFFECT_AT_TRANSMISSION(name) EMA_HELD_MEMBER(name)
 #define EMA_EFFECT_AT_READING(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_WINDING(name) EMA_HELD_MEMBER(name)
+#define EMA_EFFECT_AT_GREASE(name) EMA_HELD_MEMBER(name)
 #include "ema/ema_effects.def"
 #undef EMA_HELD_MEMBER
 } ema_held_effects_t;

@@ -275,10 +275,15 @@ int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* b
 int32_t ema_desk_adjusted(const double* values, const int32_t* options, double* adjusted);
 
 /* Sum over the active effects of `site`, an ema_effect_site_t while the model runs other than PRESLIDING and
- * TRANSMISSION. `points` is six arrays of `rows`, one after the other: current A, speed rad/s, angle rad, motor
- * position mm (READING: the rod's), voltage V, level of dry friction Nm. */
+ * TRANSMISSION, WINDING and GREASE. `points` is seven arrays of `rows`, one after the other: current A, speed rad/s,
+ * angle rad, motor position mm (READING: the rod's), voltage V, level of dry friction Nm and its direction. */
 int32_t ema_desk_site(const double* values, const int32_t* options, int32_t site, const double* points, int32_t rows,
                       double* sum);
+
+/* Relative change of what warms while a record runs, at each of its rows: of the winding's resistance (`site` WINDING)
+ * or of dry and viscous friction (GREASE); the current changes evenly between rows, which are `period_s` apart. */
+int32_t ema_desk_warmth(const double* values, const int32_t* options, int32_t site, const double* current_A,
+                        int32_t rows, double period_s, double* change);
 
 /* Share of the level of dry friction, -1 to 1, that a contact carries which stretches before it slides, unstretched at
  * the first row; zero without such an effect. */

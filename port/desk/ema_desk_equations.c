@@ -81,7 +81,8 @@ int32_t ema_desk_site(const double* values, const int32_t* options, int32_t site
         return (int32_t)EMA_ERR_NULL;
     }
     if ((site <= (int32_t)EMA_SITE_PARAMETER) || (site >= (int32_t)EMA_SITE_COUNT)
-        || (site == (int32_t)EMA_SITE_PRESLIDING) || (site == (int32_t)EMA_SITE_TRANSMISSION)) {
+        || (site == (int32_t)EMA_SITE_PRESLIDING) || (site == (int32_t)EMA_SITE_TRANSMISSION)
+        || (site == (int32_t)EMA_SITE_WINDING) || (site == (int32_t)EMA_SITE_GREASE)) {
         return (int32_t)EMA_ERR_RANGE;
     }
     ema_actuator_t actuator;
@@ -94,9 +95,34 @@ int32_t ema_desk_site(const double* values, const int32_t* options, int32_t site
                                  .speed_rad_s = (ema_real)points[count + row],
                                  .angle_rad = (ema_real)points[(2U * count) + row],
                                  .position_mm = (ema_real)points[(3U * count) + row],
-                                 .voltage_V = (ema_real)points[(4U * count) + row]};
+                                 .voltage_V = (ema_real)points[(4U * count) + row],
+                                 .direction = (ema_real)points[(6U * count) + row]};
         const ema_real level_Nm = (ema_real)points[(5U * count) + row];
         sum[row] = (double)ema_site_sum(&plant, (ema_effect_site_t)site, &here, level_Nm);
+    }
+    return (int32_t)EMA_OK;
+}
+
+int32_t ema_desk_warmth(const double* values, const int32_t* options, int32_t site, const double* current_A,
+                        int32_t rows, double period_s, double* change)
+{
+    if ((values == NULL) || (options == NULL) || (current_A == NULL) || (change == NULL)) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    if ((site != (int32_t)EMA_SITE_WINDING) && (site != (int32_t)EMA_SITE_GREASE)) {
+        return (int32_t)EMA_ERR_RANGE;
+    }
+    ema_actuator_t actuator;
+    ema_plant_t plant;
+    ema_state_t state = {0};
+    ema_blocks_from(values, options, &actuator, &plant);
+    for (int32_t row = 0; row < rows; ++row) {
+        if (row > 0) {
+            state.current_A = (ema_real)current_A[row];
+            ema_site_warm(&plant, &state, (ema_real)current_A[row - 1], EMA_R(0.0), (ema_real)period_s);
+        }
+        change[row] = (double)((site == (int32_t)EMA_SITE_WINDING) ? ema_site_winding(&plant, state.effect_memory)
+                                                                   : ema_site_grease(&plant, state.effect_memory));
     }
     return (int32_t)EMA_OK;
 }

@@ -12,18 +12,17 @@
 bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other)
 {
     bool alike = (one->tries_whole_step == other->tries_whole_step) && (one->substeps == other->substeps)
-                 && (one->active.any == other->active.any) && (one->active.tables == other->active.tables)
-                 && (one->pid.plain == other->pid.plain) && (one->pid.every_steps == other->pid.every_steps)
-                 && (one->encoder.plain == other->encoder.plain) && (one->encoder.at_rod == other->encoder.at_rod)
+                 && (one->active.any == other->active.any) && (one->pid.plain == other->pid.plain)
+                 && (one->pid.every_steps == other->pid.every_steps) && (one->encoder.plain == other->encoder.plain)
+                 && (one->encoder.at_rod == other->encoder.at_rod)
                  && (one->drive.current_mode == other->drive.current_mode)
                  && (one->drive.delayed == other->drive.delayed)
                  && ((one->drive.delay_part > EMA_R(0.0)) == (other->drive.delay_part > EMA_R(0.0)))
                  && (one->motor_circuit.algebraic == other->motor_circuit.algebraic)
                  && (one->current_loop.algebraic == other->current_loop.algebraic);
-    for (uint32_t site = 0; site < EMA_SITE_COUNT; ++site) {
-        /* what acts before the run has become numbers of the plant */
-        alike = alike && ((site == (uint32_t)EMA_SITE_PARAMETER) || (one->active.at[site] == other->active.at[site]));
-    }
+    /* what acts before the run has become numbers of the plant */
+    const ema_effect_set_t running = ~ema_effects_at[EMA_SITE_PARAMETER];
+    alike = alike && ((one->active.present & running) == (other->active.present & running));
     return alike;
 }
 
@@ -96,6 +95,7 @@ void ema_lanes_start(ema_lanes_t* lanes)
     EMA_LANES_OF(torque_constant_Nm_per_A, motor)
     EMA_LANES_OF(back_emf_V_s_per_rad, motor)
     EMA_LANES_OF(torque_limit_Nm, motor)
+    EMA_LANES_OF(resistance_ohm, motor)
     EMA_LANES_OF(lead_mm, gearbox)
     EMA_LANES_OF(lead_mm_per_rad, gearbox)
     EMA_LANES_OF(loss_opposing, gearbox)

@@ -84,6 +84,7 @@ typedef struct {
     ema_lane_t rod_gain;
     ema_lane_t rod_offset_mm;
     ema_lane_t lead_mm;
+    ema_lane_t resistance_ohm;
     ema_lane_t algebraic; /* of the circuit of the drive's mode; a flag */
     ema_lane_t rate_current;
     ema_lane_t rate_speed;
@@ -255,6 +256,9 @@ void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, e
 /* What lies behind the play, whose output goes from `play_mm` of the state to `play_end_mm` over the segment's span:
  * ema_site_transmission. */
 void ema_lanes_transmission(const ema_lanes_t* lanes, const ema_lane_t play_end_mm, ema_lanes_rod_t* rod);
+
+/* ema_site_warm, after a step in which the current began at `start_A`. */
+void ema_lanes_warm(ema_lanes_t* lanes, const ema_lane_t start_A);
 
 /* Keeps that share in elastic lanes that are done. */
 void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share);

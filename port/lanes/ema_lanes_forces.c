@@ -13,15 +13,16 @@ typedef struct {
     ema_lane_t position_mm;
     ema_lane_t current_A;
     ema_lane_t voltage_V;
+    ema_lane_t direction;
 } ema_lanes_site_t;
 
-#define EMA_LANE_RUNS(acts_at, name)                                                                                   \
-    ((lanes->plant[0].active.at[acts_at] & ((ema_effect_set_t)1 << (uint32_t)EMA_EFFECT_ID_##name)) != 0U)
+#define EMA_LANE_RUNS(name)                                                                                            \
+    ((lanes->plant[0].active.present & ((ema_effect_set_t)1 << (uint32_t)EMA_EFFECT_ID_##name)) != 0U)
 
 /* Adds to `sum` what an effect makes of its values at the lanes' sites; `...` is what else it is given. What the
  * project's own effects look at is copied together lane by lane, which leaves nothing to do but to load it. */
-#define EMA_LANES_ADD(acts_at, name, ...)                                                                              \
-    if (EMA_LANE_RUNS(acts_at, name)) {                                                                                \
+#define EMA_LANES_ADD(name, ...)                                                                                       \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
             const ema_plant_t plant = ema_lane_plant(lanes, l);                                                        \
@@ -44,8 +45,8 @@ typedef struct {
         sum[l] += ema_effect_##name(&effect, &here, level_Nm[l]);                                                      \
     }
 /* A table is read where it lies. */
-#define EMA_LANES_ADD_TABLE(acts_at, name, ...)                                                                        \
-    if (EMA_LANE_RUNS(acts_at, name)) {                                                                                \
+#define EMA_LANES_ADD_TABLE(name, ...)                                                                                 \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
             const ema_plant_t* const plant = &lanes->plant[l];                                                         \
@@ -93,12 +94,19 @@ static inline ema_plant_t ema_lane_plant(const ema_lanes_t* lanes, uint32_t l)
 #define EMA_EFFECT_AT_MOTOR(name) EMA_LANE_EFFECT(name)
 #define EMA_EFFECT_AT_PRESLIDING(name) EMA_LANE_EFFECT(name)
 #define EMA_EFFECT_AT_TRANSMISSION(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_WINDING(name) EMA_LANE_EFFECT(name)
+#define EMA_EFFECT_AT_GREASE(name) EMA_LANE_EFFECT(name)
 #include "ema/ema_effects.def"
 
 static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes_site_t* site, uint32_t l)
 {
-    const ema_site_t here = {
-        plant, site->speed_rad_s[l], site->angle_rad[l], site->position_mm[l], site->current_A[l], site->voltage_V[l]};
+    const ema_site_t here = {plant,
+                             site->speed_rad_s[l],
+                             site->angle_rad[l],
+                             site->position_mm[l],
+                             site->current_A[l],
+                             site->voltage_V[l],
+                             site->direction[l]};
     return here;
 }
 
@@ -118,50 +126,101 @@ static void ema_lanes_friction(const ema_lanes_t* lanes, const ema_lanes_site_t*
 {
 /* A shape that all lanes have in common, 1 or 2, is given as such: of the ways that it chooses between one remains. */
 #define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
-    if (EMA_LANE_RUNS(EMA_SITE_FRICTION, name)) {                                                                      \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
         const ema_real* const last = lanes->held[EMA_LANE_PLACE(name) + EMA_LANE_VALUES(name) - 1U];                   \
         if ((EMA_LANE_VALUES(name) > 2U) && ema_lanes_are(last, EMA_R(1.0))) {                                         \
             EMA_LANES_ADD_SHAPED(name, EMA_R(1.0))                                                                     \
         } else if ((EMA_LANE_VALUES(name) > 2U) && ema_lanes_are(last, EMA_R(2.0))) {                                  \
             EMA_LANES_ADD_SHAPED(name, EMA_R(2.0))                                                                     \
         } else {                                                                                                       \
-            EMA_LANES_ADD(EMA_SITE_FRICTION, name, &here, level_Nm[l])                                                 \
+            EMA_LANES_ADD(name, &here, level_Nm[l])                                                                    \
         }                                                                                                              \
     }
-#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_LANES_ADD_TABLE(EMA_SITE_FRICTION, name, &here, level_Nm[l])
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_LANES_ADD_TABLE(name, &here, level_Nm[l])
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_torque(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-#define EMA_EFFECT_AT_TORQUE(name) EMA_LANES_ADD(EMA_SITE_TORQUE, name, &here)
-#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_LANES_ADD_TABLE(EMA_SITE_TORQUE, name, &here)
+#define EMA_EFFECT_AT_TORQUE(name) EMA_LANES_ADD(name, &here)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_LANES_ADD_TABLE(name, &here)
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_load(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-#define EMA_EFFECT_AT_LOAD(name) EMA_LANES_ADD(EMA_SITE_LOAD, name, &here)
+#define EMA_EFFECT_AT_LOAD(name) EMA_LANES_ADD(name, &here)
 #include "ema/ema_effects.def"
 }
 
 static void ema_lanes_voltage(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
 {
-#define EMA_EFFECT_AT_VOLTAGE(name) EMA_LANES_ADD(EMA_SITE_VOLTAGE, name, &here)
-#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_LANES_ADD_TABLE(EMA_SITE_VOLTAGE, name, &here)
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_LANES_ADD(name, &here)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_LANES_ADD_TABLE(name, &here)
 #include "ema/ema_effects.def"
 }
 
-static void ema_lanes_motor(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum)
+static void ema_lanes_motor(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lane_t sum){
+#define EMA_EFFECT_AT_MOTOR(name) EMA_LANES_ADD(name, &here)
+#include "ema/ema_effects.def"
+}
+
+/* Adds the relative change that an effect's memory stands for. */
+#define EMA_LANES_ADD_WARMTH(name)                                                                                     \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
+        EMA_EACH_LANE                                                                                                  \
+        {                                                                                                              \
+            const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
+            sum[l] += ema_effect_##name(&effect, lanes->now.effect_memory[EMA_MEMORY_PLACE(name)][l]);                 \
+        }                                                                                                              \
+    }
+
+static void ema_lanes_winding(const ema_lanes_t* lanes, ema_lane_t sum)
 {
-#define EMA_EFFECT_AT_MOTOR(name) EMA_LANES_ADD(EMA_SITE_MOTOR, name, &here)
+#define EMA_EFFECT_AT_WINDING(name) EMA_LANES_ADD_WARMTH(name)
+#include "ema/ema_effects.def"
+}
+
+static void ema_lanes_grease(const ema_lanes_t* lanes, ema_lane_t sum)
+{
+#define EMA_EFFECT_AT_GREASE(name) EMA_LANES_ADD_WARMTH(name)
+#include "ema/ema_effects.def"
+}
+
+/* ema_site_warm */
+void ema_lanes_warm(ema_lanes_t* lanes, const ema_lane_t start_A)
+{
+    ema_lane_t heat_W;
+    EMA_EACH_LANE
+    {
+        heat_W[l] = EMA_R(0.0);
+    }
+    ema_lanes_winding(lanes, heat_W);
+    EMA_EACH_LANE
+    {
+        const ema_real square_A2 =
+            ema_mean_square_A2(start_A[l], lanes->now.current_A[l], ema_site_ahead(&lanes->plant[l]));
+        const ema_real resistance_ohm = lanes->constant.resistance_ohm[l] * (EMA_R(1.0) + heat_W[l]);
+        heat_W[l] = ema_min(resistance_ohm * square_A2, EMA_HEAT_MAX_W);
+    }
+#define EMA_LANES_WARM(name, heat)                                                                                     \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
+        ema_real* const memory = lanes->now.effect_memory[EMA_MEMORY_PLACE(name)];                                     \
+        EMA_EACH_LANE                                                                                                  \
+        {                                                                                                              \
+            const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
+            memory[l] = ema_effect_##name##_warm(&effect, memory[l], heat, lanes->constant.step_s[l]);                 \
+        }                                                                                                              \
+    }
+#define EMA_EFFECT_AT_WINDING(name) EMA_LANES_WARM(name, heat_W[l])
+#define EMA_EFFECT_AT_GREASE(name) EMA_LANES_WARM(name, EMA_R(0.0))
 #include "ema/ema_effects.def"
 }
 
 void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, ema_lane_t share)
 {
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
-    if (EMA_LANE_RUNS(EMA_SITE_PRESLIDING, name)) {                                                                    \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
             const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
@@ -183,7 +242,7 @@ void ema_lanes_transmission(const ema_lanes_t* lanes, const ema_lane_t play_end_
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
     EMA_LANES_BEHIND_##site(name, memory)
 #define EMA_EFFECT_KEEPS(name, keeps)                                                                                  \
-    if (EMA_LANE_RUNS(EMA_SITE_TRANSMISSION, name)) {                                                                  \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
             const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
@@ -212,6 +271,8 @@ void ema_lanes_transmission(const ema_lanes_t* lanes, const ema_lane_t play_end_
 #define EMA_LANES_BEHIND_MOTOR(name, memory)
 #define EMA_LANES_BEHIND_PRESLIDING(name, memory)
 #define EMA_LANES_BEHIND_READING(name, memory)
+#define EMA_LANES_BEHIND_WINDING(name, memory)
+#define EMA_LANES_BEHIND_GREASE(name, memory)
 #define EMA_LANES_BEHIND_FRICTION_TABLE(name, memory)
 #define EMA_LANES_BEHIND_TORQUE_TABLE(name, memory)
 #define EMA_LANES_BEHIND_VOLTAGE_TABLE(name, memory)
@@ -222,7 +283,7 @@ void ema_lanes_transmission(const ema_lanes_t* lanes, const ema_lane_t play_end_
 void ema_lanes_presliding_keep(ema_lanes_t* lanes, const ema_lane_t share)
 {
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
-    if (EMA_LANE_RUNS(EMA_SITE_PRESLIDING, name)) {                                                                    \
+    if (EMA_LANE_RUNS(name)) {                                                                                         \
         ema_real* const memory = lanes->now.effect_memory[EMA_MEMORY_PLACE(name)];                                     \
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
@@ -243,6 +304,8 @@ typedef struct {
     ema_lane_t direction;
     ema_lane_t own_Nm; /* the screw's own dry friction against that direction, and what effects add */
     ema_lane_t friction_Nm;
+    ema_lane_t winding; /* relative changes of resistance, and of dry and viscous friction */
+    ema_lane_t grease;
 } ema_lanes_sums_t;
 
 static inline ema_real ema_lane_level(const ema_lanes_t* lanes, uint32_t l, ema_real level_Nm, ema_real direction)
@@ -253,12 +316,14 @@ static inline ema_real ema_lane_level(const ema_lanes_t* lanes, uint32_t l, ema_
 
 /* Dry friction in all: ema_level. */
 static inline ema_real ema_lane_friction(const ema_lanes_t* lanes, uint32_t l, ema_real load_Nm, ema_real direction,
-                                         ema_real own_Nm, ema_real acts, ema_real change_Nm)
+                                         ema_real own_Nm, ema_real acts, ema_real change_Nm, ema_real warms,
+                                         ema_real grease)
 {
     const ema_gearbox_t gearbox = {.loss_opposing = lanes->constant.loss_opposing[l],
                                    .loss_aiding = lanes->constant.loss_aiding[l]};
     const ema_real plain_Nm = own_Nm + ema_gearbox_loss(&gearbox, load_Nm, direction);
-    return ema_max(ema_choose(acts, plain_Nm + change_Nm, plain_Nm), EMA_R(0.0));
+    const ema_real total_Nm = ema_choose(acts, plain_Nm + change_Nm, plain_Nm);
+    return ema_max(ema_choose(warms, total_Nm + (grease * own_Nm), total_Nm), EMA_R(0.0));
 }
 
 /* The site at the point, and dry friction as the screw has it there; false when all lanes slide. */
@@ -290,8 +355,11 @@ static bool ema_lanes_site_at(const ema_lanes_t* lanes, const ema_lanes_point_t*
         sums->torque_Nm[l] = EMA_R(0.0);
         sums->change[l] = EMA_R(0.0);
         sums->friction_Nm[l] = EMA_R(0.0);
+        sums->winding[l] = EMA_R(0.0);
+        sums->grease[l] = EMA_R(0.0);
         sums->share[l] = direction;
         sums->direction[l] = direction;
+        site->direction[l] = direction;
         sums->own_Nm[l] = ema_lane_level(lanes, l, level_Nm, direction);
         resting |= (motion == (ema_real)EMA_MOTION_STUCK) ? 1 : 0;
     }
@@ -299,7 +367,7 @@ static bool ema_lanes_site_at(const ema_lanes_t* lanes, const ema_lanes_point_t*
 }
 
 /* The same of a contact that stretches before it slides. */
-static void ema_lanes_contact(const ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lanes_sums_t* sums)
+static void ema_lanes_contact(const ema_lanes_t* lanes, ema_lanes_site_t* site, ema_lanes_sums_t* sums)
 {
     ema_lane_t turn_rad;
     EMA_EACH_LANE
@@ -311,6 +379,7 @@ static void ema_lanes_contact(const ema_lanes_t* lanes, const ema_lanes_site_t* 
     {
         const ema_real direction = ema_choose(ema_flag(sums->share[l] < EMA_R(0.0)), EMA_R(-1.0), EMA_R(1.0));
         sums->direction[l] = direction;
+        site->direction[l] = direction;
         sums->own_Nm[l] = ema_lane_level(lanes, l, lanes->constant.dynamic_Nm[l], direction);
     }
 }
@@ -328,16 +397,18 @@ typedef struct {
     ema_real motor;
     ema_real friction;
     ema_real slides;
+    ema_real winding;
+    ema_real grease;
 } ema_lanes_on_t;
 
 /* What holds lanes at rest against going backward. */
-static void ema_lanes_backward(ema_lanes_t* lanes, const ema_lanes_site_t* site, ema_lanes_sums_t* sums,
-                               ema_lanes_on_t on)
+static void ema_lanes_backward(ema_lanes_t* lanes, ema_lanes_site_t* site, ema_lanes_sums_t* sums, ema_lanes_on_t on)
 {
     ema_lane_t own_Nm;
     EMA_EACH_LANE
     {
         own_Nm[l] = ema_lane_level(lanes, l, lanes->constant.static_Nm[l], EMA_R(-1.0));
+        site->direction[l] = EMA_R(-1.0);
         sums->friction_Nm[l] = EMA_R(0.0);
     }
     if (on.friction != EMA_R(0.0)) {
@@ -346,8 +417,8 @@ static void ema_lanes_backward(ema_lanes_t* lanes, const ema_lanes_site_t* site,
     EMA_EACH_LANE
     {
         const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK);
-        const ema_real backward_Nm =
-            ema_lane_friction(lanes, l, sums->load_Nm[l], EMA_R(-1.0), own_Nm[l], on.friction, sums->friction_Nm[l]);
+        const ema_real backward_Nm = ema_lane_friction(lanes, l, sums->load_Nm[l], EMA_R(-1.0), own_Nm[l], on.friction,
+                                                       sums->friction_Nm[l], on.grease, sums->grease[l]);
         lanes->forces.level_backward_Nm[l] = ema_choose(stuck, backward_Nm, EMA_R(0.0));
     }
 }
@@ -365,14 +436,18 @@ static inline void ema_lanes_total(ema_lanes_t* lanes, const ema_lanes_point_t* 
         const ema_real by_voltage = ema_not(lanes->applied.current_loop[l]);
         const ema_real own_load_Nm = lanes->constant.load_torque_Nm[l];
         const ema_real load_Nm = ema_choose(on.load, own_load_Nm + sums->load_Nm[l], own_load_Nm);
-        const ema_real free_Nm = ema_choose(on.torque, -load_Nm + sums->torque_Nm[l], -load_Nm);
+        const ema_real pushed_Nm = ema_choose(on.torque, -load_Nm + sums->torque_Nm[l], -load_Nm);
+        const ema_real eased_Nm = (sums->grease[l] * lanes->constant.viscous_Nm_s_per_rad[l]) * site->speed_rad_s[l];
+        const ema_real free_Nm = ema_choose(on.grease, pushed_Nm - eased_Nm, pushed_Nm);
         const ema_real changed_A = (EMA_R(1.0) + sums->change[l]) * site->current_A[l];
         const ema_real change_Nm = ema_motor_torque(&motor, changed_A) - ema_motor_torque(&motor, site->current_A[l]);
         const ema_real torque_Nm = ema_choose(on.motor, free_Nm + change_Nm, free_Nm);
         const ema_real friction_Nm = ema_lane_friction(lanes, l, load_Nm, sums->direction[l], sums->own_Nm[l],
-                                                       on.friction, sums->friction_Nm[l]);
+                                                       on.friction, sums->friction_Nm[l], on.grease, sums->grease[l]);
         const ema_real own_input = lanes->applied.input[l];
-        const ema_real input = ema_choose(on.voltage * by_voltage, own_input + sums->voltage_V[l], own_input);
+        const ema_real fed_input = ema_choose(on.voltage * by_voltage, own_input + sums->voltage_V[l], own_input);
+        const ema_real lost_V = (sums->winding[l] * lanes->constant.resistance_ohm[l]) * site->current_A[l];
+        const ema_real input = ema_choose(on.winding * by_voltage, fed_input - lost_V, fed_input);
         const ema_real emf_V = sums->change[l] * lanes->constant.back_emf_V_s_per_rad[l] * point->speed_rad_s[l];
         forces->input[l] = ema_choose(on.motor * by_voltage, input - emf_V, input);
         forces->torque_Nm[l] = ema_choose(stuck, torque_Nm, torque_Nm + (-sums->share[l] * friction_Nm));
@@ -387,7 +462,9 @@ void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
     const ema_lanes_on_t on = {
         ema_lanes_acts(lanes, EMA_SITE_VOLTAGE),  ema_lanes_acts(lanes, EMA_SITE_LOAD),
         ema_lanes_acts(lanes, EMA_SITE_TORQUE),   ema_lanes_acts(lanes, EMA_SITE_MOTOR),
-        ema_lanes_acts(lanes, EMA_SITE_FRICTION), ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING))};
+        ema_lanes_acts(lanes, EMA_SITE_FRICTION), ema_not(ema_lanes_acts(lanes, EMA_SITE_PRESLIDING)),
+        ema_lanes_acts(lanes, EMA_SITE_WINDING),  ema_lanes_acts(lanes, EMA_SITE_GREASE)};
+    const ema_real warms = on.winding + on.grease;
     const ema_real alone = on.voltage + on.load + on.torque + on.motor + on.friction + ema_not(on.slides);
     ema_lanes_site_t site;
     ema_lanes_sums_t sums;
@@ -411,8 +488,12 @@ void ema_lanes_forces_at(ema_lanes_t* lanes, const ema_lanes_point_t* point)
     if (on.friction != EMA_R(0.0)) {
         ema_lanes_friction(lanes, &site, sums.own_Nm, sums.friction_Nm);
     }
+    if (warms != EMA_R(0.0)) {
+        ema_lanes_winding(lanes, sums.winding);
+        ema_lanes_grease(lanes, sums.grease);
+    }
     /* one effect at a time is what the tools ask for most */
-    if (alone > EMA_R(1.0)) {
+    if ((alone + (EMA_R(2.0) * warms)) > EMA_R(1.0)) {
         ema_lanes_total(lanes, point, &site, &sums, on);
     } else if (on.voltage != EMA_R(0.0)) {
         ema_lanes_total(lanes, point, &site, &sums, (ema_lanes_on_t){.voltage = EMA_R(1.0), .slides = EMA_R(1.0)});

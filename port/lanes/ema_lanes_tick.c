@@ -214,6 +214,9 @@ bool ema_lanes_step(ema_lanes_t* lanes, ema_real command_mm)
     } else {
         ema_lanes_motion_plain(lanes);
     }
+    if (ema_acts_by_warmth(shape)) {
+        ema_lanes_warm(lanes, lanes->row->current_A);
+    }
     ema_lanes_arrive(lanes);
     ++lanes->step;
     ema_lane_bit_t lost = 0;

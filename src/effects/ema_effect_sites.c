@@ -31,8 +31,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         const bool table = row->site != site;
         if (*value != EMA_R(0.0)) {
             const ema_effect_set_t bit = (ema_effect_set_t)1 << k;
-            active->at[site] |= bit;
-            active->tables |= table ? bit : 0U;
+            active->present |= bit;
             active->any =
                 active->any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
             active->substeps = (row->substeps > active->substeps) ? row->substeps : active->substeps;
@@ -43,7 +42,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         }
         value = &value[row->values];
     }
-    plant->learned = (active->tables != 0U) ? effects : NULL;
+    plant->learned = ((active->present & ema_tables_held) != 0U) ? effects : NULL;
 }
 
 /* The effects of this build that differ from zero: the first value of an effect is its size, and the list's nominal for
@@ -80,11 +79,11 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 {
     ema_real change_Nm = EMA_R(0.0);
 #define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) {                                                         \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);                                          \
     }
 #define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_FRICTION], name)) {                                                         \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);                                      \
     }
 #include "ema/ema_effects.def"
@@ -92,16 +91,16 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 }
 
 /* Adds what an effect at a site makes of its values. */
-#define EMA_ADD(sum, acts_at, name, values)                                                                            \
-    if (EMA_RUNS(plant->active.at[acts_at], name)) {                                                                   \
+#define EMA_ADD(sum, name, values)                                                                                     \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         (sum) += ema_effect_##name(values, site);                                                                      \
     }
 
 ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real torque_Nm = EMA_R(0.0);
-#define EMA_EFFECT_AT_TORQUE(name) EMA_ADD(torque_Nm, EMA_SITE_TORQUE, name, &plant->effects.name)
-#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ADD(torque_Nm, EMA_SITE_TORQUE, name, EMA_LEARNED(plant, name))
+#define EMA_EFFECT_AT_TORQUE(name) EMA_ADD(torque_Nm, name, &plant->effects.name)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ADD(torque_Nm, name, EMA_LEARNED(plant, name))
 #include "ema/ema_effects.def"
     return torque_Nm;
 }
@@ -109,7 +108,7 @@ ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real load_Nm = EMA_R(0.0);
-#define EMA_EFFECT_AT_LOAD(name) EMA_ADD(load_Nm, EMA_SITE_LOAD, name, &plant->effects.name)
+#define EMA_EFFECT_AT_LOAD(name) EMA_ADD(load_Nm, name, &plant->effects.name)
 #include "ema/ema_effects.def"
     return load_Nm;
 }
@@ -117,8 +116,8 @@ ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
 ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real voltage_V = EMA_R(0.0);
-#define EMA_EFFECT_AT_VOLTAGE(name) EMA_ADD(voltage_V, EMA_SITE_VOLTAGE, name, &plant->effects.name)
-#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ADD(voltage_V, EMA_SITE_VOLTAGE, name, EMA_LEARNED(plant, name))
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_ADD(voltage_V, name, &plant->effects.name)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ADD(voltage_V, name, EMA_LEARNED(plant, name))
 #include "ema/ema_effects.def"
     return voltage_V;
 }
@@ -126,7 +125,7 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real change = EMA_R(0.0);
-#define EMA_EFFECT_AT_MOTOR(name) EMA_ADD(change, EMA_SITE_MOTOR, name, &plant->effects.name)
+#define EMA_EFFECT_AT_MOTOR(name) EMA_ADD(change, name, &plant->effects.name)
 #include "ema/ema_effects.def"
     return change;
 }
@@ -134,8 +133,8 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 {
     ema_real reading_mm = EMA_R(0.0);
-#define EMA_EFFECT_AT_READING(name) EMA_ADD(reading_mm, EMA_SITE_READING, name, &plant->effects.name)
-#define EMA_EFFECT_AT_READING_TABLE(name) EMA_ADD(reading_mm, EMA_SITE_READING, name, EMA_LEARNED(plant, name))
+#define EMA_EFFECT_AT_READING(name) EMA_ADD(reading_mm, name, &plant->effects.name)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_ADD(reading_mm, name, EMA_LEARNED(plant, name))
 #include "ema/ema_effects.def"
     return reading_mm;
 }
@@ -146,7 +145,7 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* st
 {
     ema_real outside_ratio = EMA_R(0.0);
 #define EMA_OUTSIDE(name, seen_mm)                                                                                     \
-    if (EMA_RUNS(plant->active.tables, name)) {                                                                        \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         site->position_mm = (seen_mm);                                                                                 \
         outside_ratio = ema_table_outside(EMA_TABLE_OF(EMA_LEARNED(plant, name)), site, outside_ratio);                \
     }
@@ -160,7 +159,8 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* st
 
 ema_real ema_site_seen(const ema_plant_t* plant, ema_state_t* state)
 {
-    ema_site_t site = {plant, state->speed_rad_s, state->angle_rad, state->rod_mm, state->current_A, EMA_R(0.0)};
+    ema_site_t site = {plant,      state->speed_rad_s, state->angle_rad, state->rod_mm, state->current_A,
+                       EMA_R(0.0), EMA_R(0.0)};
     state->outside_ratio = ema_max(ema_site_outside(plant, state, &site), state->outside_ratio);
     site.position_mm = state->rod_mm;
     return ema_site_reading(plant, &site);
@@ -170,7 +170,7 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 {
     ema_real share = EMA_R(0.0);
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) {                                                       \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);                     \
     }
 #include "ema/ema_effects.def"
@@ -180,9 +180,63 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share)
 {
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_PRESLIDING], name)) {                                                       \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         memory[EMA_MEMORY_PLACE(name)] = share;                                                                        \
     }
+#include "ema/ema_effects.def"
+}
+
+/* Adds the relative change that an effect's memory stands for. */
+#define EMA_ADD_WARMTH(sum, name)                                                                                      \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
+        (sum) += ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)]);                              \
+    }
+
+ema_real ema_site_winding(const ema_plant_t* plant, const ema_real* memory)
+{
+    ema_real change = EMA_R(0.0);
+#define EMA_EFFECT_AT_WINDING(name) EMA_ADD_WARMTH(change, name)
+#include "ema/ema_effects.def"
+    return change;
+}
+
+ema_real ema_site_grease(const ema_plant_t* plant, const ema_real* memory)
+{
+    ema_real change = EMA_R(0.0);
+#define EMA_EFFECT_AT_GREASE(name) EMA_ADD_WARMTH(change, name)
+#include "ema/ema_effects.def"
+    return change;
+}
+
+ema_real ema_site_ahead(const ema_plant_t* plant)
+{
+    /* the step over the winding's time constant */
+    const ema_real steps = plant->step_s * plant->motor_circuit.rate_current;
+    ema_real ahead = EMA_R(0.0);
+    if (!plant->motor_circuit.algebraic && (steps < EMA_R(-0.1))) {
+        ahead = (EMA_R(1.0) / (EMA_R(1.0) - ema_exp(steps))) + (EMA_R(1.0) / steps) - EMA_R(0.5);
+    } else if (!plant->motor_circuit.algebraic) {
+        /* of small steps the first term alone is left of that difference */
+        ahead = steps / EMA_R(-12.0);
+    } else {
+        /* the current follows at once */
+    }
+    return ahead;
+}
+
+void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s)
+{
+    ema_real* const memory = state->effect_memory;
+    const ema_real square_A2 = ema_mean_square_A2(start_A, state->current_A, ahead);
+    const ema_real resistance_ohm = plant->motor.resistance_ohm * (EMA_R(1.0) + ema_site_winding(plant, memory));
+    const ema_real heat_W = ema_min(resistance_ohm * square_A2, EMA_HEAT_MAX_W);
+#define EMA_WARM(name, heat)                                                                                           \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
+        ema_real* const place = &memory[EMA_MEMORY_PLACE(name)];                                                       \
+        *place = ema_effect_##name##_warm(&plant->effects.name, *place, heat, span_s);                                 \
+    }
+#define EMA_EFFECT_AT_WINDING(name) EMA_WARM(name, heat_W)
+#define EMA_EFFECT_AT_GREASE(name) EMA_WARM(name, EMA_R(0.0))
 #include "ema/ema_effects.def"
 }
 
@@ -191,7 +245,7 @@ void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* s
     const ema_rod_t rigid = {step->play_end_mm, EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     *rod = rigid;
 #define EMA_EFFECT_AT_TRANSMISSION(name)                                                                               \
-    if (EMA_RUNS(plant->active.at[EMA_SITE_TRANSMISSION], name)) {                                                     \
+    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         *rod = ema_effect_##name(&plant->effects.name, step, &memory[EMA_MEMORY_PLACE(name)]);                         \
     }
 #include "ema/ema_effects.def"

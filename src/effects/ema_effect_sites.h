@@ -34,7 +34,15 @@
 #define EMA_EFFECT_AT_READING(name)                                                                                    \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_EFFECT_AT_READING_TABLE(name) EMA_EFFECT_AT_READING(name)
+#define EMA_EFFECT_AT_WINDING(name) EMA_EFFECT_THAT_WARMS(name)
+#define EMA_EFFECT_AT_GREASE(name) EMA_EFFECT_THAT_WARMS(name)
+/* The relative change that its memory stands for, and the memory after `span_s` in which `heat_W` was lost in it. */
+#define EMA_EFFECT_THAT_WARMS(name)                                                                                    \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real memory);                                  \
+    ema_real ema_effect_##name##_warm(const ema_effect_##name##_t* effect, ema_real memory, ema_real heat_W,           \
+                                      ema_real span_s);
 #include "ema/ema_effects.def"
+#undef EMA_EFFECT_THAT_WARMS
 
 /* The places of effects with state, one after the other. */
 typedef struct {
@@ -53,10 +61,70 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
  * at while it runs. */
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
 
+/* The effects of this build at each site, and the learned tables wherever they act. */
+#define EMA_HELD_BIT(name) | ((ema_effect_set_t)EMA_HAS_##name << (uint32_t)EMA_EFFECT_ID_##name)
+static const ema_effect_set_t ema_effects_at[EMA_SITE_COUNT] = {
+    /* by ema_effect_site_t */
+    [EMA_SITE_PARAMETER] = 0U
+#define EMA_EFFECT_AT_PARAMETER(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_FRICTION] = 0U
+#define EMA_EFFECT_AT_FRICTION(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_TORQUE] = 0U
+#define EMA_EFFECT_AT_TORQUE(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_LOAD] = 0U
+#define EMA_EFFECT_AT_LOAD(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_VOLTAGE] = 0U
+#define EMA_EFFECT_AT_VOLTAGE(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_MOTOR] = 0U
+#define EMA_EFFECT_AT_MOTOR(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_PRESLIDING] = 0U
+#define EMA_EFFECT_AT_PRESLIDING(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_TRANSMISSION] = 0U
+#define EMA_EFFECT_AT_TRANSMISSION(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_READING] = 0U
+#define EMA_EFFECT_AT_READING(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_WINDING] = 0U
+#define EMA_EFFECT_AT_WINDING(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ,
+    [EMA_SITE_GREASE] = 0U
+#define EMA_EFFECT_AT_GREASE(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+};
+static const ema_effect_set_t ema_tables_held = 0U
+#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_HELD_BIT(name)
+#define EMA_EFFECT_AT_READING_TABLE(name) EMA_HELD_BIT(name)
+#include "ema/ema_effects.def"
+    ;
+
 /* Whether effects act at a site of this plant; constant where the build has none there. */
 static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
 {
-    return ((((uint32_t)EMA_SITES_HELD >> (uint32_t)site) & 1U) != 0U) && (plant->active.at[site] != 0U);
+    return (plant->active.present & ema_effects_at[site]) != 0U;
 }
 
 /* Whether any acts on the motion. */
@@ -68,11 +136,16 @@ static inline bool ema_acts_on_motion(const ema_plant_t* plant)
            && plant->active.any;
 }
 
+/* Whether any keeps a temperature. */
+static inline bool ema_acts_by_warmth(const ema_plant_t* plant)
+{
+    return ema_acts(plant, EMA_SITE_WINDING) || ema_acts(plant, EMA_SITE_GREASE);
+}
+
 /* Whether something adds to the rod sensor's reading, or a learned table acts: how far it is used is watched there. */
 static inline bool ema_acts_on_reading(const ema_plant_t* plant)
 {
-    return (((uint32_t)EMA_TABLES_HELD | (((uint32_t)EMA_SITES_HELD >> (uint32_t)EMA_SITE_READING) & 1U)) != 0U)
-           && ((plant->active.tables | plant->active.at[EMA_SITE_READING]) != 0U);
+    return (plant->active.present & (ema_tables_held | ema_effects_at[EMA_SITE_READING])) != 0U;
 }
 
 /* While it runs: the sum over the active effects of a site. */
@@ -87,6 +160,25 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site);
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad);
 /* Keeps that share. */
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);
+/* Relative change of the winding's resistance, and of dry and viscous friction together. */
+ema_real ema_site_winding(const ema_plant_t* plant, const ema_real* memory);
+ema_real ema_site_grease(const ema_plant_t* plant, const ema_real* memory);
+/* After a span in which the current was `start_A` at first and the state's own in the end; its mean lies beyond the
+ * middle of the two by the share `ahead` of its change. */
+void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s);
+/* That share in a step of a motor at a voltage that is held: the winding's own answer, at first the fastest. */
+ema_real ema_site_ahead(const ema_plant_t* plant);
+/* No winding loses more; a model that runs away stays finite here, until its current tells. */
+#define EMA_HEAT_MAX_W EMA_R(1.0e9)
+
+/* Mean square of such a current. */
+static inline ema_real ema_mean_square_A2(ema_real start_A, ema_real end_A, ema_real ahead)
+{
+    const ema_real bow_A = ahead * (end_A - start_A);
+    /* of a parabola with these ends and that mean */
+    return (((start_A * start_A) + (start_A * end_A) + (end_A * end_A)) / EMA_R(3.0))
+           + (bow_A * (start_A + end_A + (EMA_R(1.2) * bow_A)));
+}
 /* What the rod sensor reads on top; the site's position is the rod's. */
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site);
 /* The same at this state, in which it keeps how far learned tables are used outside the range that they were seen in.

@@ -1,33 +1,9 @@
 /* Break-away friction above the sliding level that falls with speed. */
 #include "ema_effect_sites.h"
-#include "ema_math.h"
-
-/* Where the exponential is below the resolution of the level. */
-#if EMA_REAL64
-#define EMA_FADED EMA_R(40.0)
-#else
-#define EMA_FADED EMA_R(18.0)
-#endif
-
-/* ratio^shape; the two usual shapes need no logarithm. */
-static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)
-{
-    ema_real power = EMA_R(0.0);
-    if (shape == EMA_R(1.0)) {
-        power = ratio;
-    } else if (shape == EMA_R(2.0)) {
-        power = ratio * ratio;
-    } else if (ratio > EMA_R(1.0e-30)) {
-        power = ema_exp(shape * ema_log(ratio));
-    } else {
-        /* at rest the rise is whole */
-    }
-    return power;
-}
+#include "ema_stribeck.h"
 
 ema_real ema_effect_stribeck_friction(const ema_effect_stribeck_friction_t* effect, const ema_site_t* site,
                                       ema_real level_Nm)
 {
-    const ema_real power = ema_stribeck_power(ema_abs(site->speed_rad_s) / effect->speed_rad_s, effect->shape);
-    return (power < EMA_FADED) ? (level_Nm * effect->rise * ema_exp(-power)) : EMA_R(0.0);
+    return (level_Nm * effect->rise) * ema_stribeck(site->speed_rad_s, effect->speed_rad_s, effect->shape);
 }

@@ -1,7 +1,6 @@
 /* Copper resistance grows with the winding's temperature. */
+#include "ema_copper.h"
 #include "ema_effect_sites.h"
-
-#define EMA_COPPER_PER_DEGC EMA_R(0.00393)
 
 void ema_effect_winding_heating_adjust(const ema_effect_winding_heating_t* effect, ema_params_t* params)
 {

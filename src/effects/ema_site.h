@@ -12,6 +12,7 @@ typedef struct {
     ema_real position_mm; /* motor position expressed at the rod */
     ema_real current_A;
     ema_real voltage_V; /* applied by the drive */
+    ema_real direction; /* of dry friction, -1 or 1, where its level is asked for */
 } ema_site_t;
 
 /* One integration step of what lies behind the play. */

@@ -164,8 +164,8 @@ void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;
     state->rod_mm = plant->start_mm;
-    const ema_site_t site = {plant,           state->speed_rad_s, state->angle_rad,
-                             plant->start_mm, state->current_A,   EMA_R(0.0)};
+    const ema_site_t site = {plant,      state->speed_rad_s, state->angle_rad, plant->start_mm, state->current_A,
+                             EMA_R(0.0), EMA_R(0.0)};
     const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm)
                             + (ema_acts(plant, EMA_SITE_READING) ? ema_site_reading(plant, &site) : EMA_R(0.0));
     const ema_real seen_mm = plant->encoder.at_rod ? rod_mm : plant->start_mm;

@@ -150,9 +150,7 @@ void main(void)
     ema_any_values();
     ema_any_state();
     ema_prepare_blocks();
-    for (uint32_t site = 0; site < EMA_SITE_COUNT; ++site) {
-        plant.active.at[site] = (ema_effect_set_t)Frama_C_unsigned_int_interval(0U, 0xffffffffU);
-    }
+    plant.active.present = (ema_effect_set_t)Frama_C_unsigned_long_long_interval(0U, 0xffffffffffffffffU);
     switch (Frama_C_interval(0, 2)) {
     case 0:
         ema_block_control();

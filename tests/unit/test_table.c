@@ -48,8 +48,11 @@ static ema_effect_learned_torque_t ramp(int axis, double first, double last, dou
 /* A place at which every axis shows another number. */
 static ema_site_t site_at(double speed_rad_s, double position_mm, double angle_rad, double current_A)
 {
-    const ema_site_t site = {
-        &plant, (ema_real)speed_rad_s, (ema_real)angle_rad, (ema_real)position_mm, (ema_real)current_A, EMA_R(0.0)};
+    const ema_site_t site = {.plant = &plant,
+                             .speed_rad_s = (ema_real)speed_rad_s,
+                             .angle_rad = (ema_real)angle_rad,
+                             .position_mm = (ema_real)position_mm,
+                             .current_A = (ema_real)current_A};
     return site;
 }
 

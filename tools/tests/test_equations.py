@@ -17,19 +17,21 @@ from ema_tools.reference.effects import SITE_FUNCTIONS, example_of, module_of
 from ema_tools.reference.point import Data, Point
 from ema_tools.vectors.parts import PID_CASES
 
-AT_POINTS = [effect for effect in load_definitions().effects if effect.site not in ("PARAMETER", "PRESLIDING", "TRANSMISSION")]
+WARMS = ("WINDING", "GREASE")
+AT_POINTS = [effect for effect in load_definitions().effects if effect.site not in ("PARAMETER", "PRESLIDING", "TRANSMISSION", *WARMS)]
 BEFORE_RUN = [effect for effect in load_definitions().effects if effect.site == "PARAMETER"]
 ROWS = 400
 
 
 def points_of(seed: int) -> np.ndarray:
-    """States all over the machine's range, the drive's voltage and a level of dry friction, [6, rows]; speeds of both signs, near zero and zero."""
+    """States all over the machine's range, the drive's voltage and a level of dry friction with its direction, [7, rows]; speeds of both signs, near zero and zero."""
     random = np.random.default_rng(seed)
-    spread = {"current_A": 5.0, "speed_rad_s": 200.0, "angle_rad": 50.0, "motor_mm": 5.0, "voltage_V": 40.0, "level_Nm": 0.2}
+    spread = {"current_A": 5.0, "speed_rad_s": 200.0, "angle_rad": 50.0, "motor_mm": 5.0, "voltage_V": 40.0, "level_Nm": 0.2, "direction": 1.0}
     points = np.array([spread[name] * random.uniform(-1.0, 1.0, ROWS) for name in POINT])
     points[POINT.index("speed_rad_s"), :40] *= 1e-3
     points[POINT.index("speed_rad_s"), 40] = 0.0
     points[POINT.index("level_Nm")] = np.abs(points[POINT.index("level_Nm")])
+    points[POINT.index("direction")] = np.sign(points[POINT.index("direction")])
     return points
 
 
@@ -45,9 +47,9 @@ def by_reference(actuator: Actuator, name: str, points: np.ndarray) -> np.ndarra
         actuator["drive.supply_V"],
     )
     found = []
-    for current, speed, angle, motor, voltage, level in points.T.tolist():
+    for current, speed, angle, motor, voltage, level, direction in points.T.tolist():
         given = (level,) if site == "FRICTION" else ()
-        found.append(function(effect, *given, Point(current, speed, angle, motor, voltage, data)))
+        found.append(function(effect, *given, Point(current, speed, angle, motor, voltage, data, direction, 0.0, 0.0)))
     return np.array(found)
 
 
@@ -79,7 +81,7 @@ def test_the_effects_of_a_site_add_up(site: str) -> None:
     assert library().site(*actuator.arrays(), site, points) == pytest.approx(expected, rel=1e-11, abs=1e-13 * np.max(np.abs(expected)))
 
 
-@pytest.mark.parametrize("site", ["PARAMETER", "PRESLIDING", "TRANSMISSION"])
+@pytest.mark.parametrize("site", ["PARAMETER", "PRESLIDING", "TRANSMISSION", *WARMS])
 def test_a_site_that_gives_no_number_at_a_point_is_refused(site: str) -> None:
     with pytest.raises(InputError, match=f"site {site}"):
         library().site(*reference_actuator().arrays(), site, points_of(1))

@@ -146,16 +146,35 @@ def test_dead_time_with_a_narrow_edge_tends_to_the_hard_one() -> None:
 def test_winding_warms_with_its_time_constant_to_where_loss_and_cooling_meet() -> None:
     volt = 1.3
     command = np.full(3_000, volt / VOLT_PER_MM)
-    hot = simulate_truth({**HELD, "winding_warming.degC_per_W": 40.0, "winding_warming.time_s": 0.3}, command, step_s=5e-5)
+    hot = simulate_truth({**HELD, "winding_warming.rise_degC_per_W": 40.0, "winding_warming.time_s": 0.3}, command, step_s=5e-5)
     # (1 + a T) T = Rth V^2 / R
     a = forms.COPPER_PER_DEGC
     last_degC = (-1.0 + math.sqrt(1.0 + 4.0 * a * 40.0 * volt**2 / OHM)) / (2.0 * a)
     assert last_degC > 40.0
     assert hot.current_A[-1] == pytest.approx(volt / (OHM * (1.0 + a * last_degC)), rel=1e-4)
-    slight = simulate_truth({**HELD, "winding_warming.degC_per_W": 1.0, "winding_warming.time_s": 0.3}, command, step_s=5e-5)
+    slight = simulate_truth({**HELD, "winding_warming.rise_degC_per_W": 1.0, "winding_warming.time_s": 0.3}, command, step_s=5e-5)
     warmer_degC = (volt / (OHM * slight.current_A[50:]) - 1.0) / a
     expected = volt**2 / OHM * (1.0 - np.exp(-1e-3 * np.arange(50, 3_000) / 0.3))
     assert warmer_degC == pytest.approx(expected, abs=0.02)
+
+
+def test_two_thermal_masses_are_one_where_the_housing_has_no_share() -> None:
+    sweep = chirp(times_s(1_000), 2.0, 0.5, 4.0, 1.0)
+    one = simulate_truth({"winding_warming.rise_degC_per_W": 20.0, "winding_warming.time_s": 0.4}, sweep)
+    two = {"winding_and_housing.degC_per_W": 20.0, "winding_and_housing.time_s": 0.4}
+    alone = simulate_truth({**two, "winding_and_housing.housing_share": 0.0}, sweep)
+    late = simulate_truth({**two, "winding_and_housing.housing_share": 0.5}, sweep)
+    effect = rms(one.current_A, simulate_truth({}, sweep).current_A)
+    assert rms(alone.current_A, one.current_A) < 1e-3 * effect
+    assert rms(late.current_A, one.current_A) > 0.2 * effect
+
+
+def test_friction_fades_to_its_share_and_leaves_the_drag() -> None:
+    sweep = chirp(times_s(2_000), 2.0, 0.5, 4.0, 2.0)
+    without = simulate_truth({}, sweep)
+    faded = simulate_truth({"friction_fade.share": 0.2, "friction_fade.time_s": 0.01}, sweep)
+    less = simulate_truth({"screw.csj_Nm": 0.8 * 0.138}, sweep)
+    assert rms(faded.current_A, less.current_A) < 0.1 * rms(faded.current_A, without.current_A)
 
 
 def test_elastic_stop_gives_way_by_the_seals_force() -> None:
@@ -190,7 +209,7 @@ def test_a_form_at_its_zero_is_absent_bit_for_bit(name: str) -> None:
     sweep = chirp(times_s(300), 2.0, 1.0, 4.0, 0.3)
     size = f"{name}.{next(iter(forms.DEFAULTS[name]))}"
     still, zero = simulate_truth({}, sweep), simulate_truth({size: 0.0}, sweep)
-    shown = simulate_truth({size: {"winding_warming": 5.0, "elastic_stop": 1e-4}.get(name, 0.05)}, sweep)
+    shown = simulate_truth({size: {"winding_and_housing": 5.0, "elastic_stop": 1e-4}.get(name, 0.05)}, sweep)
     for channel in ("position_mm", "motor_position_mm", "current_A", "voltage_V"):
         assert np.array_equal(getattr(still, channel), getattr(zero, channel))
     assert rms(shown.current_A, still.current_A) > 1e-5

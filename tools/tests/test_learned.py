@@ -105,7 +105,7 @@ def test_reference_interpolates_as_numpy_does(axis: int) -> None:
             (at if axis == 3 else 7e3),
             (at if axis == 4 else 7e3),
         )
-        point = Point(current, speed, angle, position, 0.0, Data(0.06, 1e-4, 5.0, 24.0))
+        point = Point(current, speed, angle, position, 0.0, Data(0.06, 1e-4, 5.0, 24.0), 0.0, 0.0, 0.0)
         assert table.value(effect, point) == pytest.approx(2.0 * np.interp(at, places, nodes, period=period), abs=1e-12)
 
 

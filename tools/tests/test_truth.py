@@ -117,7 +117,6 @@ def test_effects_outside_the_library_show_in_proportion_and_vanish_at_zero(name:
         "encoder_eccentricity": 0.01,
         "lead_error": 0.002,
         "bus_hum": 0.02,
-        "friction_fade": 0.1,
         "speed_hump": 0.005,
         "command_dead_band": 0.004,
         "magnetic_lag": 0.05,
@@ -144,8 +143,6 @@ def test_effects_outside_the_library_do_what_they_say() -> None:
     amplitude = 0.02 * 5.0 / (8.0 * np.pi)
     assert rms(eccentric, without, "motor_position_mm") == pytest.approx(amplitude / np.sqrt(2.0), rel=0.1)
     assert rms(eccentric, without, "position_mm") < 0.5 * amplitude
-    faded = simulate_truth({"friction_fade.share": 0.2, "friction_fade.time_s": 0.01}, sweep)
-    assert rms(faded, simulate_truth({"screw.csj_Nm": 0.8 * 0.138}, sweep), "current_A") < 0.1 * rms(faded, without, "current_A")
     leaking = simulate_truth({"integrator_leak.rate_per_s": 50.0}, sweep)
     assert rms(leaking, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V") < 0.5 * rms(
         without, simulate_truth({"control.ki_per_m_s": 0.0}, sweep), "voltage_V"

@@ -252,6 +252,25 @@ static const ema_actuator_t EMA_ACTUATOR = {
             .node_14 = EMA_R(0.0), /* 0 */
             .node_15 = EMA_R(0.0), /* 0 */
         },
+        .directional_stribeck = {
+            .rise = EMA_R(0.0), /* 0 */
+            .asymmetry = EMA_R(0x1.0000000000000p-1), /* 0.5 */
+            .speed_rad_s = EMA_R(10.0), /* 10 rad/s */
+            .shape = EMA_R(1.0), /* 1 */
+        },
+        .load_dependent_stribeck = {
+            .ratio = EMA_R(0.0), /* 0 */
+            .speed_rad_s = EMA_R(10.0), /* 10 rad/s */
+            .shape = EMA_R(1.0), /* 1 */
+        },
+        .winding_warming = {
+            .rise_degC_per_W = EMA_R(0.0), /* 0 degC/W */
+            .time_s = EMA_R(10.0), /* 10 s */
+        },
+        .grease_warming = {
+            .fall = EMA_R(0.0), /* 0 */
+            .time_s = EMA_R(5.0), /* 5 s */
+        },
     },
 };
 

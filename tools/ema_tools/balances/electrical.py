@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.motion import Motion, at_points, between_rows, motor_position, whole_and_rest
+from ema_tools.balances.motion import Motion, at_points, between_rows, motor_position, warmth, whole_and_rest
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator
@@ -53,6 +53,8 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
     voltage = between_rows(record.voltage_V[:-1], *whole_and_rest(adjusted(actuator)["drive.output_delay_s"] / period))
     known = at_points(actuator, middle, "VOLTAGE", voltage_V=voltage)
+    warm = warmth(actuator, replace(middle, current_A=record.current_A), "WINDING", period)
+    known -= 0.5 * (warm[1:] + warm[:-1]) * adjusted(actuator)["motor.resistance_ohm"] * current
     ripple = at_points(actuator, middle, "MOTOR")
     known -= adjusted(actuator)["motor.back_emf_V_s_per_rad"] * ripple * speed
 

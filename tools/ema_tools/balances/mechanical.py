@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother, gain_of_noise
-from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, train_of
+from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, train_of, warmth
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator
@@ -101,13 +101,16 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     passed = load + values["screw.load_torque_Nm"]
     still = replace(motion, speed_rad_s=np.zeros_like(contact))
     torque = at_points(actuator, motion, "TORQUE")
+    eased = warmth(actuator, motion, "GREASE", record.period_s)
+    torque -= eased * values["screw.viscous_Nm_s_per_rad"] * motion.speed_rad_s
 
     def added(level: float, side: float, seen: Motion, rows: NDArray[np.bool_]) -> Reals:
         """What effects and efficiency add to a level of friction to one side; holds on `rows`."""
         passing = np.where(passed * side > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(
             passed
         )
-        return passing + at_points(actuator, seen, "FRICTION", level_Nm=level * (1.0 + side * asymmetry), rows=rows)
+        own = level * (1.0 + side * asymmetry)
+        return passing + eased * own + at_points(actuator, seen, "FRICTION", level_Nm=own, rows=rows, side=side)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
     resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)

@@ -42,10 +42,11 @@ def at_points(
     level_Nm: float = 0.0,
     voltage_V: Reals | None = None,
     rows: NDArray[np.bool_] | None = None,
+    side: float = 1.0,
 ) -> Reals:
     """Sum over the active effects of a site, on every row, or on `rows` and zero elsewhere; zeros at no cost when there are none.
 
-    `level_Nm`: of friction, `voltage_V` [rows]: for effects that look at them.
+    `level_Nm`: of friction against a motion to `side`, -1 or 1, `voltage_V` [rows]: for effects that look at them.
     """
     total = np.zeros(motion.speed_rad_s.size)
     kept = np.ones(total.size, dtype=bool) if rows is None else rows
@@ -53,9 +54,16 @@ def at_points(
         return total
     voltage = np.zeros(total.size) if voltage_V is None else voltage_V
     level = np.full(total.size, level_Nm)
-    points = np.stack([motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage, level])
+    points = np.stack([motion.current_A, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, voltage, level, np.full(total.size, side)])
     total[kept] = library().site(*actuator.arrays(), site, points[:, kept])
     return total
+
+
+def warmth(actuator: Actuator, motion: Motion, site: str, period_s: float) -> Reals:
+    """Relative change of what warms as the record runs, of the winding's resistance (WINDING) or of dry and viscous friction (GREASE), [rows]; zeros at no cost without such an effect."""
+    if not acts(actuator, site):
+        return np.zeros(motion.current_A.size)
+    return np.asarray(library().warmth(*actuator.arrays(), site, motion.current_A, period_s))
 
 
 def between_rows(values: Reals, rows: int, share: float) -> Reals:

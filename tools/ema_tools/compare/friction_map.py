@@ -203,7 +203,7 @@ def model_torque_Nm(actuator: Actuator, speed_rad_s: Reals) -> Reals:
     total = load - at_points(even, motion, "TORQUE") + values["screw.viscous_Nm_s_per_rad"] * speed_rad_s
     for one in (-1.0, 1.0):
         level = values["screw.dynamic_ratio"] * values["screw.csj_Nm"] * (1.0 + one * values["screw.friction_asymmetry"])
-        drag = level + at_points(even, motion, "FRICTION", level_Nm=level, rows=side == one)
+        drag = level + at_points(even, motion, "FRICTION", level_Nm=level, rows=side == one, side=one)
         passing = np.where(load * one > 0.0, 1.0 / values["gearbox.efficiency"] - 1.0, 1.0 - values["gearbox.efficiency"]) * np.abs(load)
         total = total + np.where(side == one, one * (drag + passing), 0.0)
     return np.asarray(total)

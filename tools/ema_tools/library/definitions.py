@@ -40,6 +40,7 @@ _UNITS = (
     ("per_m", "1/m"),
     ("per_s", "1/s"),
     ("percent", "%"),
+    ("degC_per_W", "degC/W"),
     ("degC", "degC"),
     ("Nm", "Nm"),
     ("mm", "mm"),

@@ -112,6 +112,8 @@ class EffectRecord:
     confounded: ConfoundedParameter | None = None
     # A base value of the mechanical balance that it is one with.
     base_value: str = ""
+    # The effect that it is in a special case, which is named in its place while it explains nearly as much.
+    special_case: str = ""
     # Effects from which no record of one machine tells it apart; they name it too.
     inseparable: tuple[str, ...] = ()
     # What tells it from others that are separated by the same, where a command does not.

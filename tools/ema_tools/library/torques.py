@@ -21,6 +21,7 @@ class States:
     """What the torque of an effect depends on, each [rows], simulated or measured.
 
     `direction`: of dry friction, the sign of the motion; at rest none of it, or the share of its level that holds the shaft. `screw_rad`: angle of the screw.
+    `time_s`: since the record's start. `level_Nm`, `viscous_Nm_s_per_rad`: friction as the model has it.
     """
 
     direction: Reals
@@ -29,8 +30,11 @@ class States:
     screw_rad: Reals
     screw_mm: Reals
     current_A: Reals
+    time_s: Reals
     torque_constant_Nm_per_A: float
     back_emf_V_s_per_rad: float
+    level_Nm: float
+    viscous_Nm_s_per_rad: float
 
 
 # Values to try of each field of shape: fixed ones, or made for the states of a record.
@@ -139,3 +143,13 @@ def shares_of_speed(shares: Sequence[float]) -> Callable[[States], Sequence[floa
         return [share * fastest for share in shares]
 
     return speeds
+
+
+def shares_of_time(shares: Sequence[float]) -> Callable[[States], Sequence[float]]:
+    """Times as shares of the longest record."""
+
+    def times(states: States) -> Sequence[float]:
+        longest = float(np.max(states.time_s, initial=0.0))
+        return [share * longest for share in shares]
+
+    return times

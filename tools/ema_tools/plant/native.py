@@ -30,8 +30,8 @@ CHANNELS = ("position_mm", "motor_position_mm", "current_A", "voltage_V")
 OUTPUTS = (*CHANNELS, "speed_mm_s")
 RECORD_COLUMNS = ("time_s", "command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V", "speed_mm_s")
 _MESSAGE_BYTES = 1024
-SITES = ("PARAMETER", "FRICTION", "TORQUE", "LOAD", "VOLTAGE", "MOTOR", "PRESLIDING", "TRANSMISSION", "READING")
-POINT = ("current_A", "speed_rad_s", "angle_rad", "motor_mm", "voltage_V", "level_Nm")
+SITES = ("PARAMETER", "FRICTION", "TORQUE", "LOAD", "VOLTAGE", "MOTOR", "PRESLIDING", "TRANSMISSION", "READING", "WINDING", "GREASE")
+POINT = ("current_A", "speed_rad_s", "angle_rad", "motor_mm", "voltage_V", "level_Nm", "direction")
 COMMAND_KINDS = ("chirp", "multisine", "triangle", "trapezoid", "step")
 COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "count", "time_s")
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
@@ -424,6 +424,7 @@ class Library:
         self._declare("ema_desk_status_text", [c_int32], c_char_p)
         self._declare("ema_desk_adjusted", [real, whole, real])
         self._declare("ema_desk_site", [real, whole, c_int32, real, c_int32, real])
+        self._declare("ema_desk_warmth", [real, whole, c_int32, real, c_int32, c_double, real])
         self._declare("ema_desk_contact", [real, whole, real, c_int32, real])
         self._declare("ema_desk_play", [real, whole, real, c_int32, c_double, real])
         self._declare("ema_desk_controller", [real, whole, real, real, c_int32, real])
@@ -752,7 +753,7 @@ class Library:
         return out
 
     def site(self, values: Reals, options: Integers, site: str, points: Reals) -> Reals:
-        """Sum over the active effects of one of SITES that gives a number at a point; `points` [6, rows] by POINT, where READING means the rod's position. [rows]
+        """Sum over the active effects of one of SITES that gives a number at a point; `points` [7, rows] by POINT, where READING means the rod's position. [rows]
 
         Raises InputError for another site.
         """
@@ -764,6 +765,25 @@ class Library:
             SITES.index(site),
             _doubles(_flat(points, (len(POINT), rows), "points")),
             rows,
+            _doubles(out),
+        )
+        self._raise_on(status, f"site {site}", values, options)
+        return out
+
+    def warmth(self, values: Reals, options: Integers, site: str, current_A: Reals, period_s: float) -> Reals:
+        """Relative change of what warms along a record, none at its first row: of the winding's resistance (`site` WINDING) or of dry and viscous friction (GREASE). [rows]
+
+        Raises InputError for another site.
+        """
+        current = np.ascontiguousarray(current_A, dtype=np.float64)
+        out = np.empty(current.size)
+        status = self._lib.ema_desk_warmth(
+            _doubles(values),
+            options.ctypes.data_as(POINTER(c_int32)),
+            SITES.index(site),
+            _doubles(current),
+            current.size,
+            float(period_s),
             _doubles(out),
         )
         self._raise_on(status, f"site {site}", values, options)

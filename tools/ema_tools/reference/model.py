@@ -118,10 +118,10 @@ def _run(moving: plant.Plant, command_mm: np.ndarray, start_mm: float, oversampl
 
     for step in range(command_mm.size):
         motor_mm = moving.lead_mm_per_rad * state[plant.ANGLE]
-        point = Point(state[plant.CURRENT], state[plant.SPEED], state[plant.ANGLE], motor_mm, 0.0, moving.data)
+        point = Point(state[plant.CURRENT], state[plant.SPEED], state[plant.ANGLE], motor_mm, 0.0, moving.data, 0.0, 0.0, 0.0)
         play_mm, play_mm_s = plant.play_output(moving, mode, point)
         rod_mm, rod_mm_s = sites.rod_behind_play(part.effects, state, play_mm, play_mm_s)
-        at_rod = Point(point.current_A, point.speed_rad_s, point.angle_rad, rod_mm, 0.0, moving.data)
+        at_rod = Point(point.current_A, point.speed_rad_s, point.angle_rad, rod_mm, 0.0, moving.data, 0.0, 0.0, 0.0)
         sensor_mm = encoder.rod_sensor_mm(part.encoder, rod_mm) + sites.extra_reading_mm(part.effects, at_rod)
         history[step] = sensor_mm if part.encoder.side == 1 else motor_mm
         if step % part.control.every_steps == 0:

@@ -52,16 +52,17 @@ def _algebraic_current_A(plant: Plant, supply: drive.Supply, point: Point) -> fl
     part = plant.part
     change = sites.motor_change(part.effects, point)
     free = supply.voltage_V - motor.back_emf_V(part.motor, point.speed_rad_s, change)
-    plain = Point(0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
-    lower = (free + sites.voltage_change_V(part.effects, plain)) / part.motor.resistance_ohm
-    plain = Point(lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
-    upper = (free + sites.voltage_change_V(part.effects, plain)) / part.motor.resistance_ohm
+    plain = Point(0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+    resistance = part.motor.resistance_ohm * (1.0 + point.winding)
+    lower = (free + sites.voltage_change_V(part.effects, plain)) / resistance
+    plain = Point(lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+    upper = (free + sites.voltage_change_V(part.effects, plain)) / resistance
     for _ in range(80):
         if lower == upper:
             break
         middle = 0.5 * (lower + upper)
-        plain = Point(middle, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
-        excess = free + sites.voltage_change_V(part.effects, plain) - part.motor.resistance_ohm * middle
+        plain = Point(middle, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+        excess = free + sites.voltage_change_V(part.effects, plain) - resistance * middle
         if (excess > 0.0) == (lower < upper):
             lower = middle
         else:
@@ -81,13 +82,17 @@ def has_current_state(plant: Plant, supply: drive.Supply) -> bool:
 def point_of(plant: Plant, supply: drive.Supply, state: np.ndarray) -> Point:
     """The state as effects see it, with the current in balance when it has no rate."""
     angle = state[ANGLE]
-    point = Point(state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V, plant.data)
+    winding = sites.winding_change(plant.part.effects, state)
+    grease = sites.grease_change(plant.part.effects, state)
+    point = Point(
+        state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V, plant.data, 0.0, winding, grease
+    )
     if has_current_state(plant, supply):
         return point
     current = drive.limited(plant.part.drive, supply.reference_A)
     if supply.law == drive.MOTOR_LAW:
         current = _algebraic_current_A(plant, supply, point)
-    return Point(current, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data)
+    return Point(current, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
 
 
 @compiled
@@ -96,6 +101,7 @@ def _current_rate(plant: Plant, supply: drive.Supply, point: Point) -> float:
     if supply.law == drive.LOOP_LAW:
         return (supply.reference_A - point.current_A) / plant.part.drive.current_loop_s
     voltage = supply.voltage_V + sites.voltage_change_V(plant.part.effects, point)
+    voltage -= plant.part.motor.resistance_ohm * point.winding * point.current_A
     change = sites.motor_change(plant.part.effects, point)
     return motor.current_rate_A_per_s(plant.part.motor, voltage, point.current_A, point.speed_rad_s, change)
 
@@ -115,12 +121,13 @@ def play_output(plant: Plant, mode: Mode, point: Point) -> tuple[float, float]:
 
 @compiled
 def _active_torque_Nm(plant: Plant, mode: Mode, point: Point, state: np.ndarray, load_Nm: float) -> float:
-    """Every torque on the shaft but viscous and dry friction."""
+    """Every torque on the shaft but dry friction and the viscous one of the start's temperature."""
     play_mm, play_mm_s = play_output(plant, mode, point)
     effects = plant.part.effects
     reaction = sites.transmission_reaction_Nm(effects, state, play_mm, play_mm_s, 1e-3 * plant.lead_mm_per_rad)
     torque = motor.torque_Nm(plant.part.motor, point.current_A, sites.motor_change(effects, point))
-    return torque - load_Nm + sites.extra_torque_Nm(effects, point) + reaction
+    eased = plant.part.screw.viscous_Nm_s_per_rad * point.grease * point.speed_rad_s
+    return torque - load_Nm + sites.extra_torque_Nm(effects, point) - eased + reaction
 
 
 @compiled
@@ -132,13 +139,29 @@ def _friction_share(plant: Plant, mode: Mode, state: np.ndarray) -> float:
 
 
 @compiled
+def _towards(point: Point, direction: int) -> Point:
+    """The same, asked for dry friction against that direction."""
+    return Point(
+        point.current_A,
+        point.speed_rad_s,
+        point.angle_rad,
+        point.motor_mm,
+        point.voltage_V,
+        point.data,
+        float(direction),
+        point.winding,
+        point.grease,
+    )
+
+
+@compiled
 def _sliding_level_Nm(plant: Plant, point: Point, load_Nm: float, share: float) -> float:
     """Level of dry friction of a contact that slides, or is stretched, as the sign of `share` says."""
     part = plant.part
     direction = -1 if share < 0.0 else 1
     level = screw.level_Nm(part.screw, part.screw.dynamic_ratio * part.screw.csj_Nm, direction)
-    change = sites.friction_change_Nm(part.effects, level, point)
-    return level + change + gearbox.friction_Nm(part.gearbox, load_Nm, direction)
+    change = sites.friction_change_Nm(part.effects, level, _towards(point, direction))
+    return level * (1.0 + point.grease) + change + gearbox.friction_Nm(part.gearbox, load_Nm, direction)
 
 
 @compiled
@@ -161,6 +184,8 @@ def rates(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray, out
         sites.contact_rates(part.effects, state, point.speed_rad_s, mode.motion, out)
     play_mm, play_mm_s = play_output(plant, mode, point)
     sites.transmission_rates(part.effects, state, play_mm, play_mm_s, out)
+    heat = part.motor.resistance_ohm * (1.0 + point.winding) * point.current_A * point.current_A
+    sites.warmth_rates(part.effects, state, heat, out)
 
 
 @compiled
@@ -175,7 +200,7 @@ def _departure(plant: Plant, mode: Mode, point: Point, state: np.ndarray) -> int
         return 0 if start == mode.end else start
     start = 1 if active > 0.0 else -1
     level = screw.level_Nm(part.screw, part.screw.csj_Nm, start)
-    static = level + sites.friction_change_Nm(part.effects, level, point)
+    static = level * (1.0 + point.grease) + sites.friction_change_Nm(part.effects, level, _towards(point, start))
     return screw.leaves_rest(active, static + gearbox.friction_Nm(part.gearbox, load, start), mode.end)
 
 

@@ -15,7 +15,10 @@ class Data(NamedTuple):
 
 
 class Point(NamedTuple):
-    """State of motor and shaft; `motor_mm` is the angle expressed at the rod, `voltage_V` the drive's."""
+    """State of motor and shaft; `motor_mm` is the angle expressed at the rod, `voltage_V` the drive's.
+
+    `direction`: of dry friction, -1 or 1, where its level is asked for. `winding`, `grease`: relative changes, by temperature, of the resistance and of dry and viscous friction.
+    """
 
     current_A: float
     speed_rad_s: float
@@ -23,3 +26,6 @@ class Point(NamedTuple):
     motor_mm: float
     voltage_V: float
     data: Data
+    direction: float
+    winding: float
+    grease: float

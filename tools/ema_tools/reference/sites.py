@@ -148,6 +148,52 @@ def _contacts() -> tuple[Callable[..., Any], ...]:
 is_elastic, contact_share, contact_rates, contact_rate_per_s = _contacts()
 
 
+def _add_change(first: Any, place: int, zero: float, at: int, function: Any) -> Any:
+    @compiled
+    def both(effects: Any, memory: np.ndarray) -> float:
+        total = first(effects, memory)
+        if effects[place][0] != zero:
+            total += function(effects[place], memory[at])
+        return total
+
+    return both
+
+
+def _changes(site: str) -> Callable[..., float]:
+    @compiled
+    def total(effects: Any, memory: np.ndarray) -> float:
+        return 0.0
+
+    for place, zero, at, module in _rows(site):
+        total = _add_change(total, place, zero, at, module.change)
+    return total
+
+
+def _add_warmth(first: Any, place: int, zero: float, at: int, function: Any) -> Any:
+    @compiled
+    def both(effects: Any, memory: np.ndarray, heat_W: float, out: np.ndarray) -> None:
+        first(effects, memory, heat_W, out)
+        if effects[place][0] != zero:
+            out[at] = function(effects[place], memory[at], heat_W)
+
+    return both
+
+
+def _warmths() -> Callable[..., None]:
+    @compiled
+    def rates(effects: Any, memory: np.ndarray, heat_W: float, out: np.ndarray) -> None:
+        pass
+
+    for place, zero, at, module in (*_rows("WINDING"), *_rows("GREASE")):
+        rates = _add_warmth(rates, place, zero, at, module.rate_per_s)
+    return rates
+
+
+winding_change = _changes("WINDING")
+grease_change = _changes("GREASE")
+warmth_rates = _warmths()
+
+
 def _add_inertia(first: Any, place: int, zero: float, function: Any) -> Any:
     @compiled
     def both(effects: Any, inertia_kgm2: float, lead_m_per_rad: float) -> float:

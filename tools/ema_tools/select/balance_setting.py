@@ -151,8 +151,11 @@ class Setting:
             2.0 * np.pi * motor_mm / self.actuator.values["screw.lead_mm"],
             motor_mm,
             self.joined(lambda piece: piece.motion.current_A),
+            self.joined(lambda piece: piece.record.time_s - piece.record.first_time_s),
             values["motor.torque_constant_Nm_per_A"],
             values["motor.back_emf_V_s_per_rad"],
+            values["screw.dynamic_ratio"] * values[LEVEL],
+            values[VISCOUS],
         )
 
     def required_Nm(self, halved: str = "") -> Reals:

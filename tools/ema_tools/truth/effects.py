@@ -50,6 +50,48 @@ def winding_heating(v: Any) -> float:
 
 
 @kept_compiled
+def winding_warming(v: Any, warmer_degC: float) -> float:
+    """Resistance over the one at the start."""
+    if v["winding_warming.rise_degC_per_W"] == 0.0:
+        return 1.0
+    return 1.0 + forms.COPPER_PER_DEGC * warmer_degC
+
+
+@kept_compiled
+def winding_rate_degC_per_s(v: Any, warmer_degC: float, loss_W: float) -> float:
+    """Rate of the winding's temperature over the start's: heat in, heat out, by the capacity that resistance and time constant make."""
+    resistance = v["winding_warming.rise_degC_per_W"]
+    if resistance == 0.0:
+        return 0.0
+    capacity = v["winding_warming.time_s"] / resistance
+    return (loss_W - warmer_degC / resistance) / capacity
+
+
+@kept_compiled
+def grease_warming(v: Any, time_s: float) -> float:
+    """Dry and viscous friction over those at the start."""
+    return 1.0 + v["grease_warming.fall"] * math.expm1(-time_s / v["grease_warming.time_s"])
+
+
+@kept_compiled
+def directional_stribeck(v: Any, w: float, direction: float) -> float:
+    """Share of the level of dry friction by which it exceeds the level at high speed."""
+    rise = v["directional_stribeck.rise"] + direction * v["directional_stribeck.rise"] * v["directional_stribeck.asymmetry"]
+    if rise == 0.0:
+        return 0.0
+    return rise / math.exp((abs(w) / v["directional_stribeck.speed_rad_s"]) ** v["directional_stribeck.shape"])
+
+
+@kept_compiled
+def load_dependent_stribeck(v: Any, torque_Nm: float, w: float) -> float:
+    """Dry friction on top for the motor torque that passes the gears, Nm."""
+    ratio = v["load_dependent_stribeck.ratio"]
+    if ratio == 0.0:
+        return 0.0
+    return ratio * abs(torque_Nm) / math.exp((abs(w) / v["load_dependent_stribeck.speed_rad_s"]) ** v["load_dependent_stribeck.shape"])
+
+
+@kept_compiled
 def inverter_dead_time(v: Any, i: float) -> float:
     """Change of the motor voltage, V: the same drop and the same slope at zero current as the library's, rounded otherwise."""
     drop = v["inverter_dead_time.drop_V"]
@@ -212,14 +254,15 @@ def gain_drift(v: Any) -> float:
 def friction_Nm(v: Any, level: float, i: float, w: float, theta: float, x_mm: float, direction: float) -> float:
     """Dry friction against `direction` from the `level` without effects: dynamic while sliding, static at rest."""
     level *= 1.0 + direction * (v["screw.friction_asymmetry"] + coulomb_asymmetry(v))
-    level *= 1.0 + stribeck_friction(v, w) + forms.stribeck(v, w) + pitch_ripple(v, theta)
-    return level + jam_spot(v, x_mm) + load_dependent_friction(v, torque_constant_Nm_per_A(v) * i)
+    level *= 1.0 + stribeck_friction(v, w) + forms.stribeck(v, w) + pitch_ripple(v, theta) + directional_stribeck(v, w, direction)
+    passed = torque_constant_Nm_per_A(v) * i
+    return level + jam_spot(v, x_mm) + load_dependent_friction(v, passed) + load_dependent_stribeck(v, passed, w)
 
 
 @kept_compiled
-def drag_Nm(v: Any, w: float) -> float:
+def drag_Nm(v: Any, w: float, time_s: float) -> float:
     """All torques against the motion that vanish at rest."""
-    damping = v["screw.viscous_Nm_s_per_rad"] * viscous_rise(v) * forms.film_share(v, w)
+    damping = v["screw.viscous_Nm_s_per_rad"] * viscous_rise(v) * forms.film_share(v, w) * grease_warming(v, time_s)
     return damping * (1.0 + viscous_asymmetry(v, w)) * w + concave_viscous(v, w) + quadratic_viscous(v, w)
 
 

@@ -24,7 +24,8 @@ DEFAULTS: Mapping[str, Mapping[str, float]] = {
     "stribeck_tustin": {"rise": 0.0, "speed_rad_s": 10.0, "viscous_share": 1.0},
     "dead_time_tanh": {"drop_V": 0.0, "width_A": 0.1},
     "dead_time_sign": {"drop_V": 0.0},
-    "winding_warming": {"degC_per_W": 0.0, "time_s": 5.0},
+    "winding_and_housing": {"degC_per_W": 0.0, "time_s": 5.0, "housing_share": 0.4, "housing_time_s": 40.0},
+    "friction_fade": {"share": 0.0, "time_s": 3.0},
     "elastic_stop": {"compliance_mm_per_N": 0.0, "mass_kg": 5.0, "damping_ratio": 0.2, "seal_share": 0.02},
 }
 
@@ -117,21 +118,40 @@ def stopped_at_zero(v: Any, before_A: float, after_A: float) -> float:
 
 
 @kept_compiled
-def hot_over_cold(v: Any, warmer_degC: float) -> float:
-    """Winding resistance over its value at the start."""
-    if v["winding_warming.degC_per_W"] == 0.0:
+def hot_over_cold(v: Any, warmer_degC: float, housing_degC: float) -> float:
+    """Winding resistance over its value at the start: the winding over its housing, and that over the air."""
+    if v["winding_and_housing.degC_per_W"] == 0.0:
         return 1.0
-    return 1.0 + COPPER_PER_DEGC * warmer_degC
+    return 1.0 + COPPER_PER_DEGC * (warmer_degC + housing_degC)
 
 
 @kept_compiled
 def warmer_after(v: Any, warmer_degC: float, loss_W: float, dt: float) -> float:
-    """Winding temperature over its start after `dt` of a steady loss: one thermal mass behind one thermal resistance."""
-    resistance = v["winding_warming.degC_per_W"]
+    """Winding temperature over its housing's after `dt` of a steady loss."""
+    resistance = v["winding_and_housing.degC_per_W"] * (1.0 - v["winding_and_housing.housing_share"])
     if resistance == 0.0:
         return 0.0
     last = resistance * loss_W
-    return last + (warmer_degC - last) * math.exp(-dt / v["winding_warming.time_s"])
+    return last + (warmer_degC - last) * math.exp(-dt / v["winding_and_housing.time_s"])
+
+
+@kept_compiled
+def housing_after(v: Any, housing_degC: float, loss_W: float, dt: float) -> float:
+    """The housing's over the air's."""
+    resistance = v["winding_and_housing.degC_per_W"] * v["winding_and_housing.housing_share"]
+    if resistance == 0.0:
+        return 0.0
+    last = resistance * loss_W
+    return last + (housing_degC - last) * math.exp(-dt / v["winding_and_housing.housing_time_s"])
+
+
+@kept_compiled
+def friction_fade(v: Any, time_s: float) -> float:
+    """Dry friction over its level at the start: the film builds up while the screw runs in; the drag of the grease stays."""
+    share = v["friction_fade.share"]
+    if share == 0.0:
+        return 1.0
+    return 1.0 - share * (1.0 - math.exp(-time_s / v["friction_fade.time_s"]))
 
 
 @kept_compiled

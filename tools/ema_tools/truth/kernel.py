@@ -2,7 +2,7 @@
 
 `v` is the record of all values by name. State `s`: current A, motor speed rad/s, motor angle rad, rod mm, rod speed mm/s
 (the last two only behind a soft transmission or between elastic stops), bristle deflection rad (LuGre) or share of the level (Dahl), output of the play mm, time s,
-magnetic lag -1 .. 1, winding temperature over its start degC.
+magnetic lag -1 .. 1, winding temperature over its start degC, that of the winding over its housing and of the housing, of the form with two masses.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ema_tools.truth.kept import kept_compiled
 COULOMB = 0
 LUGRE = 1
 DAHL = 2
-_STATES = 10
+_STATES = 12
 _HALVINGS = 48
 
 
@@ -37,8 +37,8 @@ def mm_per_rad(v: Any) -> float:
 def _level_Nm(v: Any, i: float, w: float, theta: float, time_s: float, direction: float, resting: bool) -> float:
     """Level of dry friction against motion in `direction`, or against its start."""
     x = mm_per_rad(v) * theta
-    level = v["screw.csj_Nm"] * (1.0 if resting else v["screw.dynamic_ratio"])
-    level = effects.friction_Nm(v, level, i, w, theta, x, direction) * outside.friction_fade(v, time_s) + outside.broken_ball(v, theta)
+    level = v["screw.csj_Nm"] * (1.0 if resting else v["screw.dynamic_ratio"]) * effects.grease_warming(v, time_s)
+    level = effects.friction_Nm(v, level, i, w, theta, x, direction) * forms.friction_fade(v, time_s) + outside.broken_ball(v, theta)
     eta = v["gearbox.efficiency"]
     load = effects.load_Nm(v, x)
     lost = 1.0 - eta if load * direction <= 0.0 else 1.0 / eta - 1.0
@@ -48,7 +48,7 @@ def _level_Nm(v: Any, i: float, w: float, theta: float, time_s: float, direction
 @kept_compiled
 def _resistance_ohm(v: Any, s: np.ndarray) -> float:
     """Winding resistance as warm as it is now."""
-    return effects.resistance_ohm(v) * forms.hot_over_cold(v, s[9])
+    return effects.resistance_ohm(v) * effects.winding_warming(v, s[9]) * forms.hot_over_cold(v, s[10], s[11])
 
 
 @kept_compiled
@@ -135,7 +135,7 @@ def _slopes(v: Any, s: np.ndarray, law: int, held: float, moving: int, push: int
     out[2] = 0.0
     if moving != 0:
         friction = moving * _level_Nm(v, i, w, theta, s[7], float(moving), False)
-        out[1] = (_pull_Nm(v, i, theta, force, s[8]) - effects.drag_Nm(v, w) - outside.speed_hump(v, w) - friction) / inertia
+        out[1] = (_pull_Nm(v, i, theta, force, s[8]) - effects.drag_Nm(v, w, s[7]) - outside.speed_hump(v, w) - friction) / inertia
         out[2] = w
 
 
@@ -457,5 +457,8 @@ def run(
                         moving = _lugre(v, s, law, held, presliding_rad, dt, k, trial)
                     s[7] += dt
                     s[8] = outside.lag_after(v, s[8], s[0] - before)
-                    s[9] = forms.warmer_after(v, s[9], _resistance_ohm(v, s) * before * before, dt)
+                    loss_W = _resistance_ohm(v, s) * before * before
+                    s[9] += dt * effects.winding_rate_degC_per_s(v, s[9], loss_W)
+                    s[10] = forms.warmer_after(v, s[10], loss_W, dt)
+                    s[11] = forms.housing_after(v, s[11], loss_W, dt)
                 begin = end

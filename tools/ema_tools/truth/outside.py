@@ -16,7 +16,6 @@ DEFAULTS: Mapping[str, Mapping[str, float]] = {
     "encoder_eccentricity": {"error_rad": 0.0, "phase_rad": 0.0},
     "lead_error": {"amplitude_mm": 0.0, "phase_rad": 0.0},
     "bus_hum": {"ratio": 0.0, "frequency_hz": 100.0, "phase_rad": 0.0},
-    "friction_fade": {"share": 0.0, "time_s": 3.0},
     "speed_hump": {"drag_Nm": 0.0, "speed_rad_s": 70.0, "width_rad_s": 15.0},
     "command_dead_band": {"width_mm": 0.0},
     "magnetic_lag": {"lag_A": 0.0, "swing_A": 1.0},
@@ -59,15 +58,6 @@ def bus_hum(v: Any, time_s: float) -> float:
     if ratio == 0.0:
         return 1.0
     return 1.0 + ratio * math.sin(2.0 * math.pi * v["bus_hum.frequency_hz"] * time_s + v["bus_hum.phase_rad"])
-
-
-@kept_compiled
-def friction_fade(v: Any, time_s: float) -> float:
-    """Dry friction over its level at the start: the film builds up while the screw runs in."""
-    share = v["friction_fade.share"]
-    if share == 0.0:
-        return 1.0
-    return 1.0 - share * (1.0 - math.exp(-time_s / v["friction_fade.time_s"]))
 
 
 @kept_compiled

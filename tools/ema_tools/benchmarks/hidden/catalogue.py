@@ -42,6 +42,18 @@ class Hidden:
 
 LIBRARY: Mapping[str, Hidden] = {
     "stribeck_friction": Hidden("rise", 0.1, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0), "shape": float(r.uniform(1.0, 2.5))}),
+    "directional_stribeck": Hidden(
+        "rise",
+        0.1,
+        shape=lambda r: {
+            "asymmetry": float(r.choice([-1.0, 1.0]) * r.uniform(0.4, 1.0)),
+            "speed_rad_s": _log(r, 3.0, 30.0),
+            "shape": float(r.uniform(1.0, 2.5)),
+        },
+    ),
+    "load_dependent_stribeck": Hidden("ratio", 0.05, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0), "shape": float(r.uniform(1.0, 2.5))}),
+    # 1 to 40 % within a record
+    "grease_warming": Hidden("fall", 0.05, shape=lambda r: {"time_s": _log(r, 1.0, 10.0)}),
     "presliding": Hidden("stretch_rad", 0.02),
     "coulomb_asymmetry": Hidden("asymmetry", 0.01, True),
     # typical 0 to 0.1 Nm: a twentieth of its upper end
@@ -60,6 +72,8 @@ LIBRARY: Mapping[str, Hidden] = {
     ),
     # typical 0 to 39 % of resistance: 12 %
     "winding_heating": Hidden("rise_degC", 30.0),
+    # about 30 degC at the end of the chirp, which loses 5 to 8 W in the winding
+    "winding_warming": Hidden("rise_degC_per_W", 6.0, shape=lambda r: {"time_s": _log(r, 2.0, 10.0)}),
     # typical 0 to 10 %
     "magnet_weakening": Hidden("loss", 0.02),
     "inverter_dead_time": Hidden("drop_V", 0.1, shape=lambda r: {"width_A": _log(r, 0.05, 0.5)}),
@@ -87,7 +101,6 @@ OUTSIDE: Mapping[str, Hidden] = {
     "encoder_eccentricity": Hidden("error_rad", 0.02, shape=lambda r: {"phase_rad": _phase(r)}),
     "lead_error": Hidden("amplitude_mm", 0.005, shape=lambda r: {"phase_rad": _phase(r)}),
     "bus_hum": Hidden("ratio", 0.03, shape=lambda r: {"frequency_hz": float(r.choice([50.0, 100.0])), "phase_rad": _phase(r)}),
-    "friction_fade": Hidden("share", 0.1, shape=lambda r: {"time_s": float(r.uniform(2.0, 5.0))}),
     "speed_hump": Hidden(
         "drag_Nm", 0.01, shape=lambda r: {"speed_rad_s": float(r.uniform(50.0, 110.0)), "width_rad_s": float(r.uniform(8.0, 20.0))}
     ),
@@ -127,7 +140,14 @@ FORMS: Mapping[str, Form] = {
     "dead_time_tanh": Form("drop_V", 0.1, shape=lambda r: {"width_A": _log(r, 0.02, 1.0)}, counts_as=("inverter_dead_time",)),
     "dead_time_sign": Form("drop_V", 0.1, counts_as=("inverter_dead_time",)),
     # about 30 degC at the end of the chirp, which loses 5 to 8 W in the winding
-    "winding_warming": Form("degC_per_W", 6.0, shape=lambda r: {"time_s": _log(r, 2.0, 10.0)}, counts_as=("winding_heating",)),
+    "winding_and_housing": Form(
+        "degC_per_W",
+        6.0,
+        shape=lambda r: {"time_s": _log(r, 1.0, 4.0), "housing_share": float(r.uniform(0.2, 0.5)), "housing_time_s": _log(r, 10.0, 40.0)},
+        counts_as=("winding_warming",),
+    ),
+    # the film builds up, the drag of the grease stays
+    "friction_fade": Form("share", 0.1, shape=lambda r: {"time_s": float(r.uniform(2.0, 5.0))}, counts_as=("grease_warming",)),
     # with the seal's 14 N a quarter more play, as the fault parameter's medium
     "elastic_stop": Form(
         "compliance_mm_per_N",

@@ -41,7 +41,7 @@ STANDING_FORMS: Sequence[Mapping[str, float]] = (
     {},
     {"dead_time_tanh.drop_V": 0.05, "dead_time_tanh.width_A": 0.3},
     {},
-    {"winding_warming.degC_per_W": 1.0, "winding_warming.time_s": 5.0},
+    {"winding_warming.rise_degC_per_W": 1.0, "winding_warming.time_s": 5.0},
 )
 _FIRST_UNIT, _FIRST_DRAWN = 2_000, 3_000
 # Shares of the healthy value from which on a wear is one, and up to which it is none: between them either answer serves.

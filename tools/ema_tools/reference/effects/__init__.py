@@ -13,6 +13,7 @@ What a module must hold depends on its site; `effect` is the named tuple of its 
 | MOTOR | `motor_change(effect, point)`, relative, of torque constant and back-EMF |
 | PRESLIDING | `share_slope_per_rad`, `fastest_rate_per_s`: see presliding |
 | READING | `reading_mm(effect, point)`, added to the rod sensor's; `point.motor_mm` is the rod's position |
+| WINDING, GREASE | `change(effect, memory)`, relative, of the resistance, or of dry and viscous friction; `rate_per_s(effect, memory, heat_W)` of the memory |
 | TRANSMISSION | `shaft_inertia_kgm2`, `rest`, `reaction_Nm`, `rates`, `rod`, `fastest_rate_per_s`: see transmission_compliance |
 
 Functions of a moving site are decorated with `compiled`; PARAMETER ones are plain Python. `EXAMPLE` holds the values that
@@ -35,6 +36,8 @@ SITE_FUNCTIONS = {
     "MOTOR": ("motor_change",),
     "PRESLIDING": ("share_slope_per_rad", "fastest_rate_per_s"),
     "READING": ("reading_mm",),
+    "WINDING": ("change", "rate_per_s"),
+    "GREASE": ("change", "rate_per_s"),
     "TRANSMISSION": ("shaft_inertia_kgm2", "rest", "reaction_Nm", "rates", "rod", "fastest_rate_per_s"),
 }
 

@@ -18,6 +18,8 @@ SITES = {
     "PRESLIDING": "contact before it slides",
     "TRANSMISSION": "between play and rod",
     "READING": "rod sensor's reading",
+    "WINDING": "resistance as it warms",
+    "GREASE": "dry and viscous friction as they warm",
 }
 
 

@@ -1,0 +1,18 @@
+/* A winding that its own loss warms while the record runs. The memory is its temperature over the start's, degC. */
+#include "ema_copper.h"
+#include "ema_effect_sites.h"
+#include "ema_math.h"
+
+ema_real ema_effect_winding_warming(const ema_effect_winding_warming_t* effect, ema_real memory)
+{
+    (void)effect;
+    return EMA_COPPER_PER_DEGC * memory;
+}
+
+ema_real ema_effect_winding_warming_warm(const ema_effect_winding_warming_t* effect, ema_real memory, ema_real heat_W,
+                                         ema_real span_s)
+{
+    const ema_real left = ema_exp(-span_s / effect->time_s);
+    const ema_real end_degC = effect->rise_degC_per_W * heat_W;
+    return end_degC + ((memory - end_degC) * left);
+}

@@ -1,0 +1,32 @@
+#include "ema_stribeck.h"
+
+#include "ema_math.h"
+
+/* Where the exponential is below the resolution of the level. */
+#if EMA_REAL64
+#define EMA_FADED EMA_R(40.0)
+#else
+#define EMA_FADED EMA_R(18.0)
+#endif
+
+/* ratio^shape; the two usual shapes need no logarithm. */
+static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)
+{
+    ema_real power = EMA_R(0.0);
+    if (shape == EMA_R(1.0)) {
+        power = ratio;
+    } else if (shape == EMA_R(2.0)) {
+        power = ratio * ratio;
+    } else if (ratio > EMA_R(1.0e-30)) {
+        power = ema_exp(shape * ema_log(ratio));
+    } else {
+        /* at rest the rise is whole */
+    }
+    return power;
+}
+
+ema_real ema_stribeck(ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape)
+{
+    const ema_real power = ema_stribeck_power(ema_abs(speed_rad_s) / fallen_rad_s, shape);
+    return (power < EMA_FADED) ? ema_exp(-power) : EMA_R(0.0);
+}

@@ -1,0 +1,11 @@
+/* What of a rise towards standstill is left at a speed. */
+#ifndef EMA_STRIBECK_H
+#define EMA_STRIBECK_H
+
+#include "ema/ema_real.h"
+
+/* exp(-(abs(speed) / fallen)^shape): 1 at rest, 1/e at the speed `fallen_rad_s` > 0; zero where it is below the
+ * resolution of the level. */
+ema_real ema_stribeck(ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape);
+
+#endif
