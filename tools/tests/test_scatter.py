@@ -29,8 +29,9 @@ from ema_tools.fit.nuisance import (
     widths_shown,
 )
 from ema_tools.library.definitions import load_definitions
-from ema_tools.select.baseline import against_known
+from ema_tools.select.baseline import against_known, gather
 from ema_tools.select.known_machine import KnownMachine, live
+from ema_tools.select.search import diagnose
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.tasks.signature_table import signatures
 from ema_tools.words.sentences.few_records import few_records
@@ -291,6 +292,17 @@ def test_a_small_change_is_none_of_a_unit_that_scatters_as_much() -> None:
     ends = [found.interval95(found.answer.identified[0]) for found in (usual, wide)]
     assert all(low is not None and high is not None for low, high in ends)
     assert ends[1][1] - ends[1][0] > 5.0 * (ends[0][1] - ends[0][0])  # type: ignore[operator]
+
+
+def diagnosed(actuator: Actuator) -> set[str]:
+    """What a diagnosis beside three healthy runs names on a record of 4 % more dry friction."""
+    evidence = gather(actuator, measured({"screw.csj_Nm": 1.04 * 0.138}, 77), repeats()[:3])
+    return {one.name for one in diagnose(evidence).named if one.accepted}
+
+
+def test_a_diagnosis_names_no_change_that_the_unit_makes_from_run_to_run() -> None:
+    assert diagnosed(reference_actuator()) == {"csj"}
+    assert diagnosed(stating(screw__csj_Nm=0.05)) == set()
 
 
 @pytest.mark.slow
