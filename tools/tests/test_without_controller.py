@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from ema_tools.select.fixes import fixes_of
 from ema_tools.select.force_balance import improve_by_forces
 from ema_tools.select.force_refit import BY_RECORDS, add_by_forces, refit_by_forces
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
+from ema_tools.select.healthy_balance import healthy_machine
 from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import diagnosed
@@ -208,6 +210,18 @@ def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
     assert isinstance(found, BalanceAnswer) and found.healthy is not None
     assert (found.verdict, found.accepted, found.changed) == ("adequate", (), ())
     assert found.healthy.sure == (count > 2)
+
+
+@pytest.mark.parametrize(("count", "usual"), [pytest.param(5, 0.0, marks=pytest.mark.slow), (1, 0.05)])
+def test_what_the_actuator_states_of_runs_is_the_least_that_they_differ_by(count: int, usual: float) -> None:
+    found = {}
+    for share in (None, 0.002, 0.2):
+        stating = replace(machine(), scatter={} if share is None else {CSJ: share})
+        healthy = healthy_machine(stating, HEALTHY[:count])
+        found[share] = healthy.scatter[CSJ] / healthy.actuator[CSJ]
+    assert found[0.2] == pytest.approx(0.2)
+    assert found[None] > 0.999 * usual and found[0.002] <= found[None] < 0.1
+    assert (found[0.002] < usual) == (count == 1)
 
 
 @pytest.mark.slow

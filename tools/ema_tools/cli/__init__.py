@@ -592,7 +592,7 @@ def add(
 @click.option(
     "--scatter",
     metavar="csj=PERCENT,...",
-    help="With --detect: by what healthy runs of it are read apart, standard deviations in %, as ema calibrate says; the usual when absent.",
+    help="With --detect: by what healthy runs of it are read apart, standard deviations in %, as ema calibrate says; by the actuator's [scatter] when absent, else the usual.",
 )
 @click.argument("others", nargs=-1, metavar="")
 @click.option(

@@ -23,7 +23,7 @@ from ema_tools.compare.axes import Axis, MachineState, explained, fitted_energy,
 from ema_tools.compare.comparison import FLOOR_MARGIN, TITLES, ErrorPart, divided, judged_balances, states_of
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
-from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
+from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.whitening import Whitener, counted, spectrum
 from ema_tools.plant.native import CHANNELS
 from ema_tools.results import localisation as picture
@@ -265,15 +265,16 @@ def _terms(balance: Balance, motion: MachineState, lines: Sequence[Lines]) -> tu
 
 
 def _usual(actuator: Actuator, name: str, at: MachineState) -> list[Reals]:
-    """What the usual scatter of friction, grease and winding from run to run makes of a balance, as large as it is seldom, [samples] each."""
+    """What the scatter of friction, grease and winding from run to run, as stated or as usual, makes of a balance, as large as it is seldom, [samples] each."""
     found = []
     for balance, value, direction in (
         ("mechanical", "screw.csj_Nm", at.direction),
         ("mechanical", "screw.viscous_Nm_s_per_rad", at.speed_rad_s),
         ("electrical", "motor.resistance_ohm", at.current_A),
     ):
-        if balance == name and direction is not None:
-            found.append(_SELDOM * FROM_RUN_TO_RUN[value] * actuator[value] * direction)
+        share = share_from_run_to_run(actuator, value)
+        if balance == name and direction is not None and share > 0.0:
+            found.append(_SELDOM * share * actuator[value] * direction)
     return found
 
 

@@ -1,6 +1,6 @@
 """An actuator as a TOML file: read with exact complaints, changed, written back with the user's comments.
 
-Tables are the sections of `ema_params.def`; `[effects.<name>]` holds the optional effects. `[actuator]` may hold name, notes and source.
+Tables are the sections of `ema_params.def`; `[effects.<name>]` holds the optional effects, `[scatter]` how the unit differs from run to run. `[actuator]` may hold name, notes and source.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ from ema_tools.library.definitions import Definitions, EffectParameter, Paramete
 ABOUT = ("name", "notes", "source", "command_acts")
 # These sections are settings of the method, not of the machine: what is absent takes its nominal value.
 SETTINGS = ("search", "verdict")
+# How the unit differs from run to run: rows such as screw.csj_Nm = 0.006 below [scatter].
+SCATTER = "scatter"
 
 Row = Parameter | EffectParameter
 
@@ -68,6 +70,17 @@ def path_of(row: Row) -> tuple[str, ...]:
 def shown(row: Row) -> str:
     """Name of a value as it stands in the file."""
     return ".".join(path_of(row))
+
+
+def scattering_rows() -> dict[str, Parameter]:
+    """Rows of what may scatter from run to run, by name: the real values of the machine, neither settings nor choices."""
+    fixed = (*SETTINGS, "timing")
+    return {row.name: row for row in load_definitions().parameters if row.section not in fixed and not row.is_option}
+
+
+def scatters_by_share(row: Row) -> bool:
+    """Whether a value scatters by a share of itself; one that the data sheet has as zero does so in its unit."""
+    return row.nominal != 0.0
 
 
 def _range(row: Row) -> str:
@@ -126,7 +139,8 @@ class Actuator:
 
     `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from. `remarks`: comments behind values, by their names, that replace those
     of the file. `absent`: values that the file leaves out, as that of a machine whose controller is not known may: what stands for them in `values` fills the module's arrays and is
-    never a value of this machine.
+    never a value of this machine. `scatter`: what the file states of how the unit differs from run to run, one standard deviation by name: relative, or in the value's unit where
+    `scatters_by_share` says no; zero for what does not scatter.
     """
 
     values: Mapping[str, float]
@@ -135,6 +149,7 @@ class Actuator:
     about: Mapping[str, str] = field(default_factory=dict, compare=False)
     remarks: Mapping[str, str] = field(default_factory=dict, compare=False)
     absent: frozenset[str] = frozenset()
+    scatter: Mapping[str, float] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> float:
         if name in self.absent:
@@ -217,6 +232,7 @@ class Actuator:
         for name, text in self.remarks.items():
             trivia = _item_of(document, row_of(name)).trivia
             trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
+        _update_scatter(document, self.scatter)
         return tomlkit.dumps(document)
 
     def write(self, path: str | Path, force: bool = False) -> None:
@@ -250,6 +266,27 @@ def _update(document: tomlkit.TOMLDocument, row: Row, number: float) -> None:
             table[key] = written(row, number)
     elif number != row.nominal or isinstance(row, Parameter):
         table.add(key, _item(row, number))
+
+
+def _update_scatter(document: tomlkit.TOMLDocument, scatter: Mapping[str, float]) -> None:
+    """Set what differs from what stands below [scatter], and add what does not stand there."""
+    if scatter and SCATTER not in document:
+        document.add(SCATTER, tomlkit.table())
+    for name, std in scatter.items():
+        table: Any = document[SCATTER]
+        section, key = name.split(".")
+        if key not in table.get(section, {}):
+            row = row_of(name)
+            item = tomlkit.item(float(std))
+            item.comment(f"from run to run, one standard deviation, {_scatter_unit(row)}")
+            item.trivia.comment_ws = " " * max(1, _REMARK_COLUMN - len(f"{name} = {item.as_string()}"))
+            table.append(tomlkit.key([section, key]), item)
+        elif _plain(table[section][key]) != std:
+            table[section][key] = float(std)
+
+
+def _scatter_unit(row: Row) -> str:
+    return "as a share of the value" if scatters_by_share(row) else f"in {row.unit}" if row.unit else "as a plain number"
 
 
 def _item(row: Row, number: float) -> Any:
@@ -370,19 +407,20 @@ def read_actuator(path: str | Path, complete: bool = True) -> Actuator:
     content = document.unwrap()
     about = _about(content.pop("actuator", {}), file)
     _take_effects(content.pop("effects", {}), known, values, file)
+    scatter = _scatter(content.pop(SCATTER, {}), file)
     sections = known.sections
     for section, table in content.items():
         if section not in sections:
-            near = nearest(section, [*sections, "effects", "actuator"])
-            raise InputError(f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, effects.<name>")
+            near = nearest(section, [*sections, "effects", "actuator", SCATTER])
+            raise InputError(f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, {SCATTER}, effects.<name>")
         _take(table, {row.field: row for row in sections[section]}, section, values, file)
     if not complete and is_incomplete(content):
         machine = [row for section, rows in sections.items() if section not in SETTINGS for row in rows]
         _complain(forgotten(content, machine), file)
         absent, nothing = left_out(content, machine)
-        return Actuator(values={**values, **nothing}, document=document, file=file, about=about, absent=absent)
+        return Actuator(values={**values, **nothing}, document=document, file=file, about=about, absent=absent, scatter=scatter)
     _require(content, sections, file)
-    return Actuator(values=values, document=document, file=file, about=about)
+    return Actuator(values=values, document=document, file=file, about=about, scatter=scatter)
 
 
 def _reason(error: TOMLKitError, text: str) -> str:
@@ -429,6 +467,54 @@ def _take_effects(table: object, known: Definitions, values: dict[str, float], f
         if name not in effects:
             raise InputError(f"{file}: effects.{name}: unknown effect{nearest(name, effects)}: effects are {', '.join(effects)}")
         _take(inner, {value.field: value for value in effects[name].parameters}, f"effects.{name}", values, file)
+
+
+def _scatter(table: object, file: str) -> dict[str, float]:
+    """What stands below [scatter], by name. Raises InputError."""
+    if not isinstance(table, dict):
+        raise InputError(f"{file}: {SCATTER}: not a table: write [{SCATTER}] with rows such as screw.csj_Nm = 0.006 below")
+    found: dict[str, float] = {}
+    for section, inner in table.items():
+        if "." in section:
+            raise InputError(f'{file}: {SCATTER}."{section}": a name in quotes: write {section} = ... without quotes')
+        rows = inner if isinstance(inner, dict) else {"": inner}
+        for key, value in rows.items():
+            name = f"{section}.{key}".rstrip(".")
+            found[name] = _std(_scattering_row(name, file), value, f"{file}: {SCATTER}.{name}")
+    return found
+
+
+def _scattering_row(name: str, file: str) -> Parameter:
+    """The row of a name below [scatter]. Raises InputError with the nearest known name."""
+    rows = scattering_rows()
+    if name in rows:
+        return rows[name]
+    where = f"{file}: {SCATTER}.{name}"
+    if name in load_definitions().by_name or name.startswith("effects"):
+        raise InputError(f"{where}: no value that scatters: leave it out, [{SCATTER}] holds numbers of {_scattering_sections()}")
+    same = [known for known, row in rows.items() if name in (row.field, row.section)]
+    near = nearest(name, same or rows)
+    raise InputError(f"{where}: unknown value{near}: rows are named section.field, of {_scattering_sections()}")
+
+
+def _scattering_sections() -> str:
+    return ", ".join(dict.fromkeys(row.section for row in scattering_rows().values()))
+
+
+def _std(row: Parameter, value: object, where: str) -> float:
+    """A standard deviation from run to run. Raises InputError that begins with `where`."""
+    upper = 1.0 if scatters_by_share(row) else row.upper
+    wanted = f"give one standard deviation from run to run, {_scatter_unit(row)}"
+    if isinstance(value, str):
+        raise InputError(f'{where} = "{value}": not a number: {wanted}, without quotes')
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{where} = {value}: not a number: {wanted}")
+    # compared before it is a float: a whole number may have more digits than any float
+    if not 0 <= value <= upper:
+        raise InputError(
+            f"{where}{f' = {value}' if isinstance(value, float) or abs(value) < 1e9 else ''}: outside 0 .. {upper:g}: {wanted}"
+        )
+    return float(value)
 
 
 def _require(content: Mapping[str, Any], sections: Mapping[str, tuple[Parameter, ...]], file: str) -> None:

@@ -20,7 +20,7 @@ from ema_tools.design.menu import Offence, SafeRange, limits_of, menu
 from ema_tools.design.runs import CommandRun, checked_channels, noise_rms, rows_noise, run_of, safe_of
 from ema_tools.design.typical import typical_change
 from ema_tools.fit.detection import Scatter, ShiftTest, scatter_by_search, scatter_by_signals
-from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
+from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.library.faults import FAULTS
 from ema_tools.plant.native import CHANNELS
 
@@ -153,7 +153,7 @@ class _Asked:
         self.names = {fault: value for fault, value in FAULTS.items() if actuator[value] > 0.0}
         self.noise = {name: noise[name] for name in channels}
         self.rod = noise["position_mm"]
-        self.own = {value: 100.0 * FROM_RUN_TO_RUN.get(value, 0.0) for value in self.names.values()}
+        self.own = {value: 100.0 * share_from_run_to_run(actuator, value) for value in self.names.values()}
 
     def search(self, one: CommandRun) -> Scatter:
         """What the onboard search scatters by."""
@@ -224,7 +224,7 @@ def detection(
     """The smallest shifts that are found under `command` (the actuator's reference chirp unless told), under the menu's commands, under the chirp moved, and under `more` ones.
 
     `noise` of the channels, rms at 1 kHz: the rod's is the actuator's own unless told, the others as of common sensors. `scatter_percent`: by what the onboard search reads healthy runs of the
-    present command apart, as `ema calibrate` says; the usual unless told. Raises InputError for channels and commands that do not exist.
+    present command apart, as `ema calibrate` says; what the actuator states, else the usual, unless told. Raises InputError for channels and commands that do not exist.
     """
     tell = report or untold
     recorded = checked_channels(channels)

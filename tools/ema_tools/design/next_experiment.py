@@ -160,7 +160,7 @@ def _evidence(actuator: Actuator, one: CommandRun, channels: Sequence[str], nois
         one.record,
         tuple(channels),
         base,
-        spreads.from_run_to_run(),
+        spreads.from_run_to_run(actuator),
         Whitener.of(power, one.record.rows),
         power,
         np.empty((0, *base.shape)),

@@ -153,20 +153,15 @@ def scatter_by_search(
 ) -> Scatter:
     """Of a least-squares search by the rod position alone, as the onboard one, whose sensor has white `noise` (rms, mm, per row).
 
-    `own_percent`: what each value itself differs by from run to run. With `day_searched` grease and winding are searched beside, else what they differ by moves the estimates.
+    `own_percent`: what each value itself differs by from run to run. With `day_searched` grease and winding are searched beside; what scatters and is not searched moves the estimates.
     """
-    moving = {one.title: 100.0 * one.std for one in spreads.from_run_to_run() if one.title not in names and actuator[one.title] > 0.0}
-    columns = _per_percent(actuator, record, [*names, *moving], {"position_mm": 1.0})
-    own = np.column_stack([columns[name] for name in names])
-    every = np.column_stack([own, *(columns[name] for name in moving)]) if day_searched else own
+    searched = [name for name in spreads.DAY if day_searched and name not in names and actuator[name] > 0.0]
+    columns, moving = _columns(actuator, record, [*names, *searched], {"position_mm": 1.0})
+    every = np.column_stack([columns[name] for name in (*names, *searched)])
     follow: Reals = np.asarray(np.linalg.pinv(every)[: len(names)], dtype=np.float64)
-    if day_searched:
-        found = _inverse(every.T @ every / noise**2)[: len(names), : len(names)]
-        followed = np.zeros_like(found)
-    else:
-        found = _inverse(own.T @ own / noise**2)
-        moved = np.column_stack([std * (follow @ columns[name]) for name, std in moving.items()]) if moving else np.zeros((len(names), 1))
-        followed = moved @ moved.T
+    found = _inverse(every.T @ every / noise**2)[: len(names), : len(names)]
+    moved = np.column_stack([np.zeros(len(names)), *(follow @ column for column in moving.values())])
+    followed = moved @ moved.T
     return Scatter(tuple(names), found, found + followed + _own(names, own_percent), _today(actuator, record, follow))
 
 
@@ -188,11 +183,10 @@ def _today(actuator: Actuator, record: Record, follow: Reals) -> Reals:
 def scatter_by_signals(
     actuator: Actuator, record: Record, names: Sequence[str], noise: Mapping[str, float], own_percent: Mapping[str, float]
 ) -> Scatter:
-    """The least that any unbiased estimate by the signals of `noise` (rms by name, per row) can have, with grease and winding that differ from run to run by what is usual."""
-    moving = {one.title: 100.0 * one.std for one in spreads.from_run_to_run() if one.title not in names and actuator[one.title] > 0.0}
-    columns = _per_percent(actuator, record, [*names, *moving], {name: std**-2.0 for name, std in noise.items()})
-    every = np.column_stack([columns[name] for name in (*names, *moving)])
-    known = np.diag([0.0] * len(names) + [std**-2.0 for std in moving.values()])
+    """The least that any unbiased estimate by the signals of `noise` (rms by name, per row) can have, with what else differs from run to run."""
+    columns, moving = _columns(actuator, record, names, {name: std**-2.0 for name, std in noise.items()})
+    every = np.column_stack([*(columns[name] for name in names), *moving.values()])
+    known = np.diag([0.0] * len(names) + [1.0] * len(moving))
     found = _inverse(every.T @ every + known)[: len(names), : len(names)]
     return Scatter(tuple(names), found, found + _own(names, own_percent), np.zeros(len(names)))
 
@@ -201,8 +195,14 @@ def _own(names: Sequence[str], own_percent: Mapping[str, float]) -> Reals:
     return np.diag([own_percent.get(name, 0.0) ** 2 for name in names])
 
 
-def _per_percent(actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]) -> dict[str, Reals]:
-    return {name: 0.01 * actuator[name] * slope for name, slope in slopes(actuator, record, names, weights).items()}
+def _columns(
+    actuator: Actuator, record: Record, names: Sequence[str], weights: Mapping[str, float]
+) -> tuple[dict[str, Reals], dict[str, Reals]]:
+    """How the weighted signals move per % of each value, and per standard deviation of what else scatters from run to run, by name."""
+    scattering = [one for one in spreads.from_run_to_run(actuator) if one.title not in names and one.moves(actuator)]
+    found = slopes(actuator, record, names, weights, scattering)
+    moving = {one.title: one.in_unit(actuator) * found[one.title] for one in scattering}
+    return {name: 0.01 * actuator[name] * found[name] for name in names}, moving
 
 
 def _inverse(normal: Reals) -> Reals:

@@ -29,7 +29,7 @@ from ema_tools.plant.native import library
 Seen = TypeVar("Seen")
 
 _SIDE_BY_SIDE = 16  # runs of one call at most: so many go through a model step together, further ones are for another core [effort]
-DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity [precision]
+_DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity [precision]
 _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero [precision]
 ROUGHNESS = 12.0  # differences smaller than this, in standard deviations of noise, may be the model's own roughness [precision]
 _CREDIBLE = 3.0  # how far what scatters may go, in spreads: more is not credible [chance]
@@ -83,6 +83,11 @@ def simulate_side_by_side(
     # the long ones first, so that no core waits for another at the end
     each(share, sorted(parts, key=len, reverse=True))
     return [found[place] for place in range(len(changes))]
+
+
+def slope_step(one: Spread) -> float:
+    """How far to take a spread for its slope, in its standard deviations."""
+    return _DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
 
 
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
@@ -352,7 +357,7 @@ class View:
 
         def of_spread(place: int) -> Reals:
             one = self.evidence.spread[place]
-            step = 2.0 * DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+            step = 2.0 * _DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
             apart = np.zeros(own.size)
             apart[place] = step
             try:
@@ -411,7 +416,7 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
 
     def toward(k: int) -> Step:
         one = evidence.spread[k]
-        step = DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+        step = slope_step(one)
         near = own.copy()
         near[k] += step
         return Step(values, near, step)

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ema_tools.base.arrays import Reals
-from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.data.actuator import Actuator, row_of, scatters_by_share
 from ema_tools.library.definitions import is_size, load_definitions
-from ema_tools.library.faults import effect_of
+from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of, records
 
-# Usual scatter of one machine from run to run, relative: dry friction, grease, winding [physics]
+# Usual scatter of one machine from run to run, relative: dry friction, grease, winding; [scatter] of an actuator's file states its own in their place [physics]
 FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
+
+# Of these what the onboard search finds beside CSJ and BLK where it is told to search values of the day [physics]
+DAY = ("screw.viscous_Nm_s_per_rad", "motor.resistance_ohm")
 
 # Usual distance of one unit from its data sheet, relative: estimates, after the tolerances that makers of motors (constants 5 .. 10 %,
 # resistance 5 .. 10 %) and screws state. Torque and back-EMF constant are one property of the magnets and move together [physics]
@@ -70,6 +75,14 @@ class Spread:
         """The value that stands for all."""
         return self.names[0]
 
+    def moves(self, actuator: Actuator) -> bool:
+        """Whether it moves anything: a share of zero does not."""
+        return not self.relative or actuator[self.title] > 0.0
+
+    def in_unit(self, actuator: Actuator) -> float:
+        """One standard deviation of the first value, in its unit."""
+        return self.std * abs(actuator[self.title]) if self.relative else self.std
+
     def changes(self, actuator: Actuator, deviations: float) -> dict[str, float]:
         """The values at so many standard deviations from the actuator's own, held inside their ranges."""
         found = {}
@@ -90,9 +103,43 @@ def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Sequence[flo
     }
 
 
-def from_run_to_run(std: Mapping[str, float] | None = None) -> tuple[Spread, ...]:
-    """What scatters between runs; with the relative `std` by name, the usual ones when absent."""
-    return tuple(Spread((name,), value, True) for name, value in (std or FROM_RUN_TO_RUN).items())
+def share_from_run_to_run(actuator: Actuator, name: str) -> float:
+    """By how much a value differs from run to run, relative, without what its healthy records show: as the actuator states, else the usual; zero for what does not scatter."""
+    return actuator.scatter.get(name, FROM_RUN_TO_RUN.get(name, 0.0))
+
+
+def stated_std(actuator: Actuator, name: str) -> float | None:
+    """What the actuator states of a value's scatter from run to run, one standard deviation in its unit; None where it states nothing."""
+    std = actuator.scatter.get(name)
+    return None if std is None else Spread((name,), std, scatters_by_share(row_of(name))).in_unit(actuator)
+
+
+def from_run_to_run(actuator: Actuator) -> tuple[Spread, ...]:
+    """What scatters between runs: as the actuator states, and by the usual figure of what it does not state."""
+    std = {**FROM_RUN_TO_RUN, **actuator.scatter}
+    return tuple(Spread((name,), value, scatters_by_share(row_of(name))) for name, value in std.items() if value > 0.0)
+
+
+def from_day_to_day(actuator: Actuator) -> tuple[Spread, ...]:
+    """Of what scatters between runs that which no one searches for: grease, winding and what is stated besides, of those values that the actuator has at all."""
+    return tuple(one for one in from_run_to_run(actuator) if one.title not in FAULTS.values() and one.moves(actuator))
+
+
+def widths_shown(actuator: Actuator, usual: Sequence[Spread], shares: Reals, weight: float) -> Reals:
+    """By how many times the usual each spread scatters, [spreads], as `shares` [spreads, runs] of healthy runs show, in spreads; the usual counts as `weight` such runs.
+
+    What the actuator states is known, and a few runs do not change it.
+    """
+    widths = np.sqrt((weight + np.sum(shares**2, axis=1)) / (weight + shares.shape[1] - 1))
+    return np.where([one.title in actuator.scatter for one in usual], 1.0, widths)
+
+
+def _no_less_than_stated(actuator: Actuator, spread: Sequence[Spread]) -> tuple[Spread, ...]:
+    """The spread of a machine over more than two runs: no narrower than it is stated to be from one to the next, and with what is stated besides."""
+    stated = {one.title: one for one in from_run_to_run(actuator) if one.title in actuator.scatter}
+    wider = [replace(one, std=max([one.std, *(stated[name].std for name in one.names if name in stated)])) for one in spread]
+    named = {name for one in spread for name in one.names} | set(FAULTS.values())
+    return (*wider, *(one for name, one in stated.items() if name not in named and one.moves(actuator)))
 
 
 def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, ...]:
@@ -102,7 +149,7 @@ def from_data_sheet(actuator: Actuator, freedom: float = 1.0) -> tuple[Spread, .
 
 def of_today(actuator: Actuator) -> tuple[Spread, ...]:
     """How far a known machine may be today from what is known of it, of those values that the actuator has at all."""
-    values = tuple(Spread(names, std, True) for names, std in OF_TODAY.items() if actuator[names[0]] > 0.0)
+    values = _no_less_than_stated(actuator, [Spread(names, std, True) for names, std in OF_TODAY.items() if actuator[names[0]] > 0.0])
     sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().physical}
     effects = tuple(Spread((sizes[name],), record.today, False) for name, record in records().items() if record.today > 0.0)
     return (*values, *effects)
@@ -112,7 +159,7 @@ def of_unit(actuator: Actuator) -> tuple[Spread, ...]:
     """What is free in a unit that is known by its data sheet alone."""
     sheet = tuple(replace(one, std=WORN.get(one.title, one.std)) for one in from_data_sheet(actuator))
     gains = tuple(Spread(names, std, True) for names, std in UNIT_GAIN.items() if actuator[names[0]] > 0.0)
-    return (*sheet, *gains, *(Spread((name,), std, False) for name, std in UNIT_STANDING.items()))
+    return _no_less_than_stated(actuator, [*sheet, *gains, *(Spread((name,), std, False) for name, std in UNIT_STANDING.items())])
 
 
 def of_healthy_machine(actuator: Actuator, channels: Sequence[str]) -> tuple[Spread, ...]:

@@ -22,7 +22,7 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, start_of
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.evidence import DERIVATIVE_STEP, FAR, FAR_ROUNDS, Evidence, measured_channels, settled, simulate_channels
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, measured_channels, settled, simulate_channels, slope_step
 from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, smoothed, spectrum
 from ema_tools.plant.native import CHANNELS
@@ -150,18 +150,18 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
     deviations = runs - mean
     least = least_noise(mean)
     start = start_of(known, record)
-    usual = spreads.from_run_to_run()
+    usual = spreads.from_run_to_run(known)
     here = simulate_channels(known, record, channels, start)
 
     def moved(one: Spread) -> Reals:
-        step = DERIVATIVE_STEP / one.std
+        step = slope_step(one)
         return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start) - here) / step
 
-    directions = np.array(each(moved, usual))
+    directions = np.array(each(moved, usual)).reshape(len(usual), *here.shape)
     shares = np.linalg.lstsq(
-        (directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
+        (directions / level[:, None]).reshape(len(usual), here.size).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
     )[0]
-    widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
+    widths = spreads.widths_shown(known, usual, np.asarray(shares, dtype=np.float64), _USUAL_WEIGHT)
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
     power = smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
     widen = 1.0 + 1.0 / count
@@ -223,7 +223,7 @@ def alone_against_known(evidence: Evidence, known: Actuator, record: Record) -> 
         record,
         names,
         measured,
-        spreads.from_run_to_run(),
+        spreads.from_run_to_run(known),
         Whitener.of(power, record.rows),
         power,
         additive,

@@ -18,6 +18,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
+from ema_tools.fit.nuisance import stated_std
 from ema_tools.library.definitions import load_definitions
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
@@ -27,7 +28,7 @@ from ema_tools.select.torque_patterns import Pattern, pattern_of
 
 SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]
 _CHANCE = 0.995  # of a healthy record to lie below the limit of one value, to one side [chance]
-_LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell it: a day's grease moves friction by as much [judgement]
+_LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell it and none is stated: a day's grease moves friction by as much [judgement]
 _SEEN = (
     0.05  # a record that shows less of a value than this, as a share of the one that shows most, says nothing of its scatter [judgement]
 )
@@ -153,6 +154,12 @@ def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]
     ]
 
 
+def _least(actuator: Actuator, name: str, value: float) -> float:
+    """The least scatter of a value, in its unit: as the actuator states, else a share of `value`."""
+    stated = stated_std(actuator, name)
+    return _LEAST_SCATTER * abs(value) if stated is None else stated
+
+
 def healthy_machine(
     actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes = NONE, report: Report | None = None
 ) -> HealthyByBalance:
@@ -173,7 +180,8 @@ def healthy_machine(
         factor = known["screw.dynamic_ratio"] if name == "screw.csj_Nm" else 1.0
         spread = _rms([float(one[0]) / (factor or 1.0) for one in _alone(base[:, place : place + 1], left, group)])
         if math.isfinite(spread):
-            scatter[name] = spread if sure else max(spread, _LEAST_SCATTER * abs(known[name]))
+            # what records show holds what the model lacks of them, too: what is stated from run to run is the least
+            scatter[name] = max(spread, _least(known, name, 0.0 if sure else known[name]))
     squares = [float(np.mean(left[group == number] ** 2)) for number in np.unique(group)]
     tell(1.0, "done")
     return HealthyByBalance(
@@ -215,7 +223,7 @@ def changes_of(
             continue
         if not math.isfinite(spread):
             # the size of a standing effect differs as much as all of its machine does
-            spread = _LEAST_SCATTER * abs(healthy)
+            spread = _least(machine.actuator, name, healthy)
         limit, value = machine.limit(spread, *stds), free.values[name]
         counts = abs(value - healthy) > limit
         if counts:

@@ -29,8 +29,6 @@ from ema_tools.select.baseline import common_channels, gather, same_command
 from ema_tools.select.candidates import candidates
 from ema_tools.select.matched_filter import Screen
 
-# Values that have a spread of their own beside CSJ and BLK, relative.
-SCATTER = {name: std for name, std in spreads.FROM_RUN_TO_RUN.items() if name not in FAULTS.values()}
 _FREE = 0.3  # how far CSJ and BLK may move while the starts are sought, relative [judgement]
 _CREDIBLE = 3.0  # what scatters goes no farther than this, in its spreads: it would stand in for what is missing [chance]
 _NEAR = 0.01  # of the way between the ends of what a day does: nearer to one, and it lies on it [precision]
@@ -93,8 +91,8 @@ class KnownMachine:
         self.evidence = evidence
         self.actuator = evidence.actuator
         self.faults = tuple(name for name in FAULTS.values() if self.actuator[name] > 0.0)
-        shown = {one.title: one.std for one in evidence.spread} if evidence.relative else {}
-        self.scatter = {name: shown.get(name, std) for name, std in SCATTER.items() if self.actuator[name] > 0.0}
+        shown = {one.title: one for one in evidence.spread} if evidence.relative else {}
+        self.scatter = {one.title: shown.get(one.title, one) for one in spreads.from_day_to_day(self.actuator)}
         self._level = np.sqrt(evidence.noise[:, :1])  # [channels, 1]: white without repeats
         count = len(evidence.additive)
         added = (
@@ -114,7 +112,7 @@ class KnownMachine:
         return other
 
     def today(self, base: MachineFit) -> dict[str, float]:
-        """Grease and winding as they are today, by name."""
+        """Grease, winding and what else scatters as they are today, by name."""
         return {name: base.values[name] for name in self.scatter}
 
     @property
@@ -159,7 +157,7 @@ class KnownMachine:
         inside = ends or {}
         unknowns = [self._unknown(name, value, inside.get(name)) for name, value in first.items() if name in free]
         scatter = [
-            (one.name, self.actuator[one.name], self.scatter[one.name] * self.actuator[one.name])
+            (one.name, self.actuator[one.name], self.scatter[one.name].in_unit(self.actuator))
             for one in unknowns
             if one.name in self.scatter
         ]
@@ -192,14 +190,25 @@ class KnownMachine:
         """Where a value may lie."""
         row = row_of(name)
         if name in self.scatter:
-            # few records show little of how far a day may go
-            reach = max(_CREDIBLE * self.scatter[name], _FAR * spreads.OF_TODAY[(name,)] if self.evidence.relative else 0.0)
-            return (1.0 - reach) * self.actuator[name], (1.0 + reach) * self.actuator[name]
+            lower, upper = self._day(name)
+            return max(lower, row.lower), min(upper, row.upper)
         return row.lower, row.upper
+
+    def _day(self, name: str) -> tuple[float, float]:
+        """How far a day may take what scatters."""
+        one = self.scatter[name]
+        if not one.relative:
+            return self.actuator[name] - _CREDIBLE * one.std, self.actuator[name] + _CREDIBLE * one.std
+        # few records show little of it
+        today = next((std for names, std in spreads.OF_TODAY.items() if name in names), 0.0)
+        reach = max(_CREDIBLE * one.std, _FAR * today if self.evidence.relative else 0.0)
+        return (1.0 - reach) * self.actuator[name], (1.0 + reach) * self.actuator[name]
 
     def _scale(self, name: str, first: float) -> float:
         if name.endswith("phase_rad"):
             return _PHASE_SCALE
+        if name in self.scatter and not self.scatter[name].relative:
+            return self.scatter[name].std * _TODAY_STEP / _STEP
         return max(abs(first), 1e-9 if name.startswith("effects.") else 0.3 * abs(self.actuator[name]))
 
     def base(self, estimates: Mapping[str, float]) -> MachineFit:
@@ -240,7 +249,7 @@ class KnownMachine:
 
     def at_reach(self, base: MachineFit) -> bool:
         """Whether grease or winding would have to go farther than a day takes them."""
-        ends = {name: self._ends(name) for name in self.scatter}
+        ends = {name: self._day(name) for name in self.scatter}
         return any(
             not lower + _NEAR * (upper - lower) < base.values[name] < upper - _NEAR * (upper - lower)
             for name, (lower, upper) in ends.items()
@@ -281,7 +290,7 @@ class KnownMachine:
         machine = self.actuator.changed(base.values)
         free = tuple(Spread((name,), _FREE, True) for name in self.faults if machine[name] > 0.0 and name != held)
         here = view(
-            replace(self.evidence, actuator=machine, spread=(*free, *spreads.from_run_to_run(self.scatter))),
+            replace(self.evidence, actuator=machine, spread=(*free, *self.scatter.values())),
             {},
         )
         tasks = [
@@ -374,10 +383,10 @@ def compared(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> C
 
 
 def known_machine(actuator: Actuator, record: Record) -> Evidence:
-    """Evidence of a record of a machine that is as `actuator` says, of which only grease and winding scatter from run to run; CSJ and BLK are left to be fitted."""
+    """Evidence of a record of a machine that is as `actuator` says, of which only grease, winding and what the file states scatter from run to run; CSJ and BLK are left to be fitted."""
     return as_known(gather(actuator, record, channels=live(record)))
 
 
 def as_known(unit: Evidence) -> Evidence:
     """The evidence with the free values of a machine that is known."""
-    return replace(unit, spread=spreads.from_run_to_run({name: std for name, std in SCATTER.items() if unit.actuator[name] > 0.0}))
+    return replace(unit, spread=spreads.from_day_to_day(unit.actuator))

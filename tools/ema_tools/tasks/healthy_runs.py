@@ -13,11 +13,12 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.data.records import Record
 from ema_tools.fit.detection import USUAL_WEIGHT, ShiftTest
-from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
+from ema_tools.fit.interval import scatter_of
+from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, identified_of, run
 
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
@@ -59,13 +60,25 @@ def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSet
                 )
     values, std = {}, {}
     count = len(answers)
+    names = tuple(estimate.name for estimate in answers[0].identified)
+    stated = _stated(actuator, records[0], names, search) if count > 1 else {}
     for place, estimate in enumerate(answers[0].identified):
         found = np.array([answer.identified[place].estimate for answer in answers])
         own = np.array([answer.identified[place].std for answer in answers])
         scatter = float(np.std(found, ddof=1)) if count > 1 else 0.0
         values[estimate.name] = float(np.mean(found))
-        std[estimate.name] = max(scatter, float(np.sqrt(np.mean(own**2)))) / float(np.sqrt(count))
+        noise = float(np.sqrt(np.mean(own**2)))
+        apart = math.hypot(stated[estimate.name], noise) if estimate.name in stated else max(scatter, noise)
+        std[estimate.name] = apart / float(np.sqrt(count))
     return Baseline(values, std, count, {name: one * math.sqrt(count) for name, one in std.items()} if count > 1 else {})
+
+
+def _stated(actuator: Actuator, record: Record, names: Sequence[str], search: SearchSettings) -> dict[str, float]:
+    """By how much the search reads runs apart, sensor noise aside, of those values whose scatter the actuator states: that is known, and a few runs do not change it."""
+    if not set(names) & set(actuator.scatter):
+        return {}
+    read = scatter_of(actuator, record, names, dict(zip(CHANNELS, search.weight or POSITION_ALONE, strict=True)))
+    return {name: std for name, std in read.items() if name in actuator.scatter}
 
 
 @dataclass(frozen=True)
@@ -80,7 +93,7 @@ class HealthyRuns:
 
 
 def scatter_shown(apart: Sequence[float], usual: float, means: int = 1) -> float:
-    """Standard deviation from run to run, by how far runs lie from their mean and by what is `usual`; `means`: that were taken of these runs."""
+    """Standard deviation from run to run, by how far runs lie from their mean and by what is `usual`, or stated where no runs are to tell; `means`: that were taken of these runs."""
     return math.sqrt((USUAL_WEIGHT * usual**2 + float(np.sum(np.square(apart)))) / (USUAL_WEIGHT + len(apart) - means))
 
 
@@ -123,11 +136,12 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
         name = estimate.name
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
-        usual = math.hypot(FROM_RUN_TO_RUN.get(name, 0.0) * known[name], noise if math.isfinite(noise) else 0.0)
-        shown = [one.estimate - known[name] for one in read]
+        usual = math.hypot(share_from_run_to_run(known, name) * known[name], noise if math.isfinite(noise) else 0.0)
+        # what the actuator states is known, and a few runs do not change it
+        shown = [] if name in known.scatter else [one.estimate - known[name] for one in read]
         other = _ALSO_SHOWN.get(name)
-        if other is not None and other in beside.known.scatter:
-            shown += [(base.values[other] / known[other] - 1.0) / FROM_RUN_TO_RUN[other] * usual for base in bases]
+        if shown and other is not None and other in beside.known.scatter:
+            shown += [(base.values[other] / known[other] - 1.0) / share_from_run_to_run(known, other) * usual for base in bases]
         std[name] = scatter_shown(shown, usual, len(shown) // count)
     least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name], count) for name in names)
     if search.identified is None:

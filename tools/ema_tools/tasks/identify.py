@@ -16,7 +16,7 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.interval import scatter_of
-from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
+from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.known_machine import blocked, compared, repeats_of
@@ -74,18 +74,24 @@ class Identified:
         return interval95(one.estimate, one.std, bias, self.day_std(one.name))
 
     def day_std(self, name: str) -> float:
-        """By how much a machine's value is read apart from run to run: as its healthy records show it where there are two or more, against the mean of those; else the usual."""
+        """By how much a machine's value is read apart from run to run, against the mean of its healthy records where there are two or more: as the actuator states, as those records show it,
+        else the usual."""
         # what scatters does so by a share of itself
-        grown = max(1.0, self.actuator[name] / self.healthy[name]) if name in FROM_RUN_TO_RUN and self._shown else 1.0
+        grown = max(1.0, self.actuator[name] / self.healthy[name]) if self._scatters(name) and self._shown else 1.0
         return grown * self.healthy_std(name)
 
     def healthy_std(self, name: str) -> float:
         """The same of a healthy machine."""
         if self.baseline is None or not self._shown:
             return self.scatter.get(name, 0.0)
-        # their mean is not known better, nor is what so few show of the scatter
+        # their mean is not known better, nor is what so few show of the scatter where it is not stated
         doubt = 1.0 + 1.0 / self.baseline.records
-        return self.baseline.scatter[name] * (doubt if name in FROM_RUN_TO_RUN else math.sqrt(doubt))
+        twice = self._scatters(name) and name not in self.healthy.scatter
+        return self.baseline.scatter[name] * (doubt if twice else math.sqrt(doubt))
+
+    def _scatters(self, name: str) -> bool:
+        """Whether the value itself differs from run to run."""
+        return share_from_run_to_run(self.healthy, name) > 0.0
 
     @property
     def _shown(self) -> bool:

@@ -22,7 +22,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit.detection import ShiftTest, false_alarms, rate_text
 from ema_tools.fit.interval import scatter_of
-from ema_tools.fit.nuisance import FROM_RUN_TO_RUN
+from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather
@@ -78,7 +78,7 @@ def own_machine(
     names = identified_of(found)
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
     found, answers = _searched(found, repeats)
-    own_scatter = {name: FROM_RUN_TO_RUN.get(name, 0.0) * found[name] for name in names} if answers[0].day else usual
+    own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
     scatter: dict[str, float] = {}
     by_noise: dict[str, float] = {}
     for place, name in enumerate(names):
@@ -89,9 +89,9 @@ def own_machine(
                 f"{repeats[0].file}: {name}: the onboard search does not determine it on these runs: record a longer or faster command"
             )
         by_noise[name] = noise / found[name]
-        scatter[name] = (
-            scatter_shown([one.estimate - found[name] for one in read], math.hypot(own_scatter.get(name, 0.0), noise)) / found[name]
-        )
+        stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
+        shown = [] if name in found.scatter else [one.estimate - found[name] for one in read]
+        scatter[name] = scatter_shown(shown, stated_or_usual, min(len(shown), 1)) / found[name]
     runs = len(repeats)
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
     exceeded = {name: false_alarms(least[name] / (100.0 * scatter[name]), runs, 1) for name in names}

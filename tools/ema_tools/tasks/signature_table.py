@@ -18,7 +18,7 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, nearest
 from ema_tools.data.records import Record, start_of
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.evidence import DERIVATIVE_STEP, measured_channels, simulate_channels
+from ema_tools.fit.evidence import measured_channels, simulate_channels, slope_step
 from ema_tools.fit.whitening import least_noise
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.faults import FAULT_RECORDS, FAULTS
@@ -51,7 +51,6 @@ _SHARE_MAX = 0.3  # or at this share of its range, where it never stands out so 
 _SHARE_FIRST = 0.002  # ... beginning at this one ... [judgement]
 _SCALINGS = 4  # ... in so many steps ... [effort]
 _NEAR_ENOUGH = 0.3  # ... until it is this near to it, as a logarithm [judgement]
-_STEP_STD = 0.1  # of a spread: the step of a slope where the value is zero, as on the desk [precision]
 _USUAL_WEIGHT = 4.0  # the usual scatter counts as much as so many runs that had shown it [judgement]
 _INDEPENDENT = 1e-3  # two signatures of which less than this is the second's own are one [precision]
 
@@ -200,7 +199,7 @@ class _Bench:
 
     def of_spread(self, one: spreads.Spread) -> Reals:
         """What one standard deviation of a spread makes of the signals."""
-        step = DERIVATIVE_STEP / one.std if one.relative else _STEP_STD
+        step = slope_step(one)
         return np.asarray((self.run(one.changes(self.actuator, step)) - self.here) / step)
 
 
@@ -336,16 +335,16 @@ def _patterns(bench: _Bench, space: _Space, first: int) -> tuple[list[TablePatte
 def _noise(bench: _Bench, runs: Reals) -> tuple[Reals, Reals]:
     """Noise of a bin's mean, rms [signals], and widths of what scatters over the usual [spreads], of a run against the mean of healthy `runs` [count, signals, bins]."""
     count = len(runs)
-    usual = spreads.from_run_to_run()
+    usual = spreads.from_run_to_run(bench.actuator)
     mean = runs.mean(axis=0)
     deviations = runs - mean
     least = _LEAST_NOISE_PART * least_noise(mean)
     level = np.maximum(np.sqrt(np.mean(deviations**2, axis=(0, 2))), least)
-    directions = np.array(each(bench.of_spread, usual))
+    directions = np.array(each(bench.of_spread, usual)).reshape(len(usual), *mean.shape)
     shares = np.linalg.lstsq(
-        (directions / level[:, None]).reshape(len(usual), -1).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
+        (directions / level[:, None]).reshape(len(usual), mean.size).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
     )[0]
-    widths = np.sqrt((_USUAL_WEIGHT + np.sum(shares**2, axis=1)) / (_USUAL_WEIGHT + count - 1))
+    widths = spreads.widths_shown(bench.actuator, usual, shares, _USUAL_WEIGHT)
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
     noise = np.sqrt(np.mean(left**2, axis=(0, 2)) * count / (count - 1.0) + least**2)
     widen = np.sqrt(1.0 + 1.0 / count)
@@ -401,13 +400,17 @@ def _table(bench: _Bench, healthy: Sequence[Record]) -> Signatures:
     count = len(runs)
     noise, widths = _noise(bench, runs)
     bench.weight = 1.0 / noise
-    scattering = {
-        one.title: bench.weighted(bench.of_spread(one) * width) for one, width in zip(spreads.from_run_to_run(), widths, strict=True)
-    }
-    # what the search moves must not be read as an effect, however far it goes
-    searched = [name for name in scattering if actuator[DAY_VALUES] != 0.0 and name not in FAULTS.values() and actuator[name] > 0.0]
-    day = [scattering[name] for name in searched]
-    soft = np.column_stack([vector for name, vector in scattering.items() if name not in searched])
+    usual = spreads.from_run_to_run(actuator)
+    scattering = {one.title: bench.weighted(bench.of_spread(one) * width) for one, width in zip(usual, widths, strict=True)}
+    # what the search moves must not be read as an effect, however far it goes, also where it is stated not to scatter
+    searched = [name for name in spreads.DAY if actuator[DAY_VALUES] != 0.0 and actuator[name] > 0.0]
+    day = [
+        scattering[name]
+        if name in scattering
+        else bench.weighted(bench.of_spread(spreads.Spread((name,), spreads.FROM_RUN_TO_RUN[name], True)))
+        for name in searched
+    ]
+    soft = np.array([vector for name, vector in scattering.items() if name not in searched]).reshape(-1, bench.here.size).T
     steps = {key: FAULT_RECORDS[key].typical_share * actuator[name] for key, name in FAULTS.items() if actuator[name] > 0.0}
     vectors = {key: bench.vector({FAULTS[key]: actuator[FAULTS[key]] + step}) for key, step in steps.items()}
     space = _Space.of(soft, [*vectors.values(), *day])

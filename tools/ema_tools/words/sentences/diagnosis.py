@@ -10,6 +10,7 @@ from ema_tools.select.outcome import Named
 from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
+from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
 from ema_tools.words.sentences.sizes import size_text
 
@@ -18,6 +19,10 @@ def sentence(found: Answer) -> str:
     """The answer in a sentence or two."""
     if not found.gate.answerable:
         return validity.sentence(found.gate)
+    return f"{_said(found)}{few_records(len(found.evidence.repeats), found.evidence.actuator)}"
+
+
+def _said(found: Answer) -> str:
     first = f"{found.record.file}: "
     fall = f"weighted error {found.errors.before:.3g} before, {found.errors.after:.3g} after, floor {found.errors.floor:.3g}"
     faults = "; ".join(_fault_words(one, found.known) for one in found.faults)

@@ -12,6 +12,7 @@ from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSea
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
+from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.sizes import size_text
 
 _MORE = "record motor position, current and voltage too"
@@ -58,6 +59,8 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         scatter = ", ".join(
             f"{TITLES[name]} by {100.0 * found.healthy_std(name) / abs(found.healthy[name]):.2g} %" for name in checked.shift
         )
+        if set(checked.shift) & set(found.healthy.scatter):
+            return f"this unit differs too much from run to run to tell ({scatter}), as [scatter] of its file states, and only what further runs show again is a change"
         return (
             f"healthy records of this unit differ from each other too much to tell ({scatter}): more of them, at today's temperature, would"
         )
@@ -86,7 +89,12 @@ def reasons(found: Identified) -> tuple[str, ...]:
 
 
 def sentence(found: Identified) -> str:
-    """The answer in one sentence."""
+    """The answer in one sentence, and another where few healthy records stand behind it."""
+    few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
+    return f"{_verdict(found)}{few}"
+
+
+def _verdict(found: Identified) -> str:
     answer = found.answer
     shifts = ", ".join(_shift(estimate, found.healthy[estimate.name]) for estimate in answer.identified)
     unit = "" if found.weighted else " mm2 s"

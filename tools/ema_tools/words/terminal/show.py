@@ -19,6 +19,7 @@ from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import ForwardErrors, StepEntry
+from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.balance import forward_sentence, friction_sentence
 from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence
@@ -144,7 +145,8 @@ def own_machine(console: Console, own: OwnMachineEntry) -> None:
         f"{FAULTS[name.partition('.')[2]]} by {number(value, 2)} %, so that a fault is {number(own.least_percent[name], 2)} % and more"
         for name, value in own.scatter_percent.items()
     )
-    say(console, f"Its runs differ: {scatter}.")
+    few = f"; uncertain with {own.records} runs: give {SURE_RECORDS} or more" if own.records < SURE_RECORDS else ""
+    say(console, f"Its runs differ: {scatter}{few}.")
     for name, share in own.exceeded.items():
         say(
             console,
