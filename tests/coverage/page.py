@@ -197,8 +197,7 @@ def section(what: str, found: Measured, table: list[Explained], compiler: str) -
     ]
     for name, counts in rows:
         lines.append(
-            f"| {name} |"
-            + "".join(f" {count.total - count.hit} | {count.percent:.1f} |" if count.total else " | |" for count in counts)
+            f"| {name} |" + "".join(f" {count.total - count.hit} | {count.percent:.1f} |" if count.total else " | |" for count in counts)
         )
     explained = [row for row in table if any(kind in row.missed for kind in kinds)]
     lines += ["", f"### What is not reached of {' and '.join(kinds)}", ""]

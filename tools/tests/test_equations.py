@@ -26,7 +26,15 @@ ROWS = 400
 def points_of(seed: int) -> np.ndarray:
     """States all over the machine's range, the drive's voltage and a level of dry friction with its direction, [7, rows]; speeds of both signs, near zero and zero."""
     random = np.random.default_rng(seed)
-    spread = {"current_A": 5.0, "speed_rad_s": 200.0, "angle_rad": 50.0, "motor_mm": 5.0, "voltage_V": 40.0, "level_Nm": 0.2, "direction": 1.0}
+    spread = {
+        "current_A": 5.0,
+        "speed_rad_s": 200.0,
+        "angle_rad": 50.0,
+        "motor_mm": 5.0,
+        "voltage_V": 40.0,
+        "level_Nm": 0.2,
+        "direction": 1.0,
+    }
     points = np.array([spread[name] * random.uniform(-1.0, 1.0, ROWS) for name in POINT])
     points[POINT.index("speed_rad_s"), :40] *= 1e-3
     points[POINT.index("speed_rad_s"), 40] = 0.0
@@ -85,6 +93,31 @@ def test_the_effects_of_a_site_add_up(site: str) -> None:
 def test_a_site_that_gives_no_number_at_a_point_is_refused(site: str) -> None:
     with pytest.raises(InputError, match=f"site {site}"):
         library().site(*reference_actuator().arrays(), site, points_of(1))
+
+
+@pytest.mark.parametrize("site", WARMS)
+def test_what_warms_follows_the_references_rate(site: str) -> None:
+    (effect,) = (effect for effect in load_definitions().effects if effect.site == site)
+    actuator = reference_actuator().changed(example_of(effect.name))
+    module, values = module_of(effect.name), getattr(build(actuator.values).effects, effect.name)
+    time_s = np.arange(3_000) * 1e-3
+    current = 4.0 * np.sin(2.0 * np.pi * 0.7 * time_s)
+    found = library().warmth(*actuator.arrays(), site, current, 1e-3)
+    memory, resistance = 0.0, actuator["motor.resistance_ohm"]
+    expected = []
+    for row in range(time_s.size):
+        expected.append(module.change(values, memory))
+        # in pieces so small that Euler's rule is exact to what is asked
+        for piece in range(20):
+            amps = float(np.interp(1e-3 * (row + (piece + 0.5) / 20.0), time_s, current))
+            warm = 1.0 + (module.change(values, memory) if site == "WINDING" else 0.0)
+            memory += 5e-5 * module.rate_per_s(values, memory, resistance * warm * amps * amps)
+    assert np.max(np.abs(expected)) > 1e-3
+    assert found == pytest.approx(np.array(expected), abs=2e-4 * float(np.max(np.abs(expected))))
+    absent = actuator.changed({effect.size.name: effect.size.nominal})
+    assert not np.any(library().warmth(*absent.arrays(), site, current, 1e-3))
+    with pytest.raises(InputError, match="site VOLTAGE"):
+        library().warmth(*actuator.arrays(), "VOLTAGE", current, 1e-3)
 
 
 @pytest.mark.parametrize("effect", BEFORE_RUN, ids=lambda effect: effect.name)

@@ -31,7 +31,8 @@ _STEPS_MAX = 200  # in a row of the record; a stiffer contact is not solved [eff
 
 @dataclass(frozen=True)
 class _Windows:
-    """Where windows begin, [windows], and the rows of each; the measured motion, drive, contact, relative change of friction by temperature and known torque against extension of the whole record, [rows]."""
+    """Where windows begin, [windows], and the rows of each; of the whole record the measured motion, drive, contact, known torque against extension and
+    relative change of friction by temperature, [rows]."""
 
     begin: Integers
     rows: int

@@ -52,16 +52,30 @@ def _algebraic_current_A(plant: Plant, supply: drive.Supply, point: Point) -> fl
     part = plant.part
     change = sites.motor_change(part.effects, point)
     free = supply.voltage_V - motor.back_emf_V(part.motor, point.speed_rad_s, change)
-    plain = Point(0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+    plain = Point(
+        0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease
+    )
     resistance = part.motor.resistance_ohm * (1.0 + point.winding)
     lower = (free + sites.voltage_change_V(part.effects, plain)) / resistance
-    plain = Point(lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+    plain = Point(
+        lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease
+    )
     upper = (free + sites.voltage_change_V(part.effects, plain)) / resistance
     for _ in range(80):
         if lower == upper:
             break
         middle = 0.5 * (lower + upper)
-        plain = Point(middle, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+        plain = Point(
+            middle,
+            point.speed_rad_s,
+            point.angle_rad,
+            point.motor_mm,
+            point.voltage_V,
+            plant.data,
+            point.direction,
+            point.winding,
+            point.grease,
+        )
         excess = free + sites.voltage_change_V(part.effects, plain) - resistance * middle
         if (excess > 0.0) == (lower < upper):
             lower = middle
@@ -84,15 +98,23 @@ def point_of(plant: Plant, supply: drive.Supply, state: np.ndarray) -> Point:
     angle = state[ANGLE]
     winding = sites.winding_change(plant.part.effects, state)
     grease = sites.grease_change(plant.part.effects, state)
-    point = Point(
-        state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V, plant.data, 0.0, winding, grease
-    )
+    point = Point(state[CURRENT], state[SPEED], angle, plant.lead_mm_per_rad * angle, supply.voltage_V, plant.data, 0.0, winding, grease)
     if has_current_state(plant, supply):
         return point
     current = drive.limited(plant.part.drive, supply.reference_A)
     if supply.law == drive.MOTOR_LAW:
         current = _algebraic_current_A(plant, supply, point)
-    return Point(current, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease)
+    return Point(
+        current,
+        point.speed_rad_s,
+        point.angle_rad,
+        point.motor_mm,
+        point.voltage_V,
+        plant.data,
+        point.direction,
+        point.winding,
+        point.grease,
+    )
 
 
 @compiled

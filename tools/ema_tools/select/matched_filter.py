@@ -194,7 +194,7 @@ def _states(evidence: Evidence, view: View) -> States:
         turned / model["gearbox.ratio"],
         middle * model.lead_mm_per_rad,
         run.current_A,
-        evidence.record.period_s * np.arange(angle.size),
+        evidence.record.period_s * np.arange(angle.size, dtype=np.float64),
         model["motor.torque_constant_Nm_per_A"],
         model["motor.back_emf_V_s_per_rad"],
         model["screw.csj_Nm"] * model["screw.dynamic_ratio"],

@@ -51,7 +51,9 @@ LIBRARY: Mapping[str, Hidden] = {
             "shape": float(r.uniform(1.0, 2.5)),
         },
     ),
-    "load_dependent_stribeck": Hidden("ratio", 0.05, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0), "shape": float(r.uniform(1.0, 2.5))}),
+    "load_dependent_stribeck": Hidden(
+        "ratio", 0.05, shape=lambda r: {"speed_rad_s": _log(r, 3.0, 30.0), "shape": float(r.uniform(1.0, 2.5))}
+    ),
     # 1 to 40 % within a record
     "grease_warming": Hidden("fall", 0.05, shape=lambda r: {"time_s": _log(r, 1.0, 10.0)}),
     "presliding": Hidden("stretch_rad", 0.02),

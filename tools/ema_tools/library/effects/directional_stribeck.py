@@ -15,7 +15,9 @@ def _torque(states: States, shape: Shape) -> Reals:
 
 EFFECT = EffectRecord(
     shows="mechanical balance: extra friction in the moments around a reversal, more of it in one direction; the lowest third of the frequencies",
-    typical=Typical({"rise": 0.1, "asymmetry": 0.5, "speed_rad_s": 5.0}, "usual: a break-away of 1.1 to 2 times the sliding level, of either direction"),
+    typical=Typical(
+        {"rise": 0.1, "asymmetry": 0.5, "speed_rad_s": 5.0}, "usual: a break-away of 1.1 to 2 times the sliding level, of either direction"
+    ),
     slight=Slight(0.008),
     independent_shapes=12,
     special_case="stribeck_friction",

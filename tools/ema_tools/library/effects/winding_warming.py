@@ -5,7 +5,10 @@ from ema_tools.library.record import EffectRecord, Onboard, Slight, Typical
 
 EFFECT = EffectRecord(
     shows="electrical balance: voltage in proportion to the current that grows from the record's start to its end; the position shows it where currents are large",
-    typical=Typical({"rise_degC_per_W": 6.0, "time_s": 5.0}, "usual: 1 to 20 % of the resistance within a record; motor makers state 1 to 10 degC per W and seconds to minutes"),
+    typical=Typical(
+        {"rise_degC_per_W": 6.0, "time_s": 5.0},
+        "usual: 1 to 20 % of the resistance within a record; motor makers state 1 to 10 degC per W and seconds to minutes",
+    ),
     # what any winding does within a chirp: a degree or two
     slight=Slight(0.3),
     independent_shapes=2,
