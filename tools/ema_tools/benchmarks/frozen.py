@@ -213,12 +213,14 @@ def answer_to(arguments: Sequence[str]) -> dict[str, Any]:
 
 
 def _short(value: Any) -> Any:
-    """The same with long rows of numbers, which only a picture needs, as three numbers that a change of one of them moves."""
+    """The same with long lists, which only a picture needs, as three numbers that a change of one of them moves, and the words in them, each once."""
     if isinstance(value, dict):
         return {key: _short(one) for key, one in value.items()}
-    if isinstance(value, list) and len(value) > _LONG and not any(isinstance(one, str) for one in _leaves(value)):
-        numbers = np.array([one for one in _leaves(value) if one is not None], dtype=float)
-        return {"count": len(numbers), "sum": float(numbers.sum()), "rms": float(np.sqrt(np.mean(numbers**2))) if numbers.size else 0.0}
+    if isinstance(value, list) and len(value) > _LONG:
+        numbers = np.array([one for one in _leaves(value) if isinstance(one, (int, float))], dtype=float)
+        found = {"count": len(numbers), "sum": float(numbers.sum()), "rms": float(np.sqrt(np.mean(numbers**2))) if numbers.size else 0.0}
+        words = dict.fromkeys(one for one in _leaves(value) if isinstance(one, str))
+        return {**found, "words": list(words)} if words else found
     return [_short(one) for one in value] if isinstance(value, list) else value
 
 
