@@ -101,18 +101,26 @@ def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None
     fits = beside(known, base)
     if not fits:
         return "unknown", None, ()
+    unit = max(1.0, fits[0].cost / numbers)  # where the misfit that is left is more than noise, it is the yardstick
+    least = max(LEAST_LIMIT * unit, _LEAST_SHARE * excess)
+    fits = _without_needless(fits, least)
     best = fits[0]
     size, zero = next((name, row_of(name).nominal) for name in best.values if name.startswith(f"effects.{best.effect}."))
     if abs(best.values[size] - zero) < _LEAST_ERRORS * best.std.get(size, 0.0):
         return "unknown", None, ()
-    unit = max(1.0, best.cost / numbers)  # where the misfit that is left is more than noise, it is the yardstick
-    if base.cost - best.cost - penalty([best.effect]) < max(LEAST_LIMIT * unit, _LEAST_SHARE * excess):
+    if base.cost - best.cost - penalty([best.effect]) < least:
         return "unknown", None, ()
     if best.cost - known.floor > max(_UNEXPLAINED * excess, 6.0 * np.sqrt(2.0 * numbers)):
         return "unknown", None, ()
     alike = [one.effect for one in fits[1:] if one.cost - best.cost < _ALIKE * unit]
     alike += record_of(best.effect).inseparable
     return "missing", best, tuple(dict.fromkeys(alike))
+
+
+def _without_needless(fits: Sequence[MachineFit], least: float) -> list[MachineFit]:
+    """Without the fit of an effect that is another one in a special case and takes off less than `least` beyond that one."""
+    costs = {one.effect: one.cost for one in fits}
+    return [one for one in fits if costs.get(record_of(one.effect).special_case, np.inf) - one.cost >= least]
 
 
 def beside_faults(evidence: Evidence, effect: str) -> tuple[dict[str, float], dict[str, float]]:

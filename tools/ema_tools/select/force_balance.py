@@ -399,7 +399,16 @@ class ForceSearch:
                 refused.append(Refusal(effect, why, _of(effect, judged.fit.values), _of(effect, judged.fit.std), judged.fit.errors))
             else:
                 added.append(judged)
-        return sorted(added, key=lambda one: -one.gain), refused
+        needless = [one for one in added if self.needless(one, added)]
+        refused += [
+            Refusal(one.effect, f"{record_of(one.effect).special_case} does nearly as much with one value less") for one in needless
+        ]
+        return sorted((one for one in added if one not in needless), key=lambda one: -one.gain), refused
+
+    def needless(self, general: Tried, added: Sequence[Tried]) -> bool:
+        """Whether an effect that is another one in a special case takes off too little beyond that one."""
+        special = next((one for one in added if one.effect == record_of(general.effect).special_case), None)
+        return special is not None and self.share(special.fit, general.gain - special.gain) < LEAST_SHARE
 
     def pair(self, accepted: Fitted) -> tuple[Tried, Tried] | None:
         """Two effects of which neither may be added alone and each may beside the other, the pair that lowers the error most; the first of them as it is alone.

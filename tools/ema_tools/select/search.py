@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+
+import numpy as np
 
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.refit import Fit, best_of_each, joined, refit, seen_from, slopes, without_effect
+from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, promising, signatures
 from ema_tools.select.matched_filter import Screen
@@ -67,6 +71,36 @@ def _pruned(fit: Fit, limit: float) -> Fit:
     return current
 
 
+def _as_special_case(fit: Fit, effect: str) -> Fit | None:
+    """The fit with the effect in its special case, from the values that both have; None where it is no other's."""
+    special = record_of(effect).special_case
+    if not special:
+        return None
+    own = fit.of_effect(effect)
+    known = {f"effects.{row.name}" for row in load_definitions().effect(special).parameters}
+    shared = {name.replace(f"effects.{effect}.", f"effects.{special}."): value for name, value in own.items()}
+    return refit(fit.view, {**without_effect(fit.values, effect), **{name: value for name, value in shared.items() if name in known}})
+
+
+def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callable[[float], float]) -> tuple[Fit, ...]:
+    """Without the fit of an effect that is another one in a special case and does not take off beyond that one what a further effect must, `needed` at a cost."""
+    if not fits:
+        return fits
+    by_newest = {_newest(fit, held): fit for fit in reversed(fits)}
+    first = _newest(fits[0], held)
+    if record_of(first).special_case not in by_newest:
+        special = _as_special_case(fits[0], first)
+        if special is not None:
+            by_newest[record_of(first).special_case] = special
+            fits = best_of_each([*fits, special])
+
+    def needless(effect: str) -> bool:
+        special = by_newest.get(record_of(effect).special_case)
+        return special is not None and special.judged - by_newest[effect].judged < needed(special.cost)
+
+    return tuple(fit for fit in fits if not needless(_newest(fit, held)))
+
+
 def _newest(fit: Fit, held: Sequence[str]) -> str:
     return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
 
@@ -107,6 +141,8 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         confounded = strategy.confounded() if not rounds else []
         apart = {fit.effects[0] for fit in confounded}
         worth = not rounds or max(scores.values(), default=0.0) > _WORTH_REFITS * least
+        beyond = strategy.needed((), place + 1, cost)
+        apart |= {effect for effect, score in scores.items() if score - scores.get(record_of(effect).special_case, -np.inf) < beyond}
         finalists = _finalists([one for one in found if one.candidate.effect not in apart], strategy) if worth else []
         values = dict(steps[-1].values) if steps else {}
 
@@ -116,6 +152,7 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         fits = strategy.refined(best_of_each(each(refitted, finalists)), confounded, not rounds, cost)
         slight = {effect for fit in fits if strategy.is_slight(fit, effect := _newest(fit, held))}
         fits = tuple(fit for fit in fits if _newest(fit, held) not in slight)
+        fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1))
         scores = {name: score for name, score in scores.items() if name not in slight}
         limits = {fit.effects[0]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
         rounds.append(Round(scores, fits, limits))
