@@ -14,16 +14,12 @@ from pathlib import Path
 import pytest
 
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.library.definitions import load_definitions
 from support import ROOT
 
 PAGE = ROOT / "docs" / "ADD_AN_EFFECT.md"
 SHOWN = "quadratic_viscous"
 LIST = "include/ema/ema_effects.def"
 UNIT_NAMES = "tests/checks/unit_names.txt"
-# A set of effects has a bit for each; the page says what to do at the end of the bits.
-BITS = 32
-NARROW, WIDE = "typedef uint32_t ema_effect_set_t;", "typedef uint64_t ema_effect_set_t;"
 NOISE = "position_mm=0.002,motor_position_mm=0.002,current_A=0.03,voltage_V=0.02"
 COMMAND = "chirp:duration_s=3"
 LEVELS_NM = (0.1375, 0.1383, 0.1386)
@@ -252,9 +248,6 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Tree:
             shutil.copyfile(ROOT / name, folder / name)
     for new in NEW:
         follow(folder, new)
-    if len(load_definitions().effects) + len(NEW) > BITS:
-        plant = folder / "include" / "ema" / "ema_plant.h"
-        plant.write_text(plant.read_text(encoding="utf-8").replace(NARROW, WIDE), encoding="utf-8")
     run([sys.executable, "-B", folder / "tests" / "checks" / "check_units.py", "--root", folder], folder)
     build = folder / "build"
     options = ("-DEMA_TESTS=OFF", "-DEMA_PYTHON=OFF", "-DEMA_WERROR=ON", "-DCMAKE_BUILD_TYPE=Release")

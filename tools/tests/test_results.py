@@ -206,7 +206,11 @@ def test_a_spare_field_is_no_key_where_it_is_none() -> None:
 def _without_long_rows(value: Any) -> Any:
     """A frozen answer with its long rows, which are frozen as three numbers, empty."""
     if isinstance(value, dict):
-        return [] if set(value) == {"count", "sum", "rms"} else {key: _without_long_rows(one) for key, one in value.items()}
+        return (
+            []
+            if {"count", "sum", "rms"} <= set(value) <= {"count", "sum", "rms", "words"}
+            else {key: _without_long_rows(one) for key, one in value.items()}
+        )
     return [_without_long_rows(one) for one in value] if isinstance(value, list) else value
 
 

@@ -29,7 +29,7 @@ _ALIKE = 9.0  # fits whose costs differ by less than three standard deviations c
 _LEAST_SHARE = 0.05  # the share of the excess over sensor noise that a named effect must take off ... [judgement]
 _UNEXPLAINED = 0.1  # ... and with more than this share left the answer is that something is missing, not what [judgement]
 _LEAST_ERRORS = 2.0  # a named effect's size differs from none by so many standard errors [chance]
-_RIVALS = 16  # effects that are fitted in a fault's place, by their signatures: the best was never past the 11th [measured]
+_RIVALS = 20  # effects that are fitted in a fault's place, by their signatures: the best was never past the 18th [measured]
 _RIVAL_SHARE = 0.1  # of what a fault explains: an effect that leaves more after its first fit is no rival [judgement]
 
 
