@@ -16,11 +16,13 @@
 /* Reversals, break-aways, saturations and end stops that are located in one integration step. */
 #define EMA_EVENTS_MAX 8U
 
-/* Reals of state of all effects together, at least one so that the array exists. */
+/* Reals of state of all effects together, and the length of their array: at least one so that it exists. */
 enum {
     EMA_EFFECT_MEMORY_COUNT = 0
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) +(memory)
 #include "ema/ema_effects.def"
+    ,
+    EMA_EFFECT_MEMORY_LENGTH = (EMA_EFFECT_MEMORY_COUNT > 0) ? EMA_EFFECT_MEMORY_COUNT : 1
 };
 
 typedef enum {
@@ -52,7 +54,7 @@ typedef struct {
     ema_real previous_measure_mm;
     ema_real output;                          /* held between control instants */
     ema_real delay_output[EMA_DELAY_SAMPLES]; /* earlier outputs, while the drive delays them */
-    ema_real effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    ema_real effect_memory[EMA_EFFECT_MEMORY_LENGTH];
     ema_real delay_mm[EMA_DELAY_SAMPLES];
     ema_real
         outside_ratio; /* farthest that a learned table was used outside the range it was seen in, over that range */
@@ -180,6 +182,8 @@ typedef struct {
 /* A set of effects: one bit per row of ema_effects.def. */
 typedef uint64_t ema_effect_set_t;
 
+#define EMA_EFFECT_WORDS (((uint32_t)EMA_EFFECT_COUNT + 31U) / 32U)
+
 /* Where an effect acts. */
 typedef enum {
     EMA_SITE_PARAMETER = 0,
@@ -197,11 +201,14 @@ typedef enum {
 
 #define EMA_SITE_COUNT 11U
 
+#define EMA_TABLES_BIT 15U
+
 /* Which effects act while the model runs. */
 typedef struct {
-    bool any;                 /* one that acts on the motion */
-    uint8_t substeps;         /* integration steps in a model step that they need */
-    ema_effect_set_t present; /* that differ from zero; those at site PARAMETER do not act while it runs */
+    bool any;         /* one that acts on the motion */
+    uint8_t substeps; /* integration steps in a model step that they need */
+    uint16_t sites;   /* at which one acts, a bit for each ema_effect_site_t; EMA_TABLES_BIT: a learned table does */
+    uint32_t present[EMA_EFFECT_WORDS]; /* a bit for each effect that differs from zero, in the order of the list */
 } ema_active_t;
 
 /* The values that effects look at while the model runs. Those at site PARAMETER have done their work before, and tables
@@ -224,8 +231,8 @@ typedef struct {
 
 typedef struct {
     bool tries_whole_step; /* a model step, or each part of a late one, is tried in one before it is divided */
+    uint16_t substeps;
     ema_active_t active;
-    uint32_t substeps;
     const ema_effects_t* learned; /* where the tables lie; NULL while none acts */
     ema_pid_t pid;
     ema_drive_t drive;

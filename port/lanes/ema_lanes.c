@@ -9,6 +9,21 @@
         lanes->constant.name[l] = lanes->plant[l].block.name;                                                          \
     }
 
+/* Effects at site PARAMETER, as ema_active_t has them. */
+#define EMA_BEFORE_RUN(name, word)                                                                                     \
+    | (((uint32_t)EMA_EFFECT_ID_##name / 32U == (word)) ? ((uint32_t)1 << ((uint32_t)EMA_EFFECT_ID_##name % 32U)) : 0U)
+static const uint32_t ema_before_run[2] = {
+    /* of the first 32 rows, and of the others */
+    0U
+#define EMA_EFFECT_AT_PARAMETER(name) EMA_BEFORE_RUN(name, 0U)
+#include "ema/ema_effects.def"
+    ,
+    0U
+#define EMA_EFFECT_AT_PARAMETER(name) EMA_BEFORE_RUN(name, 1U)
+#include "ema/ema_effects.def"
+};
+_Static_assert(EMA_EFFECT_WORDS <= 2U, "a word here for each");
+
 bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other)
 {
     bool alike = (one->tries_whole_step == other->tries_whole_step) && (one->substeps == other->substeps)
@@ -20,9 +35,10 @@ bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other)
                  && ((one->drive.delay_part > EMA_R(0.0)) == (other->drive.delay_part > EMA_R(0.0)))
                  && (one->motor_circuit.algebraic == other->motor_circuit.algebraic)
                  && (one->current_loop.algebraic == other->current_loop.algebraic);
-    /* what acts before the run has become numbers of the plant */
-    const ema_effect_set_t running = ~ema_effects_at[EMA_SITE_PARAMETER];
-    alike = alike && ((one->active.present & running) == (other->active.present & running));
+    for (uint32_t k = 0; k < EMA_EFFECT_WORDS; ++k) {
+        /* what acts before the run has become numbers of the plant */
+        alike = alike && (((one->active.present[k] ^ other->active.present[k]) & ~ema_before_run[k]) == 0U);
+    }
     return alike;
 }
 

@@ -107,7 +107,7 @@ typedef struct {
     ema_lane_t rod_speed_mm_s;
     ema_lane_t integral;
     ema_lane_t output;
-    ema_lane_t effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    ema_lane_t effect_memory[EMA_EFFECT_MEMORY_LENGTH];
 } ema_lanes_state_t;
 
 /* ema_output_t */
@@ -173,7 +173,7 @@ typedef struct {
     ema_lane_t rod_speed_mm_s;
     ema_lane_t reaction_start_Nm;
     ema_lane_t reaction_end_Nm;
-    ema_lane_t effect_memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    ema_lane_t effect_memory[EMA_EFFECT_MEMORY_LENGTH];
 } ema_lanes_rod_t;
 
 typedef struct {

@@ -17,7 +17,9 @@ typedef struct {
 } ema_lanes_site_t;
 
 #define EMA_LANE_RUNS(name)                                                                                            \
-    ((lanes->plant[0].active.present & ((ema_effect_set_t)1 << (uint32_t)EMA_EFFECT_ID_##name)) != 0U)
+    (((lanes->plant[0].active.present[(uint32_t)EMA_EFFECT_ID_##name / 32U] >> ((uint32_t)EMA_EFFECT_ID_##name % 32U)) \
+      & 1U)                                                                                                            \
+     != 0U)
 
 /* Adds to `sum` what an effect makes of its values at the lanes' sites; `...` is what else it is given. What the
  * project's own effects look at is copied together lane by lane, which leaves nothing to do but to load it. */
@@ -106,7 +108,8 @@ static inline ema_site_t ema_lane_site(const ema_plant_t* plant, const ema_lanes
                              site->position_mm[l],
                              site->current_A[l],
                              site->voltage_V[l],
-                             site->direction[l]};
+                             site->direction[l],
+                             EMA_R(0.0)};
     return here;
 }
 
@@ -322,8 +325,8 @@ static inline ema_real ema_lane_friction(const ema_lanes_t* lanes, uint32_t l, e
     const ema_gearbox_t gearbox = {.loss_opposing = lanes->constant.loss_opposing[l],
                                    .loss_aiding = lanes->constant.loss_aiding[l]};
     const ema_real plain_Nm = own_Nm + ema_gearbox_loss(&gearbox, load_Nm, direction);
-    const ema_real total_Nm = ema_choose(acts, plain_Nm + change_Nm, plain_Nm);
-    return ema_max(ema_choose(warms, total_Nm + (grease * own_Nm), total_Nm), EMA_R(0.0));
+    const ema_real eased_Nm = ema_choose(warms, plain_Nm + (grease * own_Nm), plain_Nm);
+    return ema_max(ema_choose(acts, eased_Nm + change_Nm, eased_Nm), EMA_R(0.0));
 }
 
 /* The site at the point, and dry friction as the screw has it there; false when all lanes slide. */

@@ -7,12 +7,13 @@
 #include "ema_table.h"
 
 _Static_assert((size_t)EMA_EFFECT_COUNT <= (8U * sizeof(ema_effect_set_t)), "a set of effects has a bit for each");
-
-#define EMA_BIT(name) ((ema_effect_set_t)1 << (uint32_t)EMA_EFFECT_ID_##name)
+_Static_assert((uint32_t)EMA_SITE_COUNT <= EMA_TABLES_BIT, "a bit for each site, and one for tables");
 
 /* Whether an effect acts in this run; known beforehand of one that this build leaves out, so that nothing of it is
  * compiled. */
-#define EMA_RUNS(set, name) ((EMA_HAS_##name != 0) && (((set) & EMA_BIT(name)) != 0U))
+#define EMA_RUNS(words, name)                                                                                          \
+    ((EMA_HAS_##name != 0)                                                                                             \
+     && ((((words)[(uint32_t)EMA_EFFECT_ID_##name / 32U] >> ((uint32_t)EMA_EFFECT_ID_##name % 32U)) & 1U) != 0U))
 
 /* A learned table lies where the configuration does. */
 #define EMA_LEARNED(plant, name) (&(plant)->learned->name)
@@ -30,8 +31,8 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         const uint32_t site = row->site & (uint32_t)EMA_SITE_MASK;
         const bool table = row->site != site;
         if (*value != EMA_R(0.0)) {
-            const ema_effect_set_t bit = (ema_effect_set_t)1 << k;
-            active->present |= bit;
+            active->present[k / 32U] |= (uint32_t)1 << (k % 32U);
+            active->sites |= (uint16_t)(((uint32_t)1 << site) | (table ? ((uint32_t)1 << EMA_TABLES_BIT) : 0U));
             active->any =
                 active->any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
             active->substeps = (row->substeps > active->substeps) ? row->substeps : active->substeps;
@@ -42,27 +43,29 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         }
         value = &value[row->values];
     }
-    plant->learned = ((active->present & ema_tables_held) != 0U) ? effects : NULL;
+    plant->learned = (((uint32_t)active->sites >> EMA_TABLES_BIT) != 0U) ? effects : NULL;
 }
 
 /* The effects of this build that differ from zero: the first value of an effect is its size, and the list's nominal for
  * it is zero. */
-static ema_effect_set_t ema_effects_present(const ema_effects_t* effects)
+static void ema_effects_present(const ema_effects_t* effects, uint32_t present[EMA_EFFECT_WORDS])
 {
     const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
-    ema_effect_set_t present = 0U;
+    for (uint32_t k = 0; k < EMA_EFFECT_WORDS; ++k) {
+        present[k] = 0U;
+    }
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         if (*value != EMA_R(0.0)) {
-            present |= (ema_effect_set_t)1 << k;
+            present[k / 32U] |= (uint32_t)1 << (k % 32U);
         }
         value = &value[ema_effect_rows[k].values];
     }
-    return present;
 }
 
 void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 {
-    const ema_effect_set_t present = ema_effects_present(effects);
+    uint32_t present[EMA_EFFECT_WORDS];
+    ema_effects_present(effects, present);
 /* EMA-D1, EMA-D2 */
 #define EMA_ADJUST(name)                                                                                               \
     if (EMA_RUNS(present, name)) {                                                                                     \
@@ -159,8 +162,11 @@ static ema_real ema_site_outside(const ema_plant_t* plant, const ema_state_t* st
 
 ema_real ema_site_seen(const ema_plant_t* plant, ema_state_t* state)
 {
-    ema_site_t site = {plant,      state->speed_rad_s, state->angle_rad, state->rod_mm, state->current_A,
-                       EMA_R(0.0), EMA_R(0.0)};
+    ema_site_t site = {.plant = plant,
+                       .speed_rad_s = state->speed_rad_s,
+                       .angle_rad = state->angle_rad,
+                       .position_mm = state->rod_mm,
+                       .current_A = state->current_A};
     state->outside_ratio = ema_max(ema_site_outside(plant, state, &site), state->outside_ratio);
     site.position_mm = state->rod_mm;
     return ema_site_reading(plant, &site);
@@ -224,7 +230,7 @@ ema_real ema_site_ahead(const ema_plant_t* plant)
     return ahead;
 }
 
-void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s)
+void ema_site_warm_over(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s)
 {
     ema_real* const memory = state->effect_memory;
     const ema_real square_A2 = ema_mean_square_A2(start_A, state->current_A, ahead);
@@ -238,6 +244,11 @@ void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_
 #define EMA_EFFECT_AT_WINDING(name) EMA_WARM(name, heat_W)
 #define EMA_EFFECT_AT_GREASE(name) EMA_WARM(name, EMA_R(0.0))
 #include "ema/ema_effects.def"
+}
+
+void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A)
+{
+    ema_site_warm_over(plant, state, start_A, ema_site_ahead(plant), plant->step_s);
 }
 
 void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod)
@@ -254,7 +265,7 @@ void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* s
 void ema_site_transmission_trial(const ema_plant_t* plant, const ema_state_t* state, ema_real play_end_mm,
                                  ema_real span_s, ema_rod_t* rod)
 {
-    ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
+    ema_real memory[EMA_EFFECT_MEMORY_LENGTH];
     for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
         memory[k] = state->effect_memory[k];
     }

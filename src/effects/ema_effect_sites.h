@@ -61,70 +61,10 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
  * at while it runs. */
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
 
-/* The effects of this build at each site, and the learned tables wherever they act. */
-#define EMA_HELD_BIT(name) | ((ema_effect_set_t)EMA_HAS_##name << (uint32_t)EMA_EFFECT_ID_##name)
-static const ema_effect_set_t ema_effects_at[EMA_SITE_COUNT] = {
-    /* by ema_effect_site_t */
-    [EMA_SITE_PARAMETER] = 0U
-#define EMA_EFFECT_AT_PARAMETER(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_FRICTION] = 0U
-#define EMA_EFFECT_AT_FRICTION(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_TORQUE] = 0U
-#define EMA_EFFECT_AT_TORQUE(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_LOAD] = 0U
-#define EMA_EFFECT_AT_LOAD(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_VOLTAGE] = 0U
-#define EMA_EFFECT_AT_VOLTAGE(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_MOTOR] = 0U
-#define EMA_EFFECT_AT_MOTOR(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_PRESLIDING] = 0U
-#define EMA_EFFECT_AT_PRESLIDING(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_TRANSMISSION] = 0U
-#define EMA_EFFECT_AT_TRANSMISSION(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_READING] = 0U
-#define EMA_EFFECT_AT_READING(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_READING_TABLE(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_WINDING] = 0U
-#define EMA_EFFECT_AT_WINDING(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ,
-    [EMA_SITE_GREASE] = 0U
-#define EMA_EFFECT_AT_GREASE(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-};
-static const ema_effect_set_t ema_tables_held = 0U
-#define EMA_EFFECT_AT_FRICTION_TABLE(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_HELD_BIT(name)
-#define EMA_EFFECT_AT_READING_TABLE(name) EMA_HELD_BIT(name)
-#include "ema/ema_effects.def"
-    ;
-
 /* Whether effects act at a site of this plant; constant where the build has none there. */
 static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
 {
-    return (plant->active.present & ema_effects_at[site]) != 0U;
+    return ((((uint32_t)EMA_SITES_HELD & (uint32_t)plant->active.sites) >> (uint32_t)site) & 1U) != 0U;
 }
 
 /* Whether any acts on the motion. */
@@ -145,7 +85,9 @@ static inline bool ema_acts_by_warmth(const ema_plant_t* plant)
 /* Whether something adds to the rod sensor's reading, or a learned table acts: how far it is used is watched there. */
 static inline bool ema_acts_on_reading(const ema_plant_t* plant)
 {
-    return (plant->active.present & (ema_tables_held | ema_effects_at[EMA_SITE_READING])) != 0U;
+    const uint32_t asked = ((uint32_t)EMA_SITES_HELD & ((uint32_t)1 << (uint32_t)EMA_SITE_READING))
+                           | ((EMA_TABLES_HELD != 0) ? ((uint32_t)1 << EMA_TABLES_BIT) : 0U);
+    return ((uint32_t)plant->active.sites & asked) != 0U;
 }
 
 /* While it runs: the sum over the active effects of a site. */
@@ -163,9 +105,11 @@ void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_re
 /* Relative change of the winding's resistance, and of dry and viscous friction together. */
 ema_real ema_site_winding(const ema_plant_t* plant, const ema_real* memory);
 ema_real ema_site_grease(const ema_plant_t* plant, const ema_real* memory);
-/* After a span in which the current was `start_A` at first and the state's own in the end; its mean lies beyond the
- * middle of the two by the share `ahead` of its change. */
-void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s);
+/* After a model step in which the current was `start_A` at first. */
+void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A);
+/* After any span; the current's mean lies beyond the middle of its ends by the share `ahead` of its change. */
+void ema_site_warm_over(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead,
+                        ema_real span_s);
 /* That share in a step of a motor at a voltage that is held: the winding's own answer, at first the fastest. */
 ema_real ema_site_ahead(const ema_plant_t* plant);
 /* No winding loses more; a model that runs away stays finite here, until its current tells. */

@@ -13,6 +13,7 @@ typedef struct {
     ema_real current_A;
     ema_real voltage_V; /* applied by the drive */
     ema_real direction; /* of dry friction, -1 or 1, where its level is asked for */
+    ema_real grease;    /* relative change of dry and viscous friction by temperature */
 } ema_site_t;
 
 /* One integration step of what lies behind the play. */

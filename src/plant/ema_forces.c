@@ -9,17 +9,17 @@
 #include "ema_motor.h"
 #include "ema_screw.h"
 
-static ema_real ema_level(const ema_plant_t* plant, const ema_state_t* state, ema_site_t* site, ema_real level_Nm,
-                          ema_real load_Nm, ema_real direction)
+static ema_real ema_level(const ema_plant_t* plant, ema_site_t* site, ema_real level_Nm, ema_real load_Nm,
+                          ema_real direction)
 {
     const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, direction);
     ema_real total_Nm = own_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
+    if (ema_acts(plant, EMA_SITE_GREASE)) {
+        total_Nm += site->grease * own_Nm;
+    }
     if (ema_acts(plant, EMA_SITE_FRICTION)) {
         site->direction = direction;
         total_Nm += ema_site_friction(plant, site, own_Nm);
-    }
-    if (ema_acts(plant, EMA_SITE_GREASE)) {
-        total_Nm += ema_site_grease(plant, state->effect_memory) * own_Nm;
     }
     return ema_max(total_Nm, EMA_R(0.0));
 }
@@ -31,12 +31,11 @@ static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t
 {
     if (!ema_acts(plant, EMA_SITE_PRESLIDING)) {
         const ema_real direction = (ema_real)state->motion;
-        return -direction * ema_level(plant, state, site, plant->screw.dynamic_Nm, load_Nm, direction);
+        return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
     }
     const ema_real share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
     return -share
-           * ema_level(plant, state, site, plant->screw.dynamic_Nm, load_Nm,
-                       (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
+           * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
 }
 
 /* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion.
@@ -66,6 +65,7 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
                        plant->gearbox.lead_mm_per_rad * point->angle_rad,
                        point->current_A,
                        applied->current_loop ? applied->voltage_V : applied->input,
+                       EMA_R(0.0),
                        EMA_R(0.0)};
     forces->input = applied->input;
     forces->level_forward_Nm = EMA_R(0.0);
@@ -85,8 +85,8 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
         forces->torque_Nm += ema_site_torque(plant, &site);
     }
     if (ema_acts(plant, EMA_SITE_GREASE)) {
-        forces->torque_Nm -=
-            (ema_site_grease(plant, state->effect_memory) * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
+        site.grease = ema_site_grease(plant, state->effect_memory);
+        forces->torque_Nm -= (site.grease * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
     }
     if (ema_acts(plant, EMA_SITE_MOTOR)) {
         const ema_real change = ema_site_motor(plant, &site);
@@ -98,8 +98,8 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
             applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
     }
     if ((state->motion == (int32_t)EMA_MOTION_STUCK) && !ema_acts(plant, EMA_SITE_PRESLIDING)) {
-        forces->level_forward_Nm = ema_level(plant, state, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
-        forces->level_backward_Nm = ema_level(plant, state, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
+        forces->level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
+        forces->level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
     } else {
         forces->torque_Nm += ema_sliding_friction(plant, state, &site, load_Nm);
     }

@@ -86,7 +86,7 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
 {
     /* checked already: the bound says so where it is converted */
     const ema_real needed = ema_clamp(ema_substeps_needed(params, options), EMA_R(0.0), (ema_real)EMA_SUBSTEPS_MAX);
-    plant->substeps = (uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U);
+    plant->substeps = (uint16_t)((uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U));
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : plant->active.substeps;
     /* what is late is tried part by part, whether effects ask for it or not */
     /* a rod that swings within few steps is not followed by one that takes its play and its reaction for even */
@@ -96,7 +96,7 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     plant->tries_whole_step =
         (plant->substeps == 1U) && (options->substeps == 0) && (plant->drive.delayed || ((wanted > 1U) && !swings));
     if (plant->substeps < wanted) {
-        plant->substeps = wanted;
+        plant->substeps = (uint16_t)wanted;
     }
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;
@@ -164,8 +164,11 @@ void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;
     state->rod_mm = plant->start_mm;
-    const ema_site_t site = {plant,      state->speed_rad_s, state->angle_rad, plant->start_mm, state->current_A,
-                             EMA_R(0.0), EMA_R(0.0)};
+    const ema_site_t site = {.plant = plant,
+                             .speed_rad_s = state->speed_rad_s,
+                             .angle_rad = state->angle_rad,
+                             .position_mm = plant->start_mm,
+                             .current_A = state->current_A};
     const ema_real rod_mm = ema_encoder_rod(&plant->encoder, plant->start_mm)
                             + (ema_acts(plant, EMA_SITE_READING) ? ema_site_reading(plant, &site) : EMA_R(0.0));
     const ema_real seen_mm = plant->encoder.at_rod ? rod_mm : plant->start_mm;

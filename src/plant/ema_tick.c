@@ -29,7 +29,7 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, em
         ema_motion_step(plant, state, work);
     }
     if (ema_acts_by_warmth(plant)) {
-        ema_site_warm(plant, state, row->current_A, ema_site_ahead(plant), plant->step_s);
+        ema_site_warm(plant, state, row->current_A);
     }
     ema_motion_arrive(plant, state);
     ++state->step;

@@ -150,7 +150,10 @@ void main(void)
     ema_any_values();
     ema_any_state();
     ema_prepare_blocks();
-    plant.active.present = (ema_effect_set_t)Frama_C_unsigned_long_long_interval(0U, 0xffffffffffffffffU);
+    plant.active.sites = (uint16_t)Frama_C_unsigned_int_interval(0U, 0xffffU);
+    for (uint32_t word = 0; word < EMA_EFFECT_WORDS; ++word) {
+        plant.active.present[word] = Frama_C_unsigned_int_interval(0U, 0xffffffffU);
+    }
     switch (Frama_C_interval(0, 2)) {
     case 0:
         ema_block_control();

@@ -76,7 +76,7 @@ static void test_every_effect_at_zero_is_absent_bit_for_bit(void)
         EMA_ASSERT_SAME_BITS(&plain.plant.motor_circuit, &off.plant.motor_circuit, sizeof plain.plant.motor_circuit);
         EMA_ASSERT_SAME_BITS(&plain.plant.screw, &off.plant.screw, sizeof plain.plant.screw);
         TEST_ASSERT_FALSE(off.plant.active.any);
-        TEST_ASSERT_EQUAL_UINT32(plain.plant.substeps, off.plant.substeps);
+        TEST_ASSERT_EQUAL_UINT16(plain.plant.substeps, off.plant.substeps);
     }
 }
 
@@ -474,8 +474,8 @@ static void test_a_site_without_active_effects_adds_nothing(void)
     TEST_ASSERT_TRUE(ema_site_voltage(plant, &site) == EMA_R(0.0));
     TEST_ASSERT_TRUE(ema_site_motor(plant, &site) == EMA_R(0.0));
     TEST_ASSERT_TRUE(ema_site_reading(plant, &site) == EMA_R(0.0));
-    ema_real memory[EMA_EFFECT_MEMORY_COUNT + 1];
-    for (uint32_t k = 0; k <= (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+    ema_real memory[EMA_EFFECT_MEMORY_LENGTH];
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_LENGTH; ++k) {
         memory[k] = EMA_R(0.25);
     }
     TEST_ASSERT_TRUE(ema_site_presliding(plant, memory, EMA_R(0.1)) == EMA_R(0.0));
@@ -485,7 +485,7 @@ static void test_a_site_without_active_effects_adds_nothing(void)
     ema_site_transmission(plant, &step, memory, &rod);
     TEST_ASSERT_TRUE(rod.rod_mm == EMA_R(0.3));
     TEST_ASSERT_TRUE(rod.rod_speed_mm_s == EMA_R(0.0));
-    for (uint32_t k = 0; k <= (uint32_t)EMA_EFFECT_MEMORY_COUNT; ++k) {
+    for (uint32_t k = 0; k < (uint32_t)EMA_EFFECT_MEMORY_LENGTH; ++k) {
         TEST_ASSERT_TRUE(memory[k] == EMA_R(0.25));
     }
 }

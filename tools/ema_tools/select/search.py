@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import Evidence, View, settled
@@ -141,8 +139,6 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         confounded = strategy.confounded() if not rounds else []
         apart = {fit.effects[0] for fit in confounded}
         worth = not rounds or max(scores.values(), default=0.0) > _WORTH_REFITS * least
-        beyond = strategy.needed((), place + 1, cost)
-        apart |= {effect for effect, score in scores.items() if score - scores.get(record_of(effect).special_case, -np.inf) < beyond}
         finalists = _finalists([one for one in found if one.candidate.effect not in apart], strategy) if worth else []
         values = dict(steps[-1].values) if steps else {}
 
