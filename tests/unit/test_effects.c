@@ -479,6 +479,8 @@ static void test_a_site_without_active_effects_adds_nothing(void)
         memory[k] = EMA_R(0.25);
     }
     TEST_ASSERT_TRUE(ema_site_presliding(plant, memory, EMA_R(0.1)) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_winding(plant, memory) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_site_grease(plant, memory) == EMA_R(0.0));
     ema_site_presliding_keep(plant, memory, EMA_R(0.5));
     const ema_transmission_t step = {EMA_R(0.0), EMA_R(0.3), plant->substep_s, plant->gearbox.lead_mm_per_rad};
     ema_rod_t rod;
