@@ -236,7 +236,7 @@ void ema_site_warm_over(const ema_plant_t* plant, ema_state_t* state, ema_real s
     const ema_real square_A2 = ema_mean_square_A2(start_A, state->current_A, ahead);
     const ema_real resistance_ohm = plant->motor.resistance_ohm * (EMA_R(1.0) + ema_site_winding(plant, memory));
     const ema_real heat_W = ema_min(resistance_ohm * square_A2, EMA_HEAT_MAX_W);
-/* EMA-D1, EMA-D2 */
+/* EMA-D2 */
 #define EMA_WARM(name, heat)                                                                                           \
     if (EMA_RUNS(plant->active.present, name)) {                                                                       \
         ema_real* const place = &memory[EMA_MEMORY_PLACE(name)];                                                       \

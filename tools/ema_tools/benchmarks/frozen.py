@@ -204,12 +204,17 @@ def answered(case: FrozenCase) -> dict[str, Any] | None:
 
 
 def answer_to(arguments: Sequence[str]) -> dict[str, Any]:
-    """The answer of `ema diagnose` with these arguments, in the working folder."""
+    """The answer of `ema diagnose` with these arguments, in the working folder, as it is frozen."""
+    return {key: _short(value) for key, value in whole_answer_to(arguments).items() if key not in _LEFT_OUT}
+
+
+def whole_answer_to(arguments: Sequence[str]) -> dict[str, Any]:
+    """The same with all that it holds."""
     error = _called(["diagnose", *arguments, "--json", "answer.json"])
     if error:
         return {"error_line": error}
     result: dict[str, Any] = json.loads(Path("answer.json").read_text(encoding="utf-8"))
-    return {key: _short(value) for key, value in result.items() if key not in _LEFT_OUT}
+    return result
 
 
 def _short(value: Any) -> Any:

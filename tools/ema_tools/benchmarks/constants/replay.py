@@ -63,7 +63,7 @@ def replay(job: Job, out: TextIO) -> None:
         changed = install_change(job.keys, job.factor)
     else:
         read, imported = install_notes()
-    from ema_tools.benchmarks.frozen import answer_to
+    from ema_tools.benchmarks.frozen import whole_answer_to
 
     for name, folder in job.folders.items():
         read.clear()
@@ -71,7 +71,7 @@ def replay(job: Job, out: TextIO) -> None:
         with _copied(folder) as arguments:
             begun = time.perf_counter()
             try:
-                row["outline"] = outline(answer_to(arguments))
+                row["outline"] = outline(whole_answer_to(arguments))
             except Exception as error:
                 # a constant far from its value may break what relies on it: that is an answer too
                 row["broken"] = f"{type(error).__name__}: {error}"[:200]
