@@ -77,7 +77,9 @@ def _as_special_case(fit: Fit, effect: str) -> Fit | None:
     own = fit.of_effect(effect)
     known = {f"effects.{row.name}" for row in load_definitions().effect(special).parameters}
     shared = {name.replace(f"effects.{effect}.", f"effects.{special}."): value for name, value in own.items()}
-    return refit(fit.view, {**without_effect(fit.values, effect), **{name: value for name, value in shared.items() if name in known}})
+    start = {**without_effect(fit.values, effect), **{name: value for name, value in shared.items() if name in known}}
+    # the view of the fit holds the effect itself
+    return refit(settled(fit.view.evidence, start, fit.view.deviations, 1), start)
 
 
 def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callable[[float], float]) -> tuple[Fit, ...]:
