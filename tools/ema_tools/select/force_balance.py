@@ -143,7 +143,8 @@ class ForceSearch:
         self.bench = bench
         self.bench.keep_undetermined()
         self.report = report
-        others = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
+        sought = [effect.name for effect in load_definitions().physical if record_of(effect.name).in_balance]
+        others = [name for name in sought if name not in actuator.active_effects]
         self.effects = others if effects is None else list(effects)
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
