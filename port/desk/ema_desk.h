@@ -274,7 +274,7 @@ int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* b
  * in it. */
 int32_t ema_desk_adjusted(const double* values, const int32_t* options, double* adjusted);
 
-/* Sum over the active effects of `site`, an ema_effect_site_t while the model runs other than PRESLIDING and
+/* Sum over the active effects of `site`, an ema_effect_site_t while the model runs other than PRESLIDING,
  * TRANSMISSION, WINDING and GREASE. `points` is seven arrays of `rows`, one after the other: current A, speed rad/s,
  * angle rad, motor position mm (READING: the rod's), voltage V, level of dry friction Nm and its direction. */
 int32_t ema_desk_site(const double* values, const int32_t* options, int32_t site, const double* points, int32_t rows,

@@ -9,21 +9,6 @@
         lanes->constant.name[l] = lanes->plant[l].block.name;                                                          \
     }
 
-/* Effects at site PARAMETER, as ema_active_t has them. */
-#define EMA_BEFORE_RUN(name, word)                                                                                     \
-    | (((uint32_t)EMA_EFFECT_ID_##name / 32U == (word)) ? ((uint32_t)1 << ((uint32_t)EMA_EFFECT_ID_##name % 32U)) : 0U)
-static const uint32_t ema_before_run[2] = {
-    /* of the first 32 rows, and of the others */
-    0U
-#define EMA_EFFECT_AT_PARAMETER(name) EMA_BEFORE_RUN(name, 0U)
-#include "ema/ema_effects.def"
-    ,
-    0U
-#define EMA_EFFECT_AT_PARAMETER(name) EMA_BEFORE_RUN(name, 1U)
-#include "ema/ema_effects.def"
-};
-_Static_assert(EMA_EFFECT_WORDS <= 2U, "a word here for each");
-
 bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other)
 {
     bool alike = (one->tries_whole_step == other->tries_whole_step) && (one->substeps == other->substeps)
@@ -35,9 +20,10 @@ bool ema_lanes_alike(const ema_plant_t* one, const ema_plant_t* other)
                  && ((one->drive.delay_part > EMA_R(0.0)) == (other->drive.delay_part > EMA_R(0.0)))
                  && (one->motor_circuit.algebraic == other->motor_circuit.algebraic)
                  && (one->current_loop.algebraic == other->current_loop.algebraic);
-    for (uint32_t k = 0; k < EMA_EFFECT_WORDS; ++k) {
+    for (uint32_t k = 0; alike && (k < (uint32_t)EMA_EFFECT_COUNT); ++k) {
+        const uint32_t differ = one->active.present[k / 32U] ^ other->active.present[k / 32U];
         /* what acts before the run has become numbers of the plant */
-        alike = alike && (((one->active.present[k] ^ other->active.present[k]) & ~ema_before_run[k]) == 0U);
+        alike = (((differ >> (k % 32U)) & 1U) == 0U) || (ema_effect_rows[k].site == (uint8_t)EMA_SITE_PARAMETER);
     }
     return alike;
 }

@@ -19,7 +19,6 @@ from ema_tools.fit.evidence import Sensitivity, View, settled, view
 from ema_tools.fit.whitening import Whitener, counted, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
-from ema_tools.library.registry import record_of, records
 from ema_tools.results.codec import to_json
 from ema_tools.select.baseline import gather
 from ema_tools.select.candidates import candidates
@@ -84,11 +83,13 @@ def test_a_healthy_run_costs_what_the_repeats_cost_and_is_not_accused(healthy: l
 @needs_numba
 def test_every_effect_and_fault_is_a_candidate(healthy: list[Record]) -> None:
     here = settled(gather(reference_actuator(), healthy[-1], healthy[:-1]), {})
-    names = {candidate.effect for candidate in candidates(Screen(here))}
-    # a torque of one sign whose every shape the residual speaks against is none
-    against = {effect.name for effect in load_definitions().physical if record_of(effect.name).local is not None}
-    assert {*FAULTS, *(effect.name for effect in load_definitions().physical)} - against <= names <= {*FAULTS, *records()}
-    assert len(against - names) < len(against)
+    screen = Screen(here)
+    names = {candidate.effect for candidate in candidates(screen)}
+    every = {*FAULTS, *(effect.name for effect in load_definitions().physical)}
+    # a torque of one sign whose every shape the residual speaks against has none to try
+    against = {effect.name for effect in load_definitions().physical if screen.shapes_of(effect.name) == []}
+    assert names == every - against
+    assert len(against) <= 1
     assert "blk" not in {candidate.effect for candidate in candidates(Screen(here), without=("blk",))}
 
 

@@ -100,6 +100,7 @@ def test_decoys_are_refused_with_a_reason(hidden: tuple[Actuator, Record, ForceS
     assert "takes the same torque up" in reasons["inertia_change"]
     assert "only ratios" in reasons["magnet_weakening"]
     assert "does not show" in reasons["supply_sag"]
+    assert "by simulation alone" in reasons["load_dependent_stribeck"]
 
 
 def test_the_new_actuator_closes_the_balance(hidden: tuple[Actuator, Record, ForceSteps]) -> None:

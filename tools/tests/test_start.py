@@ -129,7 +129,9 @@ def test_a_closed_output_is_no_traceback(tmp_path: Path, closed: str) -> None:
 def test_ctrl_c_is_one_line_at_any_time(tmp_path: Path, loaded: str) -> None:
     """Interrupted while modules are loaded, and while the command works."""
     launcher = library_folder().parent / "ema"
-    arguments = [launcher, "simulate", REFERENCE, "--command", "chirp:duration_s=10000", "-o", tmp_path / "r.csv"]
+    # what a shell starts in the background ignores the signal, and so would its children
+    heard = ("env", "--default-signal=INT")
+    arguments = [*heard, launcher, "simulate", REFERENCE, "--command", "chirp:duration_s=10000", "-o", tmp_path / "r.csv"]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         maps = Path(f"/proc/{process.pid}/maps")
         while loaded not in maps.read_text(encoding="utf-8", errors="replace"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def electrical_model(actuator: Actuator, record: Record) -> Electrical:
     middle = Motion(current, speed, np.zeros_like(speed), angle, angle * actuator.lead_mm_per_rad)
     voltage = between_rows(record.voltage_V[:-1], *whole_and_rest(adjusted(actuator)["drive.output_delay_s"] / period))
     known = at_points(actuator, middle, "VOLTAGE", voltage_V=voltage)
-    warm = warmth(actuator, replace(middle, current_A=record.current_A), "WINDING", period)
+    warm = warmth(actuator, record.current_A, "WINDING", period)
     known -= 0.5 * (warm[1:] + warm[:-1]) * adjusted(actuator)["motor.resistance_ohm"] * current
     ripple = at_points(actuator, middle, "MOTOR")
     known -= adjusted(actuator)["motor.back_emf_V_s_per_rad"] * ripple * speed

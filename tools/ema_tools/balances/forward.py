@@ -14,7 +14,7 @@ import numpy as np
 
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.mechanical import best_placed, known_torque_Nm, mechanical_model, quiet_smoother
-from ema_tools.balances.motion import motion_of, warmth
+from ema_tools.balances.motion import motion_of
 from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.data.actuator import Actuator
@@ -73,9 +73,8 @@ def _squares(actuator: Actuator, record: AnyRecord) -> tuple[float, float] | Non
     if rows < 2 or not values["screw.inertia_kgm2"] > 0.0:
         return None
     known = known_torque_Nm(actuator, record, smoother)
-    eased = warmth(actuator, motion, "GREASE", record.period_s)
     begin = np.arange(first, last - rows, rows, dtype=np.int32)
-    seen = _Windows(begin, rows, motion.current_A, known, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, model.contact, eased)
+    seen = _Windows(begin, rows, motion.current_A, known, motion.speed_rad_s, motion.angle_rad, motion.motor_mm, model.contact, model.eased)
     return _solved(actuator, seen, record.period_s)
 
 
@@ -99,13 +98,14 @@ def _solved(actuator: Actuator, seen: _Windows, period_s: float) -> tuple[float,
     contact = seen.contact[begin].copy()
     active = {site: acts(actuator, site) for site in ("MOTOR", "TORQUE", "LOAD", "FRICTION")}
 
-    def at(site: str, current: Reals, moving: Reals, level: Reals, side: Reals) -> Reals:
+    none = np.zeros(begin.size)
+
+    def at(site: str, current: Reals, moving: Reals, level: Reals = none, side: Reals = none) -> Reals:
         if not active[site]:
             return np.zeros_like(current)
         points = np.stack([current, moving, angle, _per_rad(actuator) * angle + offset_mm, np.zeros_like(current), level, side])
         return np.asarray(library().site(*arrays, site, points))
 
-    none = np.zeros(begin.size)
     squares = total = 0.0
     damping = 1.0 + step * viscous / inertia
     for row in range(seen.rows):
@@ -115,12 +115,12 @@ def _solved(actuator: Actuator, seen: _Windows, period_s: float) -> tuple[float,
             share = (part + 0.5) / steps
             current = (1.0 - share) * seen.drive_A[begin + row] + share * seen.drive_A[begin + row + 1]
             known = (1.0 - share) * seen.against_Nm[begin + row] + share * seen.against_Nm[begin + row + 1]
-            drive = constant * (1.0 + at("MOTOR", current, speed, none, none)) * current
+            drive = constant * (1.0 + at("MOTOR", current, speed)) * current
             if limit > 0.0:
                 drive = np.clip(drive, -limit, limit)
-            passed = at("LOAD", current, speed, none, none) + values["screw.load_torque_Nm"]
+            passed = at("LOAD", current, speed) + values["screw.load_torque_Nm"]
             eased = seen.eased[begin + row]
-            net = drive + at("TORQUE", current, speed, none, none) - passed - known - eased * viscous * speed
+            net = drive + at("TORQUE", current, speed) - passed - known - eased * viscous * speed
             free = (speed + step / inertia * net) / damping
             side = np.sign(contact) if stretch else np.where(speed != 0.0, np.sign(speed), np.sign(free))
             level = static * np.where((speed != 0.0) | bool(stretch), ratio, 1.0) * (1.0 + asymmetry * side)

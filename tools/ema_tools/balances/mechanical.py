@@ -42,7 +42,8 @@ class Mechanical:
 
     drive = load + added + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
     one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
-    `load` and `added` are what effects and efficiency add, the latter while sliding; `static_extra` is what they add to the static level backward and forward, where the shaft rests.
+    `load` and `added` are what effects and efficiency add, the latter while sliding; `static_extra` is what they add to the static level backward and forward, where the shaft rests;
+    `eased`: relative change of dry and viscous friction by temperature.
     """
 
     smoother: Smoother
@@ -51,6 +52,7 @@ class Mechanical:
     added_Nm: Reals
     static_extra_Nm: tuple[Reals, Reals]
     contact: Reals
+    eased: Reals
     asymmetry: float
     columns: Reals
     time_s: Reals
@@ -101,7 +103,7 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     passed = load + values["screw.load_torque_Nm"]
     still = replace(motion, speed_rad_s=np.zeros_like(contact))
     torque = at_points(actuator, motion, "TORQUE")
-    eased = warmth(actuator, motion, "GREASE", record.period_s)
+    eased = warmth(actuator, motion.current_A, "GREASE", record.period_s)
     torque -= eased * values["screw.viscous_Nm_s_per_rad"] * motion.speed_rad_s
 
     def added(level: float, side: float, seen: Motion, rows: NDArray[np.bool_]) -> Reals:
@@ -124,6 +126,7 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
         added_Nm=use.as_seen(extra * contact),
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
+        eased=eased,
         asymmetry=asymmetry,
         columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, level, np.ones_like(contact)]),
         time_s=record.time_s,

@@ -59,11 +59,11 @@ def at_points(
     return total
 
 
-def warmth(actuator: Actuator, motion: Motion, site: str, period_s: float) -> Reals:
+def warmth(actuator: Actuator, current_A: Reals, site: str, period_s: float) -> Reals:
     """Relative change of what warms as the record runs, of the winding's resistance (WINDING) or of dry and viscous friction (GREASE), [rows]; zeros at no cost without such an effect."""
     if not acts(actuator, site):
-        return np.zeros(motion.current_A.size)
-    return np.asarray(library().warmth(*actuator.arrays(), site, motion.current_A, period_s))
+        return np.zeros(current_A.size)
+    return np.asarray(library().warmth(*actuator.arrays(), site, current_A, period_s))
 
 
 def between_rows(values: Reals, rows: int, share: float) -> Reals:

@@ -47,36 +47,35 @@ class Plant(NamedTuple):
 
 
 @compiled
+def _at_current(point: Point, current_A: float) -> Point:
+    """The same with another current."""
+    return Point(
+        current_A,
+        point.speed_rad_s,
+        point.angle_rad,
+        point.motor_mm,
+        point.voltage_V,
+        point.data,
+        point.direction,
+        point.winding,
+        point.grease,
+    )
+
+
+@compiled
 def _algebraic_current_A(plant: Plant, supply: drive.Supply, point: Point) -> float:
     """Current of a winding without inductance, in balance with what effects take of the voltage (which falls with it)."""
     part = plant.part
     change = sites.motor_change(part.effects, point)
     free = supply.voltage_V - motor.back_emf_V(part.motor, point.speed_rad_s, change)
-    plain = Point(
-        0.0, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease
-    )
     resistance = part.motor.resistance_ohm * (1.0 + point.winding)
-    lower = (free + sites.voltage_change_V(part.effects, plain)) / resistance
-    plain = Point(
-        lower, point.speed_rad_s, point.angle_rad, point.motor_mm, point.voltage_V, plant.data, point.direction, point.winding, point.grease
-    )
-    upper = (free + sites.voltage_change_V(part.effects, plain)) / resistance
+    lower = (free + sites.voltage_change_V(part.effects, _at_current(point, 0.0))) / resistance
+    upper = (free + sites.voltage_change_V(part.effects, _at_current(point, lower))) / resistance
     for _ in range(80):
         if lower == upper:
             break
         middle = 0.5 * (lower + upper)
-        plain = Point(
-            middle,
-            point.speed_rad_s,
-            point.angle_rad,
-            point.motor_mm,
-            point.voltage_V,
-            plant.data,
-            point.direction,
-            point.winding,
-            point.grease,
-        )
-        excess = free + sites.voltage_change_V(part.effects, plain) - resistance * middle
+        excess = free + sites.voltage_change_V(part.effects, _at_current(point, middle)) - resistance * middle
         if (excess > 0.0) == (lower < upper):
             lower = middle
         else:
@@ -104,17 +103,7 @@ def point_of(plant: Plant, supply: drive.Supply, state: np.ndarray) -> Point:
     current = drive.limited(plant.part.drive, supply.reference_A)
     if supply.law == drive.MOTOR_LAW:
         current = _algebraic_current_A(plant, supply, point)
-    return Point(
-        current,
-        point.speed_rad_s,
-        point.angle_rad,
-        point.motor_mm,
-        point.voltage_V,
-        plant.data,
-        point.direction,
-        point.winding,
-        point.grease,
-    )
+    return _at_current(point, current)
 
 
 @compiled

@@ -47,6 +47,7 @@ from ema_tools.select.foretold_drive import foretold_percent, reads_drive
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of, rows_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
+UNSOUGHT = "beside refitted base values it would stand in for others: it is sought by simulation alone (--method simulation)"
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
@@ -143,9 +144,9 @@ class ForceSearch:
         self.bench = bench
         self.bench.keep_undetermined()
         self.report = report
-        sought = [effect.name for effect in load_definitions().physical if record_of(effect.name).in_balance]
-        others = [name for name in sought if name not in actuator.active_effects]
-        self.effects = others if effects is None else list(effects)
+        others = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
+        self.effects = [name for name in others if record_of(name).in_balance] if effects is None else list(effects)
+        self.unsought = [Refusal(name, UNSOUGHT) for name in others if not record_of(name).in_balance]
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
         self.weak: list[Tried] = []  # of the last round: what was refused after it was judged
@@ -608,7 +609,7 @@ def improve_by_forces(
         "residual_before_Nm": first.residual,
         "residual_after_Nm": accepted.residual,
     }
-    refusals = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}))
+    refusals = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}), *search.unsought)
     return ForceSteps(
         actuator.changed(accepted.values),
         given,

@@ -70,6 +70,8 @@ def winding_rate_degC_per_s(v: Any, warmer_degC: float, loss_W: float) -> float:
 @kept_compiled
 def grease_warming(v: Any, time_s: float) -> float:
     """Dry and viscous friction over those at the start."""
+    if v["grease_warming.fall"] == 0.0:
+        return 1.0
     return 1.0 + v["grease_warming.fall"] * math.expm1(-time_s / v["grease_warming.time_s"])
 
 
