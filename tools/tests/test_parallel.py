@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Generator, Sequence
 
 import pytest
 
-from ema_tools.base.parallel import beside, each, in_step
+from ema_tools.base.parallel import beside, each, in_step, workers
 
 
 def halvings(number: int) -> Generator[int, float, list[float]]:
@@ -48,6 +49,35 @@ def test_each_keeps_the_order_and_raises_what_is_raised(count: int) -> None:
     if count:
         with pytest.raises(ZeroDivisionError):
             each(lambda number: 1 // number, range(count))
+
+
+def test_work_inside_of_work_waits_for_no_free_thread() -> None:
+    def inner(number: int) -> int:
+        return sum(each(lambda factor: number * factor, range(20)))
+
+    assert each(inner, range(40)) == [190 * number for number in range(40)]
+
+
+def test_the_error_of_the_first_item_is_raised_and_no_further_one_begins() -> None:
+    begun: list[int] = []
+    together = threading.Barrier(workers(), timeout=10.0)
+
+    def work(number: int) -> int:
+        begun.append(number)
+        together.wait()  # as many as there are threads
+        raise ValueError(str(number))
+
+    with pytest.raises(ValueError, match=r"^0$"):
+        each(work, range(10 * workers()))
+    assert len(begun) == workers()
+
+
+def test_a_process_that_was_forked_has_threads_of_its_own() -> None:
+    each(abs, range(4))
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if each(abs, range(-3, 1)) == [3, 2, 1, 0] else 1)
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_work_beside_the_body_raises_where_it_is_asked_for() -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -20,24 +20,56 @@ def workers() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
 
 
+@cache
+def _helpers() -> ThreadPoolExecutor:
+    """Threads that help whoever has work for several cores; kept, since starting them anew for each call costs as much as a short run of the model."""
+    return ThreadPoolExecutor(os.cpu_count() or 1)
+
+
+# a process that was forked has none of its parent's threads
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_helpers.cache_clear)
+
+
 def each(work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int], None] | None = None) -> list[Result]:
-    """`work` of every item, in their order. `done` is told how many are finished. The first exception ends it and is raised."""
-    if len(items) == 1 and done is None:
-        # no other core is of use
-        return [work(items[0])]
-    results: list[Result] = []
-    with ThreadPoolExecutor(max_workers=workers()) as pool:
-        futures = [pool.submit(work, item) for item in items]
-        try:
-            for count, future in enumerate(futures, start=1):
-                results.append(future.result())
-                if done is not None:
-                    done(count)
-        except BaseException:
-            for future in futures:
-                future.cancel()
-            raise
-    return results
+    """`work` of every item, in their order. `done` is told how many are finished, by the thread that asked. An exception ends it; of several the one of the first item is raised.
+
+    Who asks works too, so that work inside of work waits for no free thread.
+    """
+    results: dict[int, Result] = {}
+    failed: dict[int, BaseException] = {}
+    left = iter(range(len(items)))
+
+    def one_after_another() -> Iterator[None]:
+        for place in left:
+            try:
+                results[place] = work(items[place])
+            except BaseException as error:
+                failed[place] = error
+            if failed:
+                break
+            yield
+
+    def help_out() -> None:
+        for _ in one_after_another():
+            pass
+
+    helping = [_helpers().submit(help_out) for _ in range(min(workers(), len(items)) - 1)]
+    told = 0
+    try:
+        for _ in one_after_another():
+            while done is not None and told < len(results):
+                done(told := told + 1)
+    finally:
+        # nobody begins another item
+        for _ in left:
+            pass
+        wait([helper for helper in helping if not helper.cancel()])
+    if failed:
+        raise failed[min(failed)]
+    while done is not None and told < len(results):
+        done(told := told + 1)
+    return [results[place] for place in range(len(items))]
 
 
 def in_step(tasks: Sequence[Generator[Asked, Answer, Result]], answers: Callable[[Sequence[Asked]], Sequence[Answer]]) -> list[Result]:
