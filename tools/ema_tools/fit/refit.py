@@ -191,8 +191,6 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
         covariance = np.asarray(np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)], dtype=float)
         here = replace(here, covariance=covariance)
         before = here.view.plain_cost
-        if before - float(np.sum((seen.plain - columns @ step) ** 2)) < _JOINT_DONE:
-            break
         moves = (_joint_move(here, step, columns[:, len(rows) :], rows, exact) for exact in (False, True))
         # the cheap move first: where it comes to nothing, the way may bend
         there = next((move for move in moves if move is not None and before - move.view.plain_cost >= _JOINT_DONE), None)

@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, raw_cost
-from ema_tools.fit.refit import Fit, best_of_each, jointly, polished, refit, seen_from
+from ema_tools.fit.refit import Fit, best_of_each, polished, refit, seen_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
@@ -21,8 +21,6 @@ _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
 _WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
 _BESIDE_WEAR_MAX = 2  # ... and how many effects may follow [effort]
-_JOINT_ROUNDS = 2  # of the best fit together with what scatters [effort]
-_RUNS_AWAY = 5.0  # standard deviations of what scatters that no run makes [chance]
 _LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
 # Where a fault begins beside an effect, in healthy values: friction that grows moves the places of rest, and one beginning does not find them all [measured]
 _BESIDE_STARTS = (1.1, 1.3)
@@ -64,11 +62,8 @@ class WithRepeats(Strategy):
         return self.limit
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
-        """With what scatters linear where they are; the best then together with it: an effect that does what scatters too lies in a valley that bends."""
-        near = polished_near(fits, _POLISH_ROUNDS, self.limits)
-        together = [jointly(fit, _JOINT_ROUNDS) for fit in near[:1]]
-        # scatter that runs away stands in for an effect that is still to come
-        return best_of_each([*near, *(fit for fit in together if np.max(np.abs(fit.view.deviations), initial=0.0) < _RUNS_AWAY)])
+        """With what scatters linear where they are."""
+        return polished_near(fits, _POLISH_ROUNDS, self.limits)
 
     def is_no_answer(self, cost: float) -> bool:
         """So far above the floor."""
