@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -77,13 +77,14 @@ class PeriodicTorque:
 class LocalTorque:
     """A torque of one sign in a shape that is tried from a grid: `torque` on the motor shaft per unit of the size, positive accelerates, for states and a shape by field.
 
-    `tried`: shapes that a matched filter tries; `in_balance`: those that a force balance tries, between which it then searches, its values held inside the row's ranges.
+    `tried`: shapes that a matched filter tries; `in_balance`: those that a force balance tries, between which it then searches, its values held inside the row's ranges; none where it
+    does not seek the effect.
     `of_level`: the size is a share of the level of dry friction.
     """
 
     torque: Callable[[States, Shape], Reals]
     tried: Grid
-    in_balance: Grid
+    in_balance: Grid = field(default_factory=dict)
     of_level: bool = False
 
 

@@ -109,6 +109,12 @@ def _aligned(setting: Setting, pattern: Pattern) -> Pattern:
     return Pattern(pattern.effect, pattern.shape, found[:, None], pattern.size_per)
 
 
+def _local_of(effect: str) -> LocalTorque | None:
+    """The torque in closed form of an effect that the balance seeks; what it does not seek has no shapes here."""
+    record = record_of(effect)
+    return record.local if record.in_balance else None
+
+
 def _local(setting: Setting, effect: str, one: LocalTorque, shape: Shape) -> Pattern:
     torque = one.torque(setting.states, {name.removeprefix(f"{effect}."): value for name, value in shape.items()})
     return Pattern(effect, shape, setting.as_seen(-torque[:, None]), LEVEL if one.of_level else "")
@@ -136,8 +142,8 @@ def _shapes(setting: Setting, effect: str) -> list[Shape] | None:
     if record.periodic is not None:
         numbers = _in_band(setting, record.periodic)
         return [{f"{effect}.periods": float(number)} for number in numbers] if record.periodic.in_balance else [{}]
-    if record.local is not None:
-        return _local_shapes(setting, effect, record.local)
+    if (local := _local_of(effect)) is not None:
+        return _local_shapes(setting, effect, local)
     return _bending_shapes(setting, effect, record.bending) if record.bending is not None else None
 
 
@@ -186,11 +192,12 @@ def patterns_of(setting: Setting, effect: str, taken: Callable[[Pattern], Patter
 def is_texture(setting: Setting, effect: str, shape: Shape) -> bool:
     """Whether an effect is a pattern along the way: a wave, or something at one place of it."""
     record, states = record_of(effect), setting.states
-    if record.local is None:
+    local = _local_of(effect)
+    if local is None:
         return record.periodic is not None
     field_by_field = {name.removeprefix(f"{effect}."): value for name, value in shape.items()}
     moved = replace(states, screw_mm=states.screw_mm + float(np.ptp(states.screw_mm)))
-    return not np.array_equal(record.local.torque(states, field_by_field), record.local.torque(moved, field_by_field))
+    return not np.array_equal(local.torque(states, field_by_field), local.torque(moved, field_by_field))
 
 
 def _not_known(setting: Setting, effect: str, shape: Shape) -> str:
@@ -216,8 +223,8 @@ def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
     if record.periodic is not None:
         wave = _periodic(setting, effect, record.periodic, shape)
         return wave if setting.placed else _aligned(setting, wave)
-    if record.local is not None:
-        return _local(setting, effect, record.local, shape)
+    if (local := _local_of(effect)) is not None:
+        return _local(setting, effect, local, shape)
     if record.bending is not None:
         return Pattern(effect, shape, np.zeros((setting.rows, 0)))
     return _asked(setting.foretold if load_definitions().effect(effect).site == "FRICTION" else setting, load_definitions().effect(effect))
@@ -233,5 +240,5 @@ def rows_of(setting: Setting, pattern: Pattern) -> Reals:
 
 def continuous_of(effect: str) -> tuple[str, ...]:
     """The shape parameters of an effect that lie between the shapes tried."""
-    local = record_of(effect).local
+    local = _local_of(effect)
     return tuple(f"{effect}.{field}" for field in local.in_balance) if local is not None else ()

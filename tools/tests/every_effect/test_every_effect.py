@@ -54,6 +54,7 @@ class Expected:
 LESS: Mapping[str, Expected] = {
     "stribeck_friction": Expected(0.6, 0.25, "it acts where the machine nearly rests, and the filter knows no rest"),
     "directional_stribeck": Expected(0.55, 0.25, "it acts where the machine nearly rests, and the filter knows no rest"),
+    "load_dependent_stribeck": Expected(0.65, 0.5, "it acts where the machine nearly rests, and the filter knows no rest"),
     "cogging_torque": Expected(0.75, 0.6, "it acts most where the machine nearly rests, and the filter knows no rest"),
 }
 
