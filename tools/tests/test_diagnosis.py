@@ -286,6 +286,24 @@ def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_pe
 
 @needs_numba
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "size", "value", "shape"),
+    [("winding_heating", "rise_degC", 30.0, {}), ("winding_warming", "rise_degC_per_W", 18.0, {"time_s": 3.0})],
+)
+def test_the_size_of_a_warm_winding_holds_its_interval(
+    healthy: list[Record], effect: str, size: str, value: float, shape: dict[str, float]
+) -> None:
+    """The resistance that scatters does nearly the same: fitted with the scatter linear, the size stopped a quarter short, in an interval that denied it."""
+    found = answer(reference_actuator(), run_of({f"{effect}.{name}": one for name, one in {size: value, **shape}.items()}, 815), healthy)
+    assert [one.name for one in found.effects] == [effect]
+    name = f"effects.{effect}.{size}"
+    here = found.effects[0]
+    # four standard errors: one of thousands of records lies further off
+    assert abs(here.values[name] - value) < 4.0 * here.std[name] < 0.3 * value
+
+
+@needs_numba
+@pytest.mark.slow
 def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Record]) -> None:
     """The strongest alone is CSJ, which then takes what belongs to BLK and to the effect."""
     own = machine(UNIT).values

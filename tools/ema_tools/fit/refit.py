@@ -145,14 +145,22 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
 
 def slopes(view: View, fit: Fit) -> list[Reals]:
     """What small changes of the fitted values make of the view, vectors [n]: the directions in which they give way to a further effect."""
-    rows = {name: row_of(name) for name in fit.fitted}
+    return _shown(view, _small_changes(fit))
 
+
+def shares_left(view: View, fit: Fit) -> list[float]:
+    """Of what a small change of each fitted value makes of the view from the fit, in squares, the share that what scatters leaves; none of a value that shows nothing."""
+    found = view.sensitivities(_small_changes(fit))
+    return [one.square / whole for one in found if not isinstance(one, InputError) and (whole := float(one.vector @ one.vector)) > 0.0]
+
+
+def _small_changes(fit: Fit) -> list[dict[str, float]]:
     def moved(name: str, row: Row) -> dict[str, float]:
         value = fit.values[name]
         step = _JACOBIAN_STEPS[0] * _scale_of(name, value)
         return {name: value + step if value + step <= row.upper else value - step}
 
-    return _shown(view, [moved(name, row) for name, row in rows.items()])
+    return [moved(name, row_of(name)) for name in fit.fitted]
 
 
 def _shown(view: View, asked: Sequence[Mapping[str, float]]) -> list[Reals]:
@@ -191,6 +199,8 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
         covariance = np.asarray(np.linalg.pinv(columns.T @ columns)[: len(rows), : len(rows)], dtype=float)
         here = replace(here, covariance=covariance)
         before = here.view.plain_cost
+        if before - float(np.sum((seen.plain - columns @ step) ** 2)) < _JOINT_DONE:
+            break
         moves = (_joint_move(here, step, columns[:, len(rows) :], rows, exact) for exact in (False, True))
         # the cheap move first: where it comes to nothing, the way may bend
         there = next((move for move in moves if move is not None and before - move.view.plain_cost >= _JOINT_DONE), None)

@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, raw_cost
-from ema_tools.fit.refit import Fit, best_of_each, polished, refit, seen_from
+from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, seen_from, shares_left
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
@@ -22,6 +22,9 @@ _FLOORS = 2.0  # an error of so many times the floor is no answer, however large
 _WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
 _BESIDE_WEAR_MAX = 2  # ... and how many effects may follow [effort]
 _LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
+_HIDDEN = 0.25  # of what a change of a value makes: where what scatters leaves less, the two lie in one narrow valley [measured]
+_JOINT_ROUNDS = 2  # of the answer together with what scatters [effort]
+_RUNS_AWAY = 5.0  # standard deviations of what scatters that no run makes [chance]
 # Where a fault begins beside an effect, in healthy values: friction that grows moves the places of rest, and one beginning does not find them all [measured]
 _BESIDE_STARTS = (1.1, 1.3)
 
@@ -70,6 +73,10 @@ class WithRepeats(Strategy):
         return cost > _FLOORS**2 * self.floor
 
     def ended(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
+        """The likelier of the path and those that begin with wear, its last fit settled together with what scatters where an effect does the same."""
+        return _with_scatter(self._likelier(path, grow))
+
+    def _likelier(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
         """The path, or a better one that begins with wear.
 
         Where the way of the strongest effect ends far from the floor, the way that begins with both faults is tried too, and the better of the two is taken. Wear moves CSJ and BLK together,
@@ -115,3 +122,17 @@ class WithRepeats(Strategy):
     def vague(self, best: Fit) -> list[str]:
         """Beside a large misfit a size that could be none says that something else is there."""
         return [effect for effect in best.effects if not best.determined(effect)]
+
+
+def _with_scatter(path: Path) -> Path:
+    """The path with its last fit settled together with what scatters, where that hides one of its effects: in their narrow valley steps with the scatter linear hardly move."""
+    if not path.steps:
+        return path
+    last = path.steps[-1]
+    if min(shares_left(path.view, last), default=1.0) >= _HIDDEN:
+        return path
+    found = joint(replace(last, view=path.view, cost=path.view.cost), _JOINT_ROUNDS)
+    # a unit of cost is no difference; scatter that runs away stands in for an effect that is missing
+    if found.cost > last.cost + 1.0 or np.max(np.abs(found.view.deviations), initial=0.0) >= _RUNS_AWAY:
+        return path
+    return replace(path, steps=(*path.steps[:-1], found), view=found.view)
