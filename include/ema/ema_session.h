@@ -32,6 +32,9 @@ typedef struct {
     ema_real lower;
     ema_real upper;
     ema_real min_shift_percent; /* smallest shift, in % of the healthy value, that is called a fault */
+    ema_real
+        scatter_percent; /* standard deviation of the estimate from one healthy run to the next, in % of the value;
+                            at most 1000; 0: not known. It widens the interval; the smallest shift has it already */
 } ema_identified_t;
 
 /* Constant during the session and must outlive it. */
@@ -83,6 +86,8 @@ typedef struct {
     ema_real estimate;      /* in the parameter's own unit */
     ema_real std;           /* standard error from the residual and the sensitivities */
     ema_real bias;          /* how far it may be off besides, for what lasts in the residual: see ema_sensitivity.h */
+    ema_real half_95;       /* half of the 95 % interval about the estimate: std, bias and the stated scatter together;
+                               the whole width of the search where the record does not determine the parameter */
     ema_real shift_percent; /* (estimate - healthy) / healthy * 100 */
     bool at_bound;
 } ema_estimate_t;

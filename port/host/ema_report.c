@@ -65,14 +65,10 @@ static double ema_std(const ema_result_t* result, uint32_t fault)
     return none ? (double)NAN : std;
 }
 
-/* Standard deviations on either side that hold 95 % of a normal distribution. */
-#define WIDTH_95 1.96
-
-/* Half of the 95 % interval: sensor noise and what the residual shares over many rows, as independent; NaN where the
- * record does not determine it. */
+/* Half of the 95 % interval; NaN where the record does not determine it. */
 static double ema_half_interval(const ema_result_t* result, uint32_t fault)
 {
-    return WIDTH_95 * hypot(ema_std(result, fault), (double)result->identified[fault].bias);
+    return isfinite(ema_std(result, fault)) ? (double)result->identified[fault].half_95 : (double)NAN;
 }
 
 /* "CSJ +117.4 %, BLK +25.0 %" */

@@ -132,6 +132,7 @@ static void require_sound(const ema_session_config_t* config, const ema_result_t
         FUZZ_REQUIRE((estimate->estimate >= config->identified[i].lower)
                      && (estimate->estimate <= (config->identified[i].upper * EMA_R(1.000001))));
         FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || fuzz_finite(estimate->std));
+        FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || (estimate->half_95 >= estimate->std));
     }
     FUZZ_REQUIRE(fuzz_finite(result->objective_before) && fuzz_finite(result->objective_after));
     FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || fuzz_finite(result->residual_rms_mm));

@@ -24,6 +24,7 @@ static void print_result(const ema_result_t* result)
     for (uint32_t i = 0; i < result->identified_count; ++i) {
         print_real("estimate", result->identified[i].estimate);
         print_real("std", result->identified[i].std);
+        print_real("half_95", result->identified[i].half_95);
         print_real("shift_percent", result->identified[i].shift_percent);
     }
     print_real("objective_before", result->objective_before);

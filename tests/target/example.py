@@ -30,6 +30,7 @@ FAULT_FROM = (5.0, 10.0)
 ANSWER = (
     "estimate",
     "std",
+    "half_95",
     "shift_percent",
     "objective_after",
     "evaluations",

@@ -25,6 +25,7 @@ SHARED = {
     "rows": 1,
     "estimate": 1,
     "std": 1,
+    "half_95": 1,
     "shift_percent": 1,
     "objective_before": 1,
     "objective_after": 1,
@@ -38,7 +39,7 @@ SHARED = {
     "adequate": 1,
     "reasons": 1,
 }
-OF_A_VALUE = ("estimate", "std", "shift_percent")
+OF_A_VALUE = ("estimate", "std", "half_95", "shift_percent")
 # Values that a session identifies: CSJ and BLK, and the unit's grease and winding.
 VALUES = {"a": 2, "b": 2, "c": 2, "u": 4}
 ROWS = 10000

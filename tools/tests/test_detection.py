@@ -46,6 +46,8 @@ def test_thresholds_have_their_rates_on_days_drawn_at_random(runs: int) -> None:
     assert exceeded <= test.false_alarm
     found = np.mean(today[:, 0] + test.found() - mean[:, 0] > test.threshold() * shown[:, 0])
     assert found == pytest.approx(test.power, abs=0.005)
+    # an interval of 95 %, where the scatter is learned from these very runs
+    assert 0.94 < np.mean(np.abs(today - mean) < 1.96 * test.spread() * shown) < 0.98
     # both together, whose scatter is one size
     size = np.sqrt((2.0 * USUAL_WEIGHT + apart.sum(axis=1)) / (2.0 * (USUAL_WEIGHT + runs - 1.0)))
     far = np.linalg.norm(today - mean + test.found_together() * np.array([0.6, 0.8]), axis=1)

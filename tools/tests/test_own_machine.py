@@ -16,7 +16,8 @@ from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, write_record
 from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.calibrate import calibrate
-from ema_tools.tasks.onboard_search import run
+from ema_tools.tasks.identify import identify
+from ema_tools.tasks.onboard_search import SCATTERS, run
 from ema_tools.tasks.own_machine import OwnMachine, own_machine, repeated
 from support import REFERENCE, chirp_record, run_ema
 
@@ -52,7 +53,14 @@ def test_the_flight_code_judges_the_unit_by_the_rod_position_alone(number: int, 
     known = unit_model(number, setting).actuator
 
     def flown(changes: tuple[tuple[str, float], ...], day: int) -> tuple[str, dict[str, float]]:
-        answer = run(known, on_day(number, setting, changes, day), SearchSettings(), 32)
+        record = on_day(number, setting, changes, day)
+        answer = run(known, record, SearchSettings(), 32)
+        at_the_desk = identify(known, record, guarding=False)
+        for one in answer.identified:
+            # the firmware's interval has the days in it, and is the desk's
+            assert one.half_95 > 1.9 * 0.01 * known[SCATTERS[one.name]] * known[one.name] > 0.0
+            low, high = at_the_desk.interval95(one)
+            assert low is not None and high is not None and high - low == pytest.approx(2.0 * one.half_95, rel=1e-4)
         return answer.verdict, {one.name: one.shift_percent for one in answer.identified}
 
     verdict, shift = flown((), 7)
@@ -75,6 +83,9 @@ def test_it_holds_what_the_unit_always_has_and_what_that_costs() -> None:
     # the usual scatter of friction is 0.4 %; thresholds stay what is stated where it is small beside them
     assert 0.1 < found.scatter_percent["screw.csj_Nm"] < 1.2
     assert dict(found.least_percent) == {"screw.csj_Nm": 5.0, "screw.blk_mm": 10.0}
+    # three runs: as much again for their mean, and for what they show of the scatter
+    for name, field in (("screw.csj_Nm", "csj"), ("screw.blk_mm", "blk")):
+        assert found.actuator[f"verdict.{field}_scatter_percent"] == pytest.approx(4.0 / 3.0 * found.scatter_percent[name])
 
 
 @needs_numba

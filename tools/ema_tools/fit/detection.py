@@ -85,6 +85,11 @@ class ShiftTest:
         """The same of both together."""
         return float(np.mean(special.chdtrc(2, self._squared() * self._shown() ** 2)))
 
+    def spread(self, is_stated: bool = False) -> float:
+        """The standard deviation of a reading against the mean of the healthy runs whose normal 95 % interval holds, in standard deviations of the scatter that they show: what so few
+        show of the scatter is not known better than their mean, unless it `is_stated`."""
+        return self.widened if is_stated else self.widened**2
+
     def _shown(self) -> Reals:
         """The scatter that the runs show over the true one, where that is the usual: its quantiles, [k]."""
         if self.runs is None or self.runs < 2:

@@ -67,6 +67,7 @@ class _SearchStructure(ctypes.Structure):
         ("identified_lower", c_double * IDENTIFIED_MAX),
         ("identified_upper", c_double * IDENTIFIED_MAX),
         ("identified_min_shift_percent", c_double * IDENTIFIED_MAX),
+        ("identified_scatter_percent", c_double * IDENTIFIED_MAX),
         ("weight", c_double * len(CHANNELS)),
         ("start", c_double * IDENTIFIED_MAX),
         ("start_at_healthy", c_int32),
@@ -102,6 +103,7 @@ class _Result(ctypes.Structure):
         ("reasons", c_int32),
         ("random_state", c_uint64),
         ("bias", c_double * IDENTIFIED_MAX),
+        ("half_95", c_double * IDENTIFIED_MAX),
     ]
 
 
@@ -191,13 +193,14 @@ class SearchSettings:
     """Settings of one identification; None keeps what the actuator's [search] and [verdict] tables say.
 
     `identified` are names of real values (`section.field`), `start` their first values (None: the healthy ones) and `lower`, `upper` their
-    bounds, all in the values' own units; `weight` belongs to `CHANNELS`.
+    bounds, all in the values' own units; `scatter_percent` is none of what is `identified` unless it is told; `weight` belongs to `CHANNELS`.
     """
 
     identified: tuple[str, ...] | None = None
     lower: tuple[float, ...] | None = None
     upper: tuple[float, ...] | None = None
     min_shift_percent: tuple[float, ...] | None = None
+    scatter_percent: tuple[float, ...] | None = None
     start: tuple[float, ...] | None = None
     weight: tuple[float, float, float, float] | None = None
     seed: int | None = None
@@ -284,7 +287,7 @@ class Finding:
 class IdentifiedValue:
     """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value.
 
-    `bias`: how far it may be off besides, in its own unit, for what lasts in the residual; NaN as the standard error.
+    `bias`: how far it may be off besides, in its own unit, for what lasts in the residual; NaN as the standard error. `half_95`: half of the 95 % interval that firmware states.
     """
 
     name: str
@@ -293,6 +296,7 @@ class IdentifiedValue:
     shift_percent: float
     at_bound: bool
     bias: float = math.nan
+    half_95: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -570,6 +574,7 @@ class Library:
             ("identified_lower", search.lower),
             ("identified_upper", search.upper),
             ("identified_min_shift_percent", search.min_shift_percent),
+            ("identified_scatter_percent", search.scatter_percent or (0.0,) * len(search.identified or ())),
             ("weight", search.weight),
             ("start", search.start),
         ):
@@ -639,6 +644,7 @@ class Library:
                 result.shift_percent[place],
                 bool(result.at_bound[place]),
                 math.nan if math.isnan(_std(result.std[place], result.reasons)) else result.bias[place],
+                math.nan if math.isnan(_std(result.std[place], result.reasons)) else result.half_95[place],
             )
             for place in range(raw.identified_count)
         )

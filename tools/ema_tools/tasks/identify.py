@@ -15,6 +15,7 @@ from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
+from ema_tools.fit.detection import ShiftTest
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
@@ -22,7 +23,7 @@ from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.known_machine import blocked, compared, repeats_of
 from ema_tools.tasks.diagnose import check_apart
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
-from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, check_record, check_table, identified_of, run
+from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, SCATTERS, check_record, check_table, identified_of, run
 
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 NOT_ADEQUATE = REASONS[2]
@@ -77,17 +78,20 @@ class Identified:
         """By how much a machine's value is read apart from run to run, against the mean of its healthy records where there are two or more: as the actuator states, as those records show it,
         else the usual."""
         # what scatters does so by a share of itself
-        grown = max(1.0, self.actuator[name] / self.healthy[name]) if self._scatters(name) and self._shown else 1.0
+        shares = (self._scatters(name) and self._shown) or self._stated(name) > 0.0
+        grown = max(1.0, self.actuator[name] / self.healthy[name]) if shares else 1.0
         return grown * self.healthy_std(name)
 
     def healthy_std(self, name: str) -> float:
         """The same of a healthy machine."""
         if self.baseline is None or not self._shown:
-            return self.scatter.get(name, 0.0)
-        # their mean is not known better, nor is what so few show of the scatter where it is not stated
-        doubt = 1.0 + 1.0 / self.baseline.records
-        twice = self._scatters(name) and name not in self.healthy.scatter
-        return self.baseline.scatter[name] * (doubt if twice else math.sqrt(doubt))
+            return self._stated(name) or self.scatter.get(name, 0.0)
+        is_stated = not self._scatters(name) or name in self.healthy.scatter
+        return self.baseline.scatter[name] * ShiftTest(runs=self.baseline.records).spread(is_stated)
+
+    def _stated(self, name: str) -> float:
+        """The same as the unit's own model states it; zero where it does not, or healthy records show it."""
+        return 0.01 * self.healthy[SCATTERS[name]] * abs(self.healthy[name]) if name in SCATTERS and not self._shown else 0.0
 
     def _scatters(self, name: str) -> bool:
         """Whether the value itself differs from run to run."""

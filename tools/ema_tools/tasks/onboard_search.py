@@ -13,6 +13,7 @@ from ema_tools.plant.native import CHANNELS, Identification, Progress, SearchSet
 KEYS = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
 BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw.blk_mm": ("search.blk_lower_mm", "search.blk_upper_mm")}
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
+SCATTERS = {"screw.csj_Nm": "verdict.csj_scatter_percent", "screw.blk_mm": "verdict.blk_scatter_percent"}
 DAY_VALUES = "search.day_values"
 POSITION_NOISE = "verdict.position_noise_mm"
 POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
@@ -87,6 +88,7 @@ def _settings(actuator: Actuator, search: SearchSettings) -> tuple[SearchSetting
             lower=lower,
             upper=upper,
             min_shift_percent=search.min_shift_percent or tuple(actuator[MIN_SHIFTS[name]] for name in names),
+            scatter_percent=search.scatter_percent or tuple(actuator[SCATTERS[name]] for name in names),
         )
     return search, day
 

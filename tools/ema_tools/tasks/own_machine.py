@@ -29,7 +29,7 @@ from ema_tools.select.baseline import gather
 from ema_tools.select.known_machine import live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, channel_errors
 from ema_tools.tasks.healthy_runs import least_shift, scatter_shown
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, check_bounds, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, SCATTERS, check_bounds, identified_of, run
 
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
 _DAY_BUDGET = 800.0  # model runs of a search for four values, which takes about 300 [effort]
@@ -100,7 +100,10 @@ def own_machine(
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(
         found.changed(
-            {MIN_SHIFTS[name]: value for name, value in least.items()},
+            {
+                **{MIN_SHIFTS[name]: value for name, value in least.items()},
+                **{SCATTERS[name]: 100.0 * test.spread(name in found.scatter) * scatter[name] for name in names},
+            },
             remarks={MIN_SHIFTS[name]: _remark(MIN_SHIFTS[name], exceeded[name], runs) for name in names},
         ),
         {name: _cost(found, name, repeats[0]) for name in new},

@@ -36,6 +36,7 @@ def answer_of(found: Identification) -> dict[str, list[str]]:
     return {
         "estimate": [_bits(one.estimate) for one in values],
         "std": [_bits(one.std) for one in values],
+        "half_95": [_bits(one.half_95) for one in values],
         "shift_percent": [_bits(one.shift_percent) for one in values],
         **{name: [_bits(value)] for name, value in reals.items()},
         "evaluations": [str(found.evaluations)],

@@ -90,9 +90,8 @@ def _goals(rows: Sequence[Row]) -> str:
         for name, most in (("csj", 1.0), ("blk", 5.0)):
             limit = "stated" if setting else f"<= {most:g} %"
             goal(f"{title}: rms error of {_TITLES[name]}", limit, value := _error(some, name), value <= most or bool(setting))
-            if kind == "unit":
-                held = _held(some, name)
-                goal(f"{title}: intervals of {_TITLES[name]} that hold the truth", "92 .. 98 %", held, 92.0 <= held <= 98.0)
+            held = _held(some, name)
+            goal(f"{title}: intervals of {_TITLES[name]} that hold the truth", "92 .. 98 %", held, 92.0 <= held <= 98.0)
     count = sum(bool(row["wrong"]) for row in rows)
     goal(f"surely wrong, of {len(rows)} answers", "0", float(count), count == 0, "")
     return "## Goals\n\n" + table(("", "goal", "met", "reached"), found, 2)

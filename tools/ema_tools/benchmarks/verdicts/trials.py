@@ -5,6 +5,7 @@ Units are of the truth plant, which shares no code with the module; what is draw
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -13,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.interval import interval95
 from ema_tools.base.recording import Recording
 from ema_tools.benchmarks.hidden.machines import CHANNELS, COMMANDS, Machine, command_mm, machine, measured, seed_of
 from ema_tools.benchmarks.hidden.sealed import record_of
@@ -223,7 +223,8 @@ def _flown(trial: VerdictTrial) -> dict[str, Any]:
     answer = run(actuator, record_of(_record(trial), 99, ("position_mm",)), SearchSettings(), 32)
     found: dict[str, Any] = {"verdict": answer.verdict, "reasons": list(answer.reasons), "guard": None}
     for one in answer.identified:
-        ends = interval95(one.estimate, one.std, one.bias)
+        known = math.isfinite(one.half_95)
+        ends = (one.estimate - one.half_95, one.estimate + one.half_95) if known else (None, None)
         found[_KEY_OF[one.name]] = {"interval95": ends, "shift_percent": one.shift_percent, "healthy": actuator[one.name]}
     return found
 
@@ -279,8 +280,7 @@ def _wrong(trial: VerdictTrial, verdict: str, sizes: Mapping[str, Mapping[str, A
         return "healthy on a worn unit"
     if verdict == "fault" and trial.is_sound:
         return "fault on a sound unit"
-    # the flight code states standard errors of the search, not intervals
-    if verdict == "fault" and trial.kind != "flight":
+    if verdict == "fault":
         for name, one in sizes.items():
             if one["held"] is False and abs(one["shift"] - one["true"]) > 100.0 * _SIZE_OFF[name]:
                 return f"size of {name}"
