@@ -2183,7 +2183,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 421123213U,
+    .fingerprint = 3352017832U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,

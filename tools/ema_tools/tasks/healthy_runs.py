@@ -97,6 +97,18 @@ def scatter_shown(apart: Sequence[float], usual: float, means: int = 1) -> float
     return math.sqrt((USUAL_WEIGHT * usual**2 + float(np.sum(np.square(apart)))) / (USUAL_WEIGHT + len(apart) - means))
 
 
+def scatter_read(known: Actuator, name: str, read: Sequence[float], today: Sequence[Mapping[str, float]], usual: float) -> float:
+    """Standard deviation from run to run of a value that was `read` on each of several runs, by those readings, by what scatters with it (its values on the same runs in `today`), and by
+    what is `usual`; what the actuator states is known, and a few runs do not change it."""
+    if name in known.scatter:
+        return usual
+    shown = [one - known[name] for one in read]
+    other = _ALSO_SHOWN.get(name, "")
+    beside = [one[other] / known[other] - 1.0 for one in today if other in one]
+    shown += [one / share_from_run_to_run(known, other) * usual for one in beside]
+    return scatter_shown(shown, usual, 2 if beside else 1)
+
+
 def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:
     """The shift that is called a fault, in %: no less than what is stated, and than a healthy machine shows by the scatter of its `runs`.
 
@@ -131,18 +143,14 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     days = [known.changed(beside.known.today(base)) for base in bases]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)
+    today = [{other: base.values[other] for other in _ALSO_SHOWN.values() if other in beside.known.scatter} for base in bases]
     std: dict[str, float] = {}
     for place, estimate in enumerate(answers[0].identified):
         name = estimate.name
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
         usual = math.hypot(share_from_run_to_run(known, name) * known[name], noise if math.isfinite(noise) else 0.0)
-        # what the actuator states is known, and a few runs do not change it
-        shown = [] if name in known.scatter else [one.estimate - known[name] for one in read]
-        other = _ALSO_SHOWN.get(name)
-        if shown and other is not None and other in beside.known.scatter:
-            shown += [(base.values[other] / known[other] - 1.0) / share_from_run_to_run(known, other) * usual for base in bases]
-        std[name] = scatter_shown(shown, usual, len(shown) // count)
+        std[name] = scatter_read(known, name, [one.estimate for one in read], today, usual)
     least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name], count) for name in names)
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)

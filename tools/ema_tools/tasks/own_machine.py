@@ -28,7 +28,7 @@ from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather
 from ema_tools.select.known_machine import live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, channel_errors
-from ema_tools.tasks.healthy_runs import least_shift, scatter_shown
+from ema_tools.tasks.healthy_runs import least_shift, scatter_read
 from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, SCATTERS, check_bounds, identified_of, run
 
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
@@ -79,6 +79,7 @@ def own_machine(
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
     found, answers = _searched(found, repeats)
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
+    today = [{one.name: one.estimate for one in answer.day} for answer in answers]
     scatter: dict[str, float] = {}
     by_noise: dict[str, float] = {}
     for place, name in enumerate(names):
@@ -90,8 +91,7 @@ def own_machine(
             )
         by_noise[name] = noise / found[name]
         stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
-        shown = [] if name in found.scatter else [one.estimate - found[name] for one in read]
-        scatter[name] = scatter_shown(shown, stated_or_usual, min(len(shown), 1)) / found[name]
+        scatter[name] = scatter_read(found, name, [one.estimate for one in read], today, stated_or_usual) / found[name]
     runs = len(repeats)
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
     exceeded = {name: false_alarms(least[name] / (100.0 * scatter[name]), runs, 1) for name in names}
