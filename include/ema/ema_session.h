@@ -32,9 +32,6 @@ typedef struct {
     ema_real lower;
     ema_real upper;
     ema_real min_shift_percent; /* smallest shift, in % of the healthy value, that is called a fault */
-    ema_real
-        scatter_percent; /* standard deviation of the estimate from one healthy run to the next, in % of the value;
-                            at most 1000; 0: not known. It widens the interval; the smallest shift has it already */
 } ema_identified_t;
 
 /* Constant during the session and must outlive it. */
@@ -86,8 +83,6 @@ typedef struct {
     ema_real estimate;      /* in the parameter's own unit */
     ema_real std;           /* standard error from the residual and the sensitivities */
     ema_real bias;          /* how far it may be off besides, for what lasts in the residual: see ema_sensitivity.h */
-    ema_real half_95;       /* half of the 95 % interval about the estimate: std, bias and the stated scatter together;
-                               the whole width of the search where the record does not determine the parameter */
     ema_real shift_percent; /* (estimate - healthy) / healthy * 100 */
     bool at_bound;
 } ema_estimate_t;
@@ -118,12 +113,12 @@ typedef struct {
     bool assessed;       /* models beside the estimate could be made */
     const ema_session_config_t* config;
     uint32_t evaluations;
-    uint64_t model_steps;
     ema_real start_mm;
-    ema_real healthy_cost;
+    uint64_t model_steps;
     ema_record_t record;
     ema_annealer_t annealer;
     ema_actuator_t actuator;           /* with the identified values where the present run has them */
+    ema_real healthy_cost;             /* here, so that the 64-bit members leave no gap */
     union {                            /* one after the other */
         ema_objective_t run;           /* the model run of the search */
         ema_sensitivity_t sensitivity; /* the model runs at the end */
@@ -172,6 +167,14 @@ ema_phase_t ema_session_phase(const ema_session_t* session);
 /* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL;
  * EMA_ERR_ORDER before the first run. */
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
+
+/* Half of the 95 % interval about the estimate at `place` of a result: its standard error, its bias and, of CSJ and
+ * BLK, what the actuator's csj_scatter_percent and blk_scatter_percent say of one run to the next, as independent;
+ * scatter is a share of the value, of the healthy one where that is larger. The whole width of the search where the
+ * record does not determine the parameter or the search has not ended. Errors, nothing changed: EMA_ERR_NULL;
+ * EMA_ERR_RANGE for a place that is none. Cost: one square root. */
+ema_status_t ema_session_half_95(const ema_session_config_t* config, const ema_result_t* result, uint32_t place,
+                                 ema_real* half_95);
 
 /* The text of one reason, a constant string; "unknown reason" for anything but one bit of the list. Cost: a handful of
  * comparisons. */

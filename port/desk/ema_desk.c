@@ -255,7 +255,6 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
         search->identified_lower[i] = (double)config.identified[i].lower;
         search->identified_upper[i] = (double)config.identified[i].upper;
         search->identified_min_shift_percent[i] = (double)config.identified[i].min_shift_percent;
-        search->identified_scatter_percent[i] = (double)config.identified[i].scatter_percent;
     }
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         search->weight[channel] = (double)config.weight[channel];
@@ -288,8 +287,7 @@ static ema_status_t ema_session_config_from(ema_session_config_t* config, const 
             const ema_real lower = (ema_real)search->identified_lower[i];
             const ema_real upper = (ema_real)search->identified_upper[i];
             const ema_identified_t identified = {(ema_value_id_t)search->identified_id[i], lower, upper,
-                                                 (ema_real)search->identified_min_shift_percent[i],
-                                                 (ema_real)search->identified_scatter_percent[i]};
+                                                 (ema_real)search->identified_min_shift_percent[i]};
             config->identified[i] = identified;
             config->annealer.start[i] = ((ema_real)search->start[i] - lower) / (upper - lower);
             if ((search->identified_id[i] < 0) || (search->identified_id[i] >= (int32_t)EMA_VALUE_COUNT)) {
@@ -328,7 +326,7 @@ int32_t ema_desk_search_check(const double* values, const int32_t* options, cons
     return (int32_t)status;
 }
 
-static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
+static void ema_result_to(const ema_session_config_t* config, const ema_result_t* from, ema_desk_result_t* to)
 {
     const ema_desk_result_t fresh = {0};
     *to = fresh;
@@ -338,7 +336,9 @@ static void ema_result_to(const ema_result_t* from, ema_desk_result_t* to)
         to->shift_percent[i] = (double)from->identified[i].shift_percent;
         to->at_bound[i] = from->identified[i].at_bound ? 1 : 0;
         to->bias[i] = (double)from->identified[i].bias;
-        to->half_95[i] = (double)from->identified[i].half_95;
+        ema_real half_95 = EMA_R(0.0);
+        (void)ema_session_half_95(config, from, i, &half_95);
+        to->half_95[i] = (double)half_95;
     }
     to->objective_before = (double)from->objective_before;
     to->objective_after = (double)from->objective_after;
@@ -531,7 +531,7 @@ static int32_t ema_identify(const double* values, const int32_t* options, const 
         ema_finding_t found;
         status = ema_guarded_result(&guarded, &onboard, &found);
         if (status == EMA_OK) {
-            ema_result_to(&onboard, result);
+            ema_result_to(&config, &onboard, result);
             if (finding != NULL) {
                 ema_finding_to(&found, finding);
             }

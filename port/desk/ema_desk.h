@@ -79,7 +79,6 @@ typedef struct {
     double identified_lower[4];
     double identified_upper[4];
     double identified_min_shift_percent[4];
-    double identified_scatter_percent[4];
     double weight[4];
     double start[4]; /* in the parameters' units; used when start_at_healthy is 0 */
     int32_t start_at_healthy;
@@ -113,7 +112,7 @@ typedef struct {
     int32_t reasons; /* EMA_REASON_ bits */
     uint64_t random_state;
     double bias[4];    /* of the estimates, as in ema_estimate_t */
-    double half_95[4]; /* likewise */
+    double half_95[4]; /* of their 95 % intervals: see ema_session_half_95 */
 } ema_desk_result_t;
 
 /* A table of signatures as ema_signatures_t has it. Each row of `pattern` is effect, first, rows, one_sided, turn[3],

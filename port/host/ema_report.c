@@ -66,9 +66,12 @@ static double ema_std(const ema_result_t* result, uint32_t fault)
 }
 
 /* Half of the 95 % interval; NaN where the record does not determine it. */
-static double ema_half_interval(const ema_result_t* result, uint32_t fault)
+static double ema_half_interval(const ema_report_t* report, uint32_t fault)
 {
-    return isfinite(ema_std(result, fault)) ? (double)result->identified[fault].half_95 : (double)NAN;
+    ema_real half_95 = EMA_R(0.0);
+    const ema_status_t status = ema_session_half_95(report->config, &report->result, fault, &half_95);
+    const bool known = (status == EMA_OK) && isfinite(ema_std(&report->result, fault));
+    return known ? (double)half_95 : (double)NAN;
 }
 
 /* "CSJ +117.4 %, BLK +25.0 %" */
@@ -119,7 +122,7 @@ void ema_report_text(const ema_report_t* report, FILE* out)
     for (uint32_t i = 0; i < FAULTS; ++i) {
         const ema_estimate_t* const found = &result->identified[i];
         const double estimate = (double)found->estimate;
-        const double half = ema_half_interval(result, i);
+        const double half = ema_half_interval(report, i);
         char interval[48] = "-";
         if (isfinite(half)) {
             (void)snprintf(interval, sizeof interval, "%.4g .. %.4g", estimate - half, estimate + half);
@@ -203,7 +206,7 @@ void ema_report_json(const ema_report_t* report, FILE* out)
         ema_json_real(out, "\"estimate\": ", (double)found->estimate);
         ema_json_real(out, ", \"std\": ", ema_std(result, i));
         ema_json_real(out, ", \"bias\": ", (double)found->bias);
-        const double half = ema_half_interval(result, i);
+        const double half = ema_half_interval(report, i);
         ema_json_real(out, ", \"interval95\": [", (double)found->estimate - half);
         ema_json_real(out, ", ", (double)found->estimate + half);
         (void)fputc(']', out);

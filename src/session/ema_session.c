@@ -12,12 +12,6 @@
 /* An estimate this close to a bound, as a share of the search range, lies on it. */
 #define EMA_BOUND_SHARE EMA_R(5.0e-4)
 
-/* A scatter beyond this is a mistake. */
-#define EMA_SCATTER_MAX_PERCENT EMA_R(1000.0)
-
-/* Standard deviations on either side that hold 95 % of a normal distribution. */
-#define EMA_WIDTH_95 EMA_R(1.96)
-
 /* First step of the annealer's walk and length of its stall window per parameter. */
 #define EMA_FIRST_STEP EMA_R(0.2)
 #define EMA_STALL_PER_PARAMETER 20U
@@ -40,9 +34,9 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
     config->weight[EMA_CHANNEL_POSITION] = EMA_R(1.0);
     config->identified_count = 2U;
     const ema_identified_t csj = {EMA_VALUE_ID(csj_Nm), params->csj_lower_Nm, params->csj_upper_Nm,
-                                  params->csj_min_shift_percent, params->csj_scatter_percent};
+                                  params->csj_min_shift_percent};
     const ema_identified_t blk = {EMA_VALUE_ID(blk_mm), params->blk_lower_mm, params->blk_upper_mm,
-                                  params->blk_min_shift_percent, params->blk_scatter_percent};
+                                  params->blk_min_shift_percent};
     config->identified[0] = csj;
     config->identified[1] = blk;
     config->annealer.first_step = EMA_FIRST_STEP;
@@ -81,9 +75,6 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         }
         if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0))
             || !(identified->min_shift_percent >= EMA_R(0.0))) {
-            return EMA_ERR_RANGE;
-        }
-        if (!(identified->scatter_percent >= EMA_R(0.0)) || !(identified->scatter_percent <= EMA_SCATTER_MAX_PERCENT)) {
             return EMA_ERR_RANGE;
         }
         if (config->start_at_healthy) {
@@ -192,15 +183,6 @@ ema_phase_t ema_session_phase(const ema_session_t* session)
     return session->phase;
 }
 
-/* Half of the 95 % interval; what is read apart from run to run is a share of the value, which wear makes larger. */
-static ema_real ema_half_95(const ema_identified_t* identified, const ema_estimate_t* estimate, ema_real healthy)
-{
-    const ema_real value = ema_max(ema_abs(estimate->estimate), ema_abs(healthy));
-    const ema_real scatter = (identified->scatter_percent / EMA_R(100.0)) * value;
-    const ema_real square = ((estimate->std * estimate->std) + (estimate->bias * estimate->bias)) + (scatter * scatter);
-    return EMA_WIDTH_95 * ema_sqrt(square);
-}
-
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result)
 {
     if ((session == NULL) || (result == NULL)) {
@@ -225,8 +207,6 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         estimate->estimate = ema_identified_at(&config->identified[i], x);
         estimate->std = assessed.std[i];
         estimate->bias = assessed.bias[i];
-        estimate->half_95 = assessed.determined ? ema_half_95(&config->identified[i], estimate, healthy)
-                                                : (config->identified[i].upper - config->identified[i].lower);
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
     }

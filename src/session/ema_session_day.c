@@ -17,7 +17,7 @@ static void ema_day_add(ema_session_config_t* config, ema_value_id_t id, ema_rea
                         ema_real upper)
 {
     if (healthy > EMA_R(0.0)) {
-        const ema_identified_t added = {id, lower * healthy, upper * healthy, EMA_ANY_SHIFT_PERCENT, EMA_R(0.0)};
+        const ema_identified_t added = {id, lower * healthy, upper * healthy, EMA_ANY_SHIFT_PERCENT};
         config->identified[config->identified_count] = added;
         ++config->identified_count;
     }

@@ -67,7 +67,6 @@ static void change_session(fuzz_bytes_t* bytes, ema_session_config_t* config)
         break;
     case 4U:
         identified->min_shift_percent = fuzz_any(bytes);
-        identified->scatter_percent = fuzz_any(bytes);
         break;
     case 5U:
         config->annealer.first_step = fuzz_any(bytes);

@@ -132,7 +132,9 @@ static void require_sound(const ema_session_config_t* config, const ema_result_t
         FUZZ_REQUIRE((estimate->estimate >= config->identified[i].lower)
                      && (estimate->estimate <= (config->identified[i].upper * EMA_R(1.000001))));
         FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || fuzz_finite(estimate->std));
-        FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || (estimate->half_95 >= estimate->std));
+        ema_real half_95 = EMA_R(-1.0);
+        FUZZ_REQUIRE(ema_session_half_95(config, result, i, &half_95) == EMA_OK);
+        FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || (half_95 >= estimate->std));
     }
     FUZZ_REQUIRE(fuzz_finite(result->objective_before) && fuzz_finite(result->objective_after));
     FUZZ_REQUIRE((result->verdict == EMA_VERDICT_UNDECIDED) || fuzz_finite(result->residual_rms_mm));

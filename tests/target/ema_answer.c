@@ -19,12 +19,14 @@ static void print_real(const char* name, ema_real value)
     (void)printf("%s %08" PRIx32 " %.9g\n", name, bits, (double)value);
 }
 
-static void print_result(const ema_result_t* result)
+static void print_result(const ema_session_config_t* config, const ema_result_t* result)
 {
     for (uint32_t i = 0; i < result->identified_count; ++i) {
         print_real("estimate", result->identified[i].estimate);
         print_real("std", result->identified[i].std);
-        print_real("half_95", result->identified[i].half_95);
+        ema_real half_95 = EMA_R(0.0);
+        (void)ema_session_half_95(config, result, i, &half_95);
+        print_real("half_95", half_95);
         print_real("shift_percent", result->identified[i].shift_percent);
     }
     print_real("objective_before", result->objective_before);
@@ -63,7 +65,7 @@ int main(int argc, char* argv[])
         (void)printf("status %s\n", ema_status_text(status));
         return 1;
     }
-    print_result(&result);
+    print_result(&recorded.config, &result);
     (void)printf("slices %llu\n", (unsigned long long)slices);
     return 0;
 }

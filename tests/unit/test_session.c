@@ -214,27 +214,55 @@ static void test_noisy_fault_is_called_with_honest_errors(void)
     EMA_ASSERT_CLOSE(0.04125, result.identified[1].estimate, 4.0 * (double)result.identified[1].std, 0.0);
 }
 
+static double half_95_of(const ema_result_t* result, uint32_t place)
+{
+    ema_real half_95 = EMA_R(-1.0);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_half_95(&config, result, place, &half_95));
+    return (double)half_95;
+}
+
 /* Half an interval is 1.96 standard deviations of all that is known to move the estimate; scatter is a share of the
- * value, of the healthy one where nothing is worn. */
+ * value, of the healthy one where nothing is worn. Only CSJ and BLK have one. */
 static void test_interval_holds_noise_bias_and_scatter(void)
 {
     truth_t truth = truth_of(EMA_R(0.3), EMA_R(0.033));
     truth.noise_mm = healthy.params.position_noise_mm;
-    const ema_result_t alone = identify(&truth);
-    config.identified[0].scatter_percent = EMA_R(1.0);
-    config.identified[1].scatter_percent = EMA_R(2.0);
-    const ema_result_t scattered = identify(&truth);
+    const ema_result_t result = identify(&truth);
     const double healthy_value[2] = {0.138, 0.033};
     for (uint32_t i = 0; i < 2U; ++i) {
-        const ema_estimate_t* const found = &scattered.identified[i];
+        const ema_estimate_t* const found = &result.identified[i];
+        const double known = hypot((double)found->std, (double)found->bias);
+        EMA_ASSERT_CLOSE(1.96 * known, half_95_of(&result, i), 0.0, 1.0e-5);
+    }
+    healthy.params.csj_scatter_percent = EMA_R(1.0);
+    healthy.params.blk_scatter_percent = EMA_R(2.0);
+    for (uint32_t i = 0; i < 2U; ++i) {
+        const ema_estimate_t* const found = &result.identified[i];
         const double known = hypot((double)found->std, (double)found->bias);
         const double scatter = 0.01 * (double)(i + 1U) * fmax((double)found->estimate, healthy_value[i]);
-        EMA_ASSERT_CLOSE(1.96 * known, alone.identified[i].half_95, 0.0, 1.0e-5);
-        EMA_ASSERT_CLOSE(1.96 * hypot(known, scatter), found->half_95, 0.0, 1.0e-5);
-        TEST_ASSERT_TRUE((found->estimate == alone.identified[i].estimate) && (found->std == alone.identified[i].std));
+        EMA_ASSERT_CLOSE(1.96 * hypot(known, scatter), half_95_of(&result, i), 0.0, 1.0e-5);
     }
-    TEST_ASSERT_EQUAL_INT(alone.verdict, scattered.verdict);
-    TEST_ASSERT_EQUAL_HEX32(alone.reasons, scattered.reasons);
+    config.identified[1].id = EMA_VALUE_ID(resistance_ohm);
+    const double other = hypot((double)result.identified[1].std, (double)result.identified[1].bias);
+    EMA_ASSERT_CLOSE(1.96 * other, half_95_of(&result, 1U), 0.0, 1.0e-5);
+}
+
+static void test_interval_is_refused_of_what_is_not_there(void)
+{
+    ema_result_t result = {0};
+    result.identified_count = 1U;
+    ema_real half_95 = EMA_R(-1.0);
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_half_95(NULL, &result, 0U, &half_95));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_half_95(&config, NULL, 0U, &half_95));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_half_95(&config, &result, 0U, NULL));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_half_95(&config, &result, 1U, &half_95));
+    result.identified_count = EMA_IDENTIFIED_MAX + 1U;
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_half_95(&config, &result, 2U, &half_95));
+    config.identified_count = EMA_IDENTIFIED_MAX + 1U;
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_half_95(&config, &result, EMA_IDENTIFIED_MAX, &half_95));
+    config.actuator = NULL;
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_half_95(&config, &result, 0U, &half_95));
+    TEST_ASSERT_TRUE(half_95 == EMA_R(-1.0));
 }
 
 static void test_noisy_healthy_record_is_called_healthy(void)
@@ -300,8 +328,8 @@ static void test_four_parameters_are_found_with_the_current_weighted(void)
     config.record.keep[EMA_CHANNEL_CURRENT] = true;
     config.weight[EMA_CHANNEL_CURRENT] = EMA_R(1.0e-3);
     config.identified_count = 4U;
-    const ema_identified_t resistance = {EMA_VALUE_ID(resistance_ohm), EMA_R(0.7), EMA_R(1.4), EMA_R(5.0), EMA_R(0.0)};
-    const ema_identified_t inertia = {EMA_VALUE_ID(inertia_kgm2), EMA_R(4.0e-5), EMA_R(9.0e-5), EMA_R(5.0), EMA_R(0.0)};
+    const ema_identified_t resistance = {EMA_VALUE_ID(resistance_ohm), EMA_R(0.7), EMA_R(1.4), EMA_R(5.0)};
+    const ema_identified_t inertia = {EMA_VALUE_ID(inertia_kgm2), EMA_R(4.0e-5), EMA_R(9.0e-5), EMA_R(5.0)};
     config.identified[2] = resistance;
     config.identified[3] = inertia;
     config.annealer.evaluation_budget = 1200U;
@@ -561,7 +589,7 @@ static void test_undecided_when_nothing_moved(void)
     TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
     TEST_ASSERT_TRUE(result.identified[0].std == EMA_R(0.0));
     /* nothing is known but the bounds of the search */
-    TEST_ASSERT_TRUE(result.identified[0].half_95 == (healthy.params.csj_upper_Nm - healthy.params.csj_lower_Nm));
+    EMA_ASSERT_CLOSE(healthy.params.csj_upper_Nm - healthy.params.csj_lower_Nm, half_95_of(&result, 0U), 0.0, 1.0e-6);
 }
 
 static void test_undecided_below_healthy(void)
@@ -640,8 +668,6 @@ static void test_default_configuration_is_the_search_table(void)
     TEST_ASSERT_TRUE(config.identified[1].upper == healthy.params.blk_upper_mm);
     TEST_ASSERT_TRUE(config.identified[0].min_shift_percent == healthy.params.csj_min_shift_percent);
     TEST_ASSERT_TRUE(config.identified[1].min_shift_percent == healthy.params.blk_min_shift_percent);
-    TEST_ASSERT_TRUE(config.identified[0].scatter_percent == healthy.params.csj_scatter_percent);
-    TEST_ASSERT_TRUE(config.identified[1].scatter_percent == healthy.params.blk_scatter_percent);
     TEST_ASSERT_TRUE(config.weight[EMA_CHANNEL_POSITION] == EMA_R(1.0));
     TEST_ASSERT_TRUE(config.weight[EMA_CHANNEL_CURRENT] == EMA_R(0.0));
     TEST_ASSERT_EQUAL_UINT32(400U, config.annealer.evaluation_budget);
@@ -745,15 +771,6 @@ static void test_init_refuses_a_threshold_that_is_none(void)
     ASSERT_REFUSED(EMA_ERR_RANGE);
     config.identified[0].min_shift_percent = (ema_real)NAN;
     ASSERT_REFUSED(EMA_ERR_RANGE);
-}
-
-static void test_init_refuses_a_scatter_that_is_none(void)
-{
-    const double refused[] = {-1.0, 1000.5, (double)NAN, (double)INFINITY};
-    for (uint32_t i = 0; i < (sizeof refused / sizeof refused[0]); ++i) {
-        config.identified[1].scatter_percent = (ema_real)refused[i];
-        ASSERT_REFUSED(EMA_ERR_RANGE);
-    }
 }
 
 static void test_init_refuses_a_search_outside_what_the_model_takes(void)
@@ -876,6 +893,7 @@ int main(void)
     RUN_TEST(test_result_says_what_was_found_in_its_units);
     RUN_TEST(test_noisy_fault_is_called_with_honest_errors);
     RUN_TEST(test_interval_holds_noise_bias_and_scatter);
+    RUN_TEST(test_interval_is_refused_of_what_is_not_there);
     RUN_TEST(test_noisy_healthy_record_is_called_healthy);
     RUN_TEST(test_scaled_integers_carry_the_same_answer);
     RUN_TEST(test_rows_at_every_fifth_step_carry_the_same_answer);
@@ -913,7 +931,6 @@ int main(void)
     RUN_TEST(test_init_refuses_a_healthy_value_outside_the_bounds);
     RUN_TEST(test_init_refuses_a_healthy_value_of_zero);
     RUN_TEST(test_init_refuses_a_threshold_that_is_none);
-    RUN_TEST(test_init_refuses_a_scatter_that_is_none);
     RUN_TEST(test_init_refuses_a_search_outside_what_the_model_takes);
     RUN_TEST(test_init_refuses_a_bad_record);
     RUN_TEST(test_init_refuses_a_bad_annealer);

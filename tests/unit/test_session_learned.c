@@ -127,8 +127,7 @@ static void test_slices_and_copies_change_nothing(void)
 
 static void test_values_of_tables_are_not_identified(void)
 {
-    const ema_identified_t gain = {EMA_EFFECT_VALUE_ID(learned_friction, gain), EMA_R(0.5), EMA_R(2.0), EMA_R(10.0),
-                                   EMA_R(0.0)};
+    const ema_identified_t gain = {EMA_EFFECT_VALUE_ID(learned_friction, gain), EMA_R(0.5), EMA_R(2.0), EMA_R(10.0)};
     config.identified[1] = gain;
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_init(&session, &config));
     setUp();

@@ -146,7 +146,13 @@ static ema_status_t search(const ace_limits_t* limits, ace_report_t* report)
     }
     report->slice_us = longest / (ace_board_hz() / US_PER_S);
     report->allowed_us = limits->slice_us;
-    return (status == EMA_OK) ? ema_guarded_result(&ace.guarded, &report->result, &report->finding) : status;
+    if (status == EMA_OK) {
+        status = ema_guarded_result(&ace.guarded, &report->result, &report->finding);
+    }
+    for (uint32_t i = 0; (status == EMA_OK) && (i < report->result.identified_count); ++i) {
+        status = ema_session_half_95(&ace.config, &report->result, i, &report->half_95[i]);
+    }
+    return status;
 }
 
 void ace_run(const ace_limits_t* limits, ace_report_t* report)

@@ -40,8 +40,9 @@ typedef struct {
     uint32_t overruns;
     uint32_t slice_us; /* what the longest took, interrupts not counted */
     uint32_t allowed_us;
-    ema_result_t result;   /* when status is not ACE_REFUSED; its verdict is the guarded one */
-    ema_finding_t finding; /* likewise: the effect that the model lacks, and its size */
+    ema_result_t result;                  /* when status is not ACE_REFUSED; its verdict is the guarded one */
+    ema_real half_95[EMA_IDENTIFIED_MAX]; /* of the 95 % intervals about its estimates */
+    ema_finding_t finding;                /* likewise: the effect that the model lacks, and its size */
 } ace_report_t;
 
 /* The whole ground test: chirp, record, identification. */

@@ -17,12 +17,12 @@ static void print_real(const char* name, ema_real value)
     (void)printf("%s %08" PRIx32 " %.9g\n", name, bits, (double)value);
 }
 
-static void print_result(const ema_result_t* result)
+static void print_result(const ema_result_t* result, const ema_real* half_95)
 {
     for (uint32_t i = 0; i < result->identified_count; ++i) {
         print_real("estimate", result->identified[i].estimate);
         print_real("std", result->identified[i].std);
-        print_real("half_95", result->identified[i].half_95);
+        print_real("half_95", half_95[i]);
         print_real("shift_percent", result->identified[i].shift_percent);
     }
     print_real("objective_after", result->objective_after);
@@ -64,7 +64,7 @@ int main(int argc, char* argv[])
     (void)printf("slices %" PRIu32 "\noverruns %" PRIu32 "\nslice_us %" PRIu32 "\nallowed_us %" PRIu32 "\n",
                  report.slices, report.overruns, report.slice_us, report.allowed_us);
     if (report.status != ACE_REFUSED) {
-        print_result(&report.result);
+        print_result(&report.result, report.half_95);
         print_finding(&report.finding);
     }
     return (int)report.status;

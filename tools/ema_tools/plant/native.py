@@ -67,7 +67,6 @@ class _SearchStructure(ctypes.Structure):
         ("identified_lower", c_double * IDENTIFIED_MAX),
         ("identified_upper", c_double * IDENTIFIED_MAX),
         ("identified_min_shift_percent", c_double * IDENTIFIED_MAX),
-        ("identified_scatter_percent", c_double * IDENTIFIED_MAX),
         ("weight", c_double * len(CHANNELS)),
         ("start", c_double * IDENTIFIED_MAX),
         ("start_at_healthy", c_int32),
@@ -193,14 +192,13 @@ class SearchSettings:
     """Settings of one identification; None keeps what the actuator's [search] and [verdict] tables say.
 
     `identified` are names of real values (`section.field`), `start` their first values (None: the healthy ones) and `lower`, `upper` their
-    bounds, all in the values' own units; `scatter_percent` is none of what is `identified` unless it is told; `weight` belongs to `CHANNELS`.
+    bounds, all in the values' own units; `weight` belongs to `CHANNELS`.
     """
 
     identified: tuple[str, ...] | None = None
     lower: tuple[float, ...] | None = None
     upper: tuple[float, ...] | None = None
     min_shift_percent: tuple[float, ...] | None = None
-    scatter_percent: tuple[float, ...] | None = None
     start: tuple[float, ...] | None = None
     weight: tuple[float, float, float, float] | None = None
     seed: int | None = None
@@ -574,7 +572,6 @@ class Library:
             ("identified_lower", search.lower),
             ("identified_upper", search.upper),
             ("identified_min_shift_percent", search.min_shift_percent),
-            ("identified_scatter_percent", search.scatter_percent or (0.0,) * len(search.identified or ())),
             ("weight", search.weight),
             ("start", search.start),
         ):

@@ -88,7 +88,6 @@ def _settings(actuator: Actuator, search: SearchSettings) -> tuple[SearchSetting
             lower=lower,
             upper=upper,
             min_shift_percent=search.min_shift_percent or tuple(actuator[MIN_SHIFTS[name]] for name in names),
-            scatter_percent=search.scatter_percent or tuple(actuator[SCATTERS[name]] for name in names),
         )
     return search, day
 

@@ -1,0 +1,43 @@
+/* Apart from ema_session.c so that firmware which does without it links none of it. */
+#include <stddef.h>
+
+#include "ema/ema_session.h"
+
+#include "ema_math.h"
+
+/* Standard deviations on either side that hold 95 % of a normal distribution. */
+#define EMA_WIDTH_95 EMA_R(1.96)
+
+/* How far a value is read apart from run to run, in % of it; zero of what the actuator says nothing of. */
+static ema_real ema_scatter_percent(const ema_actuator_t* actuator, ema_value_id_t id)
+{
+    if (id == EMA_VALUE_ID(csj_Nm)) {
+        return actuator->params.csj_scatter_percent;
+    }
+    return (id == EMA_VALUE_ID(blk_mm)) ? actuator->params.blk_scatter_percent : EMA_R(0.0);
+}
+
+ema_status_t ema_session_half_95(const ema_session_config_t* config, const ema_result_t* result, uint32_t place,
+                                 ema_real* half_95)
+{
+    if ((config == NULL) || (config->actuator == NULL) || (result == NULL) || (half_95 == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if ((place >= config->identified_count) || (place >= result->identified_count) || (place >= EMA_IDENTIFIED_MAX)) {
+        return EMA_ERR_RANGE;
+    }
+    const ema_identified_t* const identified = &config->identified[place];
+    const ema_estimate_t* const estimate = &result->identified[place];
+    const uint32_t open = (uint32_t)EMA_REASON_NOT_FINISHED | (uint32_t)EMA_REASON_NOT_SENSITIVE;
+    if (((result->reasons & open) != 0U) && !(estimate->std > EMA_R(0.0))) {
+        *half_95 = identified->upper - identified->lower;
+        return EMA_OK;
+    }
+    ema_real healthy = EMA_R(0.0);
+    (void)ema_actuator_get(config->actuator, identified->id, &healthy);
+    const ema_real value = ema_max(ema_abs(estimate->estimate), ema_abs(healthy));
+    const ema_real scatter = (ema_scatter_percent(config->actuator, identified->id) / EMA_R(100.0)) * value;
+    const ema_real square = ((estimate->std * estimate->std) + (estimate->bias * estimate->bias)) + (scatter * scatter);
+    *half_95 = EMA_WIDTH_95 * ema_sqrt(square);
+    return EMA_OK;
+}
