@@ -286,6 +286,19 @@ def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_pe
 
 @needs_numba
 @pytest.mark.slow
+def test_a_large_cogging_is_named_with_its_periods(healthy: list[Record]) -> None:
+    """It moves the machine by more than a period: counted along the model's motion another number, or Stribeck friction, would fit better."""
+    hidden = {"cogging_torque.amplitude_Nm": 0.0444, "cogging_torque.periods": 72.0, "cogging_torque.phase_rad": 1.868}
+    found = answer(reference_actuator(), run_of(hidden, 816), healthy)
+    assert [one.name for one in found.effects] == ["cogging_torque"]
+    values = found.effects[0].values
+    assert values["effects.cogging_torque.periods"] == 72.0
+    assert values["effects.cogging_torque.amplitude_Nm"] == pytest.approx(0.0444, rel=0.1)
+    assert found.diagnosis.cost_after < 1.1 * found.diagnosis.cost_floor
+
+
+@needs_numba
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "size", "value", "shape"),
     [("winding_heating", "rise_degC", 30.0, {}), ("winding_warming", "rise_degC_per_W", 18.0, {"time_s": 3.0})],

@@ -181,9 +181,9 @@ def _states(evidence: Evidence, view: View) -> States:
     run = library(32).simulate(values, options, evidence.record.command_mm, evidence.start_mm)
     angle = run.motor_position_mm / model.lead_mm_per_rad
     middle = _between_rows(angle)
-    measured = evidence.record.motor_position_mm
-    # of dozens of periods per turn the model without them loses count; against repeats, which have the same standing errors, it does not
-    turned = middle if measured is None or evidence.relative else _between_rows(measured / model.lead_mm_per_rad)
+    # of dozens of periods per turn the model without them loses count
+    moved = dict(zip(evidence.channels, evidence.target, strict=True)).get("motor_position_mm")
+    turned = middle if moved is None else _between_rows(moved / model.lead_mm_per_rad)
     speed = np.append(np.diff(angle), 0.0) / evidence.record.period_s
     slow = 1e-3 * float(np.max(np.abs(speed), initial=0.0))
     direction = np.where(np.abs(speed) > slow, np.sign(speed), 0.0)
