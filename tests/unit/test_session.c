@@ -242,6 +242,12 @@ static void test_interval_holds_noise_bias_and_scatter(void)
         const double scatter = 0.01 * (double)(i + 1U) * fmax((double)found->estimate, healthy_value[i]);
         EMA_ASSERT_CLOSE(1.96 * hypot(known, scatter), half_95_of(&result, i), 0.0, 1.0e-5);
     }
+    /* one value in doubt takes nothing from what is known of the other */
+    ema_result_t doubted = result;
+    doubted.reasons = (uint32_t)EMA_REASON_NOT_SENSITIVE;
+    TEST_ASSERT_TRUE(half_95_of(&doubted, 0U) == half_95_of(&result, 0U));
+    doubted.identified[0].std = EMA_R(0.0);
+    EMA_ASSERT_CLOSE(healthy.params.csj_upper_Nm - healthy.params.csj_lower_Nm, half_95_of(&doubted, 0U), 0.0, 1.0e-6);
     config.identified[1].id = EMA_VALUE_ID(resistance_ohm);
     const double other = hypot((double)result.identified[1].std, (double)result.identified[1].bias);
     EMA_ASSERT_CLOSE(1.96 * other, half_95_of(&result, 1U), 0.0, 1.0e-5);
