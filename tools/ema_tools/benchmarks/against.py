@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import re
 import subprocess
@@ -43,7 +44,10 @@ except ImportError:
 command = library(64).command("chirp", {CHIRP!r}, {STEP_S!r}, {ROWS!r})
 found = {{}}
 for name, changes in json.loads(sys.stdin.read()).items():
-    values, options = reference_actuator().changed(changes).arrays()
+    try:
+        values, options = reference_actuator().changed(changes).arrays()
+    except (KeyError, ValueError):
+        continue  # an effect that joined later
     times = []
     for _ in range({_RUNS}):
         begun = time.perf_counter()
@@ -92,11 +96,11 @@ def diagnoses_s(states: Sequence[Path]) -> dict[str, list[float]]:
 
 
 def steps_ns(states: Sequence[Path]) -> dict[str, list[float]]:
-    """Nanoseconds of a model step without and with each effect, by effect and state; the shorter of two turns."""
+    """Nanoseconds of a model step without and with each effect, by effect and state; the shorter of two turns. Not a number where a state does not have the effect."""
     given = json.dumps({"no effect": {}, **costed_changes()})
     with tempfile.TemporaryDirectory() as folder:
         turns = [[json.loads(_run(state, _TIMED, [], given, Path(folder))) for state in states] for _ in range(2)]
-    return {name: [min(turn[place][name] for turn in turns) for place in range(len(states))] for name in turns[0][0]}
+    return {name: [min(turn[place].get(name, math.nan) for turn in turns) for place in range(len(states))] for name in turns[0][-1]}
 
 
 def _instructions(budgets: str) -> dict[str, str]:
@@ -162,8 +166,8 @@ def _steps(found: Mapping[str, Sequence[float]]) -> list[str]:
     return [
         _row(
             name,
-            *(f"{value:.0f}" for value in found[name]),
-            *(f"{value / base:.2f}" for value, base in zip(found[name], plain, strict=True)),
+            *("-" if math.isnan(value) else f"{value:.0f}" for value in found[name]),
+            *("-" if math.isnan(value) else f"{value / base:.2f}" for value, base in zip(found[name], plain, strict=True)),
         )
         for name in order
     ]
