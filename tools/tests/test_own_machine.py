@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, write_record
 from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.calibrate import calibrate
+from ema_tools.tasks.healthy_runs import scatter_read
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.onboard_search import SCATTERS, run
 from ema_tools.tasks.own_machine import OwnMachine, own_machine, repeated
@@ -101,6 +103,17 @@ def test_runs_of_one_command_are_needed() -> None:
     assert repeated([chirp, other]) == ()
     assert own_machine(reference_actuator(), [chirp, other]) is None
     assert len(repeated([chirp, other, chirp])) == 2
+
+
+def test_a_winding_that_is_stated_not_to_scatter_shows_nothing_of_the_friction() -> None:
+    known = reference_actuator()
+    still = replace(known, scatter={"motor.resistance_ohm": 0.0})
+    csj, winding = known["screw.csj_Nm"], known["motor.resistance_ohm"]
+    read, today = [0.99 * csj, 1.01 * csj], [{"motor.resistance_ohm": 0.98 * winding}, {"motor.resistance_ohm": 1.02 * winding}]
+    usual = 0.004 * csj
+    alone = scatter_read(known, "screw.csj_Nm", read, [{}, {}], usual)
+    assert scatter_read(still, "screw.csj_Nm", read, today, usual) == alone
+    assert scatter_read(known, "screw.csj_Nm", read, today, usual) > alone
 
 
 def test_calibrate_writes_it_and_says_so(tmp_path: Path) -> None:

@@ -633,17 +633,18 @@ class Library:
         if status != 0 and bad_row.value >= 0:
             raise InputError(f"identify: sample {bad_row.value + 1} of the record: {self.status_text(status)}: correct the record")
         self._raise_on(status, "identify", values, options)
+        stds = [_std(result.std[place], result.reasons) for place in range(raw.identified_count)]
         identified = tuple(
             IdentifiedValue(
                 names[raw.identified_id[place]],
                 result.estimate[place],
-                _std(result.std[place], result.reasons),
+                std,
                 result.shift_percent[place],
                 bool(result.at_bound[place]),
-                math.nan if math.isnan(_std(result.std[place], result.reasons)) else result.bias[place],
-                math.nan if math.isnan(_std(result.std[place], result.reasons)) else result.half_95[place],
+                math.nan if math.isnan(std) else result.bias[place],
+                math.nan if math.isnan(std) else result.half_95[place],
             )
-            for place in range(raw.identified_count)
+            for place, std in enumerate(stds)
         )
         return Identification(
             identified=identified,

@@ -104,9 +104,10 @@ def scatter_read(known: Actuator, name: str, read: Sequence[float], today: Seque
         return usual
     shown = [one - known[name] for one in read]
     other = _ALSO_SHOWN.get(name, "")
-    beside = [one[other] / known[other] - 1.0 for one in today if other in one]
-    shown += [one / share_from_run_to_run(known, other) * usual for one in beside]
-    return scatter_shown(shown, usual, 2 if beside else 1)
+    share = share_from_run_to_run(known, other)
+    # what the actuator states not to scatter shows nothing
+    beside = [(one[other] / known[other] - 1.0) / share * usual for one in today if other in one and share > 0.0]
+    return scatter_shown([*shown, *beside], usual, 2 if beside else 1)
 
 
 def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:

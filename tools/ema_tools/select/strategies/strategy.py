@@ -19,9 +19,9 @@ from ema_tools.select.outcome import Path
 # taken [chance]
 LEAST_LIMIT = 30.0
 _LEAST_SHARE = 0.02  # an effect must also take off this share of the excess that was found .. [judgement]
-_NEARLY_ALL = 0.9  # of what is left: a further effect that takes off so much needs nothing else, however large the change was [judgement]
 _MOST_OF_REST = 0.5  # ... or this share of what is left, where more is left than noise can leave .. [judgement]
 _NOISE = 6.0  # ... which is so many standard deviations of the cost [chance]
+_NEARLY_ALL = 0.9  # of what is left: a further effect that takes off so much needs nothing else, however large the change was [judgement]
 _POLISH_REACH = 0.3  # fits this share of the best cost behind the best may still overtake it [effort]
 
 
@@ -92,12 +92,10 @@ class Strategy(ABC):
 
     def needed(self, found: Sequence[Signature], place: int, cost: float) -> float:
         """What an effect must take off in the round `place`, at the present cost."""
-        rest = cost - self.floor
-        most = _MOST_OF_REST * rest if rest > self.noise else np.inf
-        share = min(_LEAST_SHARE * self.excess, most)
+        rest = cost - self.floor if cost - self.floor > self.noise else np.inf
+        share = min(_LEAST_SHARE * self.excess, _MOST_OF_REST * rest)
         # a missing interplay has not the form of one effect, which then takes off nearly all that is left
-        whole = _NEARLY_ALL * rest if rest > self.noise else np.inf
-        further = min(self.limits.model_error**2 * self.beyond, whole) if place else 0.0
+        further = min(self.limits.model_error**2 * self.beyond, _NEARLY_ALL * rest) if place else 0.0
         return max(self.limit_at(found, place, cost), share, further)
 
     @abstractmethod
