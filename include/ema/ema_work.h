@@ -36,7 +36,7 @@ typedef struct {
 typedef struct {
     ema_real input; /* of the circuit */
     ema_real torque_Nm;
-    ema_real level_forward_Nm; /* dry friction at rest against each direction */
+    ema_real level_forward_Nm; /* dry friction at rest against each direction; of a moving shaft its torque */
     ema_real level_backward_Nm;
 } ema_forces_t;
 

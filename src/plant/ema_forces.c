@@ -57,6 +57,7 @@ static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
 
 void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_point_t* point)
 {
+    const bool starts = point == &work->segment.start;
     const ema_drive_output_t* const applied = &work->applied;
     ema_forces_t* const forces = &work->forces;
     ema_site_t site = {plant,
@@ -97,11 +98,17 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
         forces->input -=
             applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
     }
-    if ((state->motion == (int32_t)EMA_MOTION_STUCK) && !ema_acts(plant, EMA_SITE_PRESLIDING)) {
+    if ((state->motion != (int32_t)EMA_MOTION_STUCK) || ema_acts(plant, EMA_SITE_PRESLIDING)) {
+        const ema_real friction_Nm = (starts || ema_friction_varies(plant))
+                                         ? ema_sliding_friction(plant, state, &site, load_Nm)
+                                         : work->segment.forces.level_forward_Nm;
+        forces->level_forward_Nm = friction_Nm;
+        forces->torque_Nm += friction_Nm;
+    } else if (starts) {
         forces->level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
         forces->level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
     } else {
-        forces->torque_Nm += ema_sliding_friction(plant, state, &site, load_Nm);
+        /* a shaft at rest breaks away by the levels at the start */
     }
 }
 

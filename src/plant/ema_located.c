@@ -23,9 +23,12 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, ema_wo
     ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
     state->speed_rad_s = EMA_R(0.0);
     state->motion = (int32_t)EMA_MOTION_STUCK;
-    const ema_point_t here = {state->current_A, EMA_R(0.0), state->angle_rad};
     const ema_forces_t* const forces = &work->forces;
-    ema_forces_at(plant, state, work, &here);
+    ema_point_t* const here = &work->segment.start;
+    here->current_A = state->current_A;
+    here->speed_rad_s = EMA_R(0.0);
+    here->angle_rad = state->angle_rad;
+    ema_forces_at(plant, state, work, here);
     const ema_real torque_Nm = forces->torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
     state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces->level_forward_Nm,
                                                   forces->level_backward_Nm);
