@@ -342,7 +342,7 @@ def test_the_document_and_its_pictures(row: dict[str, Any], tmp_path: Path) -> N
     form = {**row, "key": "form", "kind": "form", "effects": ["lugre"], "observer": {**row["observer"], "beyond": 0.3}}
     still = {"severity": "", "effects": [], "accepted": [], "verdict": "adequate", "observer": {}}
     others = [{**row, "key": "set", "kind": "twice", "repeats": 0}, {**row, "key": "still", "kind": "scatter", **still}]
-    written = documents.write([row, wrong, form, *others], tmp_path / "NAMING.md", {})
+    written = documents.write([row, wrong, form, *others], tmp_path / "NAMING.md", documents.Earlier())
     text = written[0].read_text(encoding="utf-8")
     assert "| cogging_torque | jam_spot 1 | 1 | 0 | 0 |" in text
     assert "| medium | 2.00 | 1.000 | 1.000 | 2.000 | 1.000 | 1.000 |" in text
@@ -352,10 +352,12 @@ def test_the_document_and_its_pictures(row: dict[str, Any], tmp_path: Path) -> N
     assert all(f"({path.name})" in text for path in written[1:])
     assert written[2].read_text(encoding="utf-8").count("fill-opacity") == 2
     assert "<polyline" in written[1].read_text(encoding="utf-8")
-    earlier = documents.reached_in(written[0])
-    assert earlier["right name or class first, small"] == "0.0 % (0 of 1)"
-    again = documents.write([row, form], tmp_path / "again.md", earlier)[0].read_text(encoding="utf-8")
-    assert "| right name or class first, medium and large | >= 99 % | yes | 100.0 % (1 of 1) | 100.0 % (1 of 1) |" in again
+    earlier = documents.earlier_in(written[0])
+    assert earlier.reached["right name or class first, small"] == "0.0 % (0 of 1)" and earlier.effects == {"cogging_torque"}
+    joined = {**row, "key": "joined", "effects": ["jam_spot"], "first": "stribeck_friction", "accepted": ["stribeck_friction"], "class": []}
+    again = documents.write([row, form, joined], tmp_path / "again.md", earlier)[0].read_text(encoding="utf-8")
+    goal = "| right name or class first, medium and large | >= 99 % | **no** |"
+    assert f"{goal} 50.0 % (1 of 2) | 100.0 % (1 of 1) | 100.0 % (1 of 1) |" in again
     assert "right name or class first, small" not in again
 
 

@@ -108,7 +108,7 @@ def main(
     scoring.show(console, rows)
     console.print(f"{len(rows)} trials, {running.elapsed(begun)}")
     if document is not None:
-        for path in documents.write(rows, document, documents.reached_in(than) if than else {}):
+        for path in documents.write(rows, document, documents.earlier_in(than) if than else documents.Earlier()):
             console.print(str(path))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -24,22 +25,37 @@ _KINDS = {
 }
 
 
-def reached_in(path: Path) -> dict[str, str]:
-    """What an earlier document says was reached, by goal."""
+@dataclass(frozen=True)
+class Earlier:
+    """What an earlier document says: what was reached, by goal, and which effects were hidden then."""
+
+    reached: Mapping[str, str] = field(default_factory=dict)
+    effects: frozenset[str] = frozenset()
+
+    def knew(self, row: Row) -> bool:
+        """Whether all that is hidden in a trial was an effect then; a healthy one, or one outside the library, is what it was."""
+        return {effect for effect in row["effects"] if effect in LIBRARY} <= self.effects
+
+
+def earlier_in(path: Path) -> Earlier:
+    """What an earlier document says."""
     lines = read_text(path).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
-    return {row[0]: row[3] for row in cells if len(row) >= 5 and row[2].strip("*") in ("yes", "no")}
+    return Earlier(
+        {row[0]: row[3] for row in cells if len(row) >= 5 and row[2].strip("*") in ("yes", "no")},
+        frozenset(row[0] for row in cells if len(row) == 1 + len(SEVERITIES) and any(" / " in cell for cell in row[1:])),
+    )
 
 
-def write(rows: Sequence[Row], path: Path, before: Mapping[str, str]) -> list[Path]:
-    """Writes the document and its pictures; returns their paths. `before`: what an earlier one says was reached, by goal."""
+def write(rows: Sequence[Row], path: Path, earlier: Earlier) -> list[Path]:
+    """Writes the document and its pictures; returns their paths. What an `earlier` one says stands beside it, and what is reached on its effects alone."""
     curve = path.with_name(f"{path.stem.lower()}_detection.svg")
     matrix = path.with_name(f"{path.stem.lower()}_confusion.svg")
     write_text(curve, _curve(rows), force=True)
     write_text(matrix, pictures.matrix("first name put forward, four signals, all severities", _counts(rows)), force=True)
     sections = [
         _head(rows),
-        _goals(rows, before),
+        _goals(rows, earlier),
         _rates(rows, curve.name),
         _by_effect(rows),
         _confusions(rows, matrix.name),
@@ -91,13 +107,18 @@ deviations lie between the two for the ideal observer.
 """
 
 
-def _goals(rows: Sequence[Row], before: Mapping[str, str]) -> str:
+def _goals(rows: Sequence[Row], earlier: Earlier) -> str:
     headings = ["goal", "limit", "met", "reached", "beside it, mostly the ideal observer"]
     cells = [[goal.text, goal.limit, "yes" if goal.met else "**no**", goal.reached, goal.beside or ""] for goal in scoring.goals(rows)]
-    if before:
-        headings.insert(4, "earlier")
+    if earlier.reached:
+        then = {goal.text: goal for goal in scoring.goals([row for row in rows if earlier.knew(row)])}
+        headings[4:4] = ["earlier", "today on the effects known then"]
         for line in cells:
-            line.insert(4, before.get(line[0], "-"))
+            known = then.get(line[0])
+            line[4:4] = [
+                earlier.reached.get(line[0], "-"),
+                "-" if known is None else known.reached if known.met else f"**{known.reached}**",
+            ]
     return "## Goals\n\n" + table(headings, cells, len(headings) - 3)
 
 

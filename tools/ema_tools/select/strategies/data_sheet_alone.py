@@ -11,7 +11,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
 from ema_tools.fit.nuisance import WORN, is_slight
-from ema_tools.fit.refit import Fit, best_of_each, jointly
+from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
@@ -104,7 +104,8 @@ class DataSheetAlone(Strategy):
         return fits
 
     def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
-        """The last set is fitted to its end together with the machine; an effect that was sized in closed form has nothing to gain."""
+        """The last set, or one effect of it alone, is fitted to its end together with the machine; an effect that was sized in closed form has nothing to gain."""
         if not path.steps or (len(path.steps) == 1 and all(map(confounded_parameter, path.steps[0].values))):
             return path
-        return replace(path, steps=(*path.steps[:-1], jointly(path.steps[-1])))
+        path = replace(path, steps=(*path.steps[:-1], jointly(path.steps[-1])))
+        return self.fewer(path, lambda start: jointly(refit(self.start, start)))

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, View, settled
-from ema_tools.fit.refit import Fit, best_of_each, polished
+from ema_tools.fit.refit import Fit, best_of_each, polished, seen_from
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 
@@ -110,6 +110,14 @@ class Strategy(ABC):
         """The path after its end, or another one that `_grow` makes from a begun path with so many further effects."""
         return path
 
+    def fewer(self, path: Path, fitted: Callable[[Mapping[str, float]], Fit]) -> Path:
+        """The path to one effect of its last set, where that one `fitted` alone explains more than the whole set: what came before it stood in for it."""
+        best = path.steps[-1] if path.steps else None
+        if best is None or len(best.effects) < 2:
+            return path
+        found = min(each(lambda effect: fitted(best.of_effect(effect)), best.effects), key=lambda fit: fit.cost)
+        return begun_with(found, path) if found.cost < best.cost else path
+
     def is_no_answer(self, _cost: float) -> bool:
         """Whether so much is left that no set of effects is an answer."""
         return False
@@ -117,6 +125,12 @@ class Strategy(ABC):
     def vague(self, _best: Fit) -> list[str]:
         """Effects of an answer whose size could be none."""
         return []
+
+
+def begun_with(fit: Fit, path: Path) -> Path:
+    """A path that ends with its first fit, held against those of another one's first round."""
+    first = replace(path.rounds[0], fits=(fit, *path.rounds[0].fits))
+    return Path((first,), (fit,), seen_from(fit))
 
 
 def polished_near(fits: tuple[Fit, ...], rounds: int, limits: SearchLimits) -> tuple[Fit, ...]:

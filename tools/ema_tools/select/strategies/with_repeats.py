@@ -10,11 +10,11 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, raw_cost
-from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, seen_from, shares_left
+from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, shares_left
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
-from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, polished_near
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
 _REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
 _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
@@ -73,8 +73,9 @@ class WithRepeats(Strategy):
         return cost > _FLOORS**2 * self.floor
 
     def ended(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
-        """The likelier of the path and those that begin with wear, its last fit settled together with what scatters where an effect does the same."""
-        return _with_scatter(self._likelier(path, grow))
+        """The likelier of the path, those that begin with wear and one of its effects alone; its last fit settled together with what scatters where an effect does the same."""
+        path = self.fewer(self._likelier(path, grow), lambda start: polished(refit(self.start, start), _LAST_ROUNDS))
+        return _with_scatter(path)
 
     def _likelier(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
         """The path, or a better one that begins with wear.
@@ -91,8 +92,7 @@ class WithRepeats(Strategy):
             if not values:
                 return path
             worn = polished(refit(self.start, values), _POLISH_ROUNDS)
-            first = replace(path.rounds[0], fits=(worn, *path.rounds[0].fits))
-            other = grow(Path((first,), (worn,), seen_from(worn)), len(worn.effects) + _BESIDE_WEAR_MAX)
+            other = grow(begun_with(worn, path), len(worn.effects) + _BESIDE_WEAR_MAX)
             return other if other.steps[-1].judged < path.steps[-1].judged else path
         return self._simpler(path)
 
@@ -115,9 +115,7 @@ class WithRepeats(Strategy):
         shown = [fit for fit in fits if fit.cost < max(allowed, best.cost + 1.0) and all(map(fit.determined, fit.effects))]
         if not shown:
             return path
-        found = min(shown[0], polished(shown[0], _LAST_ROUNDS), key=lambda fit: fit.cost)
-        first = replace(path.rounds[0], fits=(found, *path.rounds[0].fits))
-        return Path((first,), (found,), seen_from(found))
+        return begun_with(min(shown[0], polished(shown[0], _LAST_ROUNDS), key=lambda fit: fit.cost), path)
 
     def vague(self, best: Fit) -> list[str]:
         """Beside a large misfit a size that could be none says that something else is there."""
