@@ -6,5 +6,5 @@ ema_real ema_effect_directional_stribeck(const ema_effect_directional_stribeck_t
                                          ema_real level_Nm)
 {
     const ema_real rise = effect->rise * (EMA_R(1.0) + (effect->asymmetry * site->direction));
-    return (level_Nm * rise) * ema_stribeck(site->speed_rad_s, effect->speed_rad_s, effect->shape);
+    return ema_stribeck(level_Nm * rise, site->speed_rad_s, effect->speed_rad_s, effect->shape);
 }

@@ -8,5 +8,5 @@ ema_real ema_effect_load_dependent_stribeck(const ema_effect_load_dependent_stri
 {
     const ema_real torque_Nm = site->plant->motor.torque_constant_Nm_per_A * site->current_A;
     (void)level_Nm;
-    return (effect->ratio * ema_abs(torque_Nm)) * ema_stribeck(site->speed_rad_s, effect->speed_rad_s, effect->shape);
+    return ema_stribeck(effect->ratio * ema_abs(torque_Nm), site->speed_rad_s, effect->speed_rad_s, effect->shape);
 }

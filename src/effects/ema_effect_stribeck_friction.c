@@ -5,5 +5,5 @@
 ema_real ema_effect_stribeck_friction(const ema_effect_stribeck_friction_t* effect, const ema_site_t* site,
                                       ema_real level_Nm)
 {
-    return (level_Nm * effect->rise) * ema_stribeck(site->speed_rad_s, effect->speed_rad_s, effect->shape);
+    return ema_stribeck(level_Nm * effect->rise, site->speed_rad_s, effect->speed_rad_s, effect->shape);
 }

@@ -4,8 +4,8 @@
 
 #include "ema/ema_real.h"
 
-/* exp(-(abs(speed) / fallen)^shape): 1 at rest, 1/e at the speed `fallen_rad_s` > 0; zero where it is below the
- * resolution of the level. */
-ema_real ema_stribeck(ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape);
+/* rise exp(-(abs(speed) / fallen)^shape): all of it at rest, 1/e of it at the speed `fallen_rad_s` > 0; zero where it
+ * is below the resolution of the level. */
+ema_real ema_stribeck(ema_real rise_Nm, ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape);
 
 #endif

@@ -22,8 +22,7 @@
 #define EMA_EFFECT_AT_READING_TABLE(name) EMA_ASSERT_TABLE(name)
 #include "ema/ema_effects.def"
 
-/* Where the site is on the axis, counted from the first node; on a periodic axis within one period, else the period is
- * zero. */
+/* Where the site is on the axis, counted from the first node; the period is zero where the axis has none. */
 typedef struct {
     ema_real from_first;
     ema_real period;
@@ -33,37 +32,41 @@ static void ema_table_place(const ema_real* table, const ema_site_t* site, ema_p
 {
     ema_real at = EMA_R(0.0);
     place->period = EMA_R(0.0);
-    switch ((ema_axis_t)(int32_t)table[EMA_TABLE_AXIS]) {
-    case EMA_AXIS_SPEED:
+    switch ((int32_t)table[EMA_TABLE_AXIS]) {
+    case (int32_t)EMA_AXIS_SPEED:
         at = site->speed_rad_s;
         break;
-    case EMA_AXIS_LEAD:
+    case (int32_t)EMA_AXIS_LEAD:
         at = site->position_mm;
         place->period = site->plant->gearbox.lead_mm;
         break;
-    case EMA_AXIS_TURN:
+    case (int32_t)EMA_AXIS_TURN:
         at = site->angle_rad;
         place->period = EMA_TURN_RAD;
         break;
-    case EMA_AXIS_CURRENT:
+    case (int32_t)EMA_AXIS_CURRENT:
         at = site->current_A;
         break;
-    case EMA_AXIS_POSITION:
+    case (int32_t)EMA_AXIS_POSITION:
     default:
         at = site->position_mm;
         break;
     }
     place->from_first = at - table[EMA_TABLE_FIRST];
-    if (place->period > EMA_R(0.0)) {
-        place->from_first -= place->period * ema_floor(place->from_first / place->period);
-    }
 }
+
+/* Whole periods between the first node and the place; not a function, since nothing of the module lies deeper in the
+ * stack. */
+#define EMA_TABLE_ROUND(place) ((place).period * ema_floor((place).from_first / (place).period))
 
 ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
 {
     const ema_real* const node = &table[EMA_TABLE_NODES];
     ema_place_t place;
     ema_table_place(table, site, &place);
+    if (place.period > EMA_R(0.0)) {
+        place.from_first -= EMA_TABLE_ROUND(place);
+    }
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
     ema_real value = node[EMA_TABLE_SPAN_COUNT];
     if ((place.period > EMA_R(0.0)) && (place.from_first > range)) {
@@ -86,6 +89,9 @@ ema_real ema_table_outside(const ema_real* table, const ema_site_t* site, ema_re
 {
     ema_place_t place;
     ema_table_place(table, site, &place);
+    if (place.period > EMA_R(0.0)) {
+        place.from_first -= EMA_TABLE_ROUND(place);
+    }
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
     ema_real beyond = ema_max(-place.from_first, place.from_first - range);
     if (place.period > EMA_R(0.0)) {

@@ -37,7 +37,6 @@ MISSED = {
     "unit_tick": "its standing effects act in motion, so a step asks for their forces many times; a unit that has none costs what case A does",
     "unit_identify": "likewise; nothing waits for it but the answer, and its slices are as short as one likes",
     "code": "four effects more than when the limit was set, which hold 1.0 KiB with their ranges and their two sites; -DEMA_EFFECTS leaves out what a firmware does not need",
-    "stack": "dry friction is asked for with its direction and temperature, and what warms is moved after a step",
     "guarded_tick_function": "the chirp's sine is computed anew in every step; record the command where 20 kB more are to be had",
 }
 

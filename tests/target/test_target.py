@@ -229,7 +229,7 @@ def measured(**changed: float) -> budgets.Measured:
         "size_ema_least_squares_t": 10_700
     }
     counts |= {"onboard_whole": 4_000_000} | changed
-    return budgets.Measured("12.2.1", counts, 25_000, 20_000, {"ema_session_run": (600, ("ema_session_run",))}, 28_000, 25_200, 30_000)
+    return budgets.Measured("12.2.1", counts, 25_000, 20_000, {"ema_session_run": (500, ("ema_session_run",))}, 28_000, 25_200, 30_000)
 
 
 class Budgets(unittest.TestCase):
