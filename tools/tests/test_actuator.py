@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import (
     Actuator,
+    nearest,
     read_actuator,
     reference_actuator,
     row_of,
@@ -231,3 +232,9 @@ def test_names_of_effects_with_and_without_their_table() -> None:
         InputError, match=r"effects.stribeck_friction.rice: unknown value \(did you mean effects.stribeck_friction.rise\?\)"
     ):
         row_of("effects.stribeck_friction.rice")
+
+
+def test_a_name_that_is_not_finished_is_the_one_that_begins_so() -> None:
+    names = ["drag_Nm_s_per_rad", "speed_rad_s", "drab"]
+    assert nearest("drag", iter(names)) == " (did you mean drag_Nm_s_per_rad?)"
+    assert nearest("sped_rad_s", names) == " (did you mean speed_rad_s?)" and nearest("", names) == ""

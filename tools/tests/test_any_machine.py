@@ -175,9 +175,9 @@ def test_the_command_writes_what_programs_read(tmp_path: Path) -> None:
 
 
 def test_a_record_is_not_its_own_healthy_reference() -> None:
-    run = chirp_record(reference_actuator(), "chirp:duration_s=1")
+    run, another = (chirp_record(reference_actuator(), f"chirp:duration_s={duration_s}") for duration_s in (1, 2))
     with pytest.raises(InputError, match="healthy is the record itself"):
-        diagnosed(reference_actuator(), [run] * 2, [run])
+        diagnosed(reference_actuator(), [another, run], [run])
 
 
 def in_contact(command: int, rise: float) -> MotionRecord:

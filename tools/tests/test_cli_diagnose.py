@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ema_tools.data.actuator import read_actuator, reference_actuator
-from ema_tools.data.records import Record, write_record
+from ema_tools.data.records import Record, read_record, write_record
 from ema_tools.library.definitions import load_definitions
 from support import REFERENCE, chirp_record, complaint, run_ema
 
@@ -372,6 +372,29 @@ def test_wrong_additions_are_one_line(arguments: tuple[str, ...], message: str, 
     new = tmp_path / "new.toml"
     assert complaint(run_ema("add", REFERENCE, *(runs.get(one, one) for one in arguments), "-o", new)).startswith(message)
     assert not new.exists()
+
+
+def test_records_given_twice_do_not_confirm_themselves(runs: dict[str, Path], tmp_path: Path) -> None:
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes(runs["hot"].read_bytes())
+    message = "copy.csv: holds the same samples as hot.csv: give every run once"
+    assert complaint(run_ema("diagnose", REFERENCE, runs["hot"], copy)) == message
+    assert complaint(run_ema("add", REFERENCE, "stribeck_friction", runs["hot"], copy, "-o", tmp_path / "new.toml")) == message
+
+
+def test_compare_says_which_signal_is_not_the_machines(runs: dict[str, Path], tmp_path: Path) -> None:
+    """What a sensor that is not connected reads, or another unit, is no place where the model fails."""
+    record = read_record(runs["hot"])
+    for factor, words in (
+        (0.0, "current_A does not change while the command does: check that the"),
+        (-1.0, "change the sign of current_A"),
+        (1e3, "give current_A in A"),
+    ):
+        other = tmp_path / f"current_{factor:g}.csv"
+        write_record(other, record.with_columns({"current_A": factor * record.recorded("current_A")}))
+        said = run_ema("compare", REFERENCE, other)
+        assert said.code == 0 and words in " ".join(said.out.split())
+    assert "tells nothing of the machine" not in run_ema("compare", REFERENCE, runs["hot"]).out
 
 
 def test_identify_refuses_itself_as_healthy(runs: dict[str, Path]) -> None:

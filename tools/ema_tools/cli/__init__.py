@@ -107,6 +107,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known."""
     from ema_tools.compare.comparison import compare as work
     from ema_tools.compare.motion_comparison import compare_motion
+    from ema_tools.compare.validity import unlike
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.any_record import read_any_record
     from ema_tools.data.motion_records import MotionRecord
@@ -120,6 +121,8 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     measured = read_any_record(record, model)
     with progress("comparing", 3) as bar:
         found = compare_motion(model, measured) if isinstance(measured, MotionRecord) else work(model, measured, int(precision), bar.update)
+    if isinstance(measured, Record) and found.simulation is not None:
+        found = replace(found, unlike=unlike(model, measured, found.simulation))
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
     save(json_path, result, force)

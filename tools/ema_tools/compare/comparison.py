@@ -87,13 +87,15 @@ class ErrorPart:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The whole answer on the record called `record`; `simulation` [rows] is what was compared with the record, None where nothing can be simulated."""
+    """The whole answer on the record called `record`; `simulation` [rows] is what was compared with the record, None where nothing can be simulated; `unlike`: signals that are not this
+    machine's in sign or size, and what to do, in words."""
 
     record: str
     channels: dict[str, ChannelError]
     balances: dict[str, BalanceError]
     where: tuple[ErrorPart, ...]
     simulation: Simulation | None
+    unlike: tuple[str, ...] = ()
 
 
 def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:

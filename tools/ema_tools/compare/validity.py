@@ -298,6 +298,13 @@ def _coverage_remarks(actuator: Actuator, coverage: dict[str, float]) -> list[Re
     return [RecordRemark("coverage", "fine", text)]
 
 
+def unlike(actuator: Actuator, record: Record, run: Simulation) -> tuple[str, ...]:
+    """Signals that are not the model's in sign or size, as of another unit or a sensor that is not connected, and what to do, in words; `run` [rows] is the model's of the record."""
+    if not np.ptp(record.command_mm) > 0.0:
+        return ()
+    return tuple(f"{remark.text}: {remark.next}" for remark in _units(actuator, record, run) if remark.severity == "blocks")
+
+
 def _alike(measured: Reals, model: Reals) -> tuple[float, float]:
     """Correlation and scale of a signal against the model's, both about their means; zeros where either is constant."""
     mine, its = measured - measured.mean(), model - model.mean()

@@ -35,8 +35,10 @@ Row = Parameter | EffectParameter
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """The most similar of `known` as a hint, or an empty text."""
-    found = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
+    """The one of `known` that begins so, or the most similar, as a hint; or an empty text."""
+    names = list(known)
+    begun = [one for one in names if name and one.startswith(name)]
+    found = begun[:1] or difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return f" (did you mean {found[0]}?)" if found else ""
 
 

@@ -230,7 +230,7 @@ _FOLDER = "EMA_LIBRARY_DIR"
 def library_folder() -> Path:
     """Folder of the shared libraries: EMA_LIBRARY_DIR, else `build/lib` of the repository around this file."""
     named = os.environ.get(_FOLDER)
-    return Path(named) if named else Path(__file__).resolve().parents[3] / "build" / "lib"
+    return Path(named).resolve() if named else Path(__file__).resolve().parents[3] / "build" / "lib"
 
 
 def named_library(name: str) -> Path:

@@ -132,13 +132,13 @@ def check_apart(record: AnyRecord, healthy: Sequence[AnyRecord]) -> None:
     check_once(healthy)
 
 
-def check_once(healthy: Sequence[AnyRecord]) -> None:
-    """Raises InputError when a healthy record is given twice."""
-    for place, other in enumerate(healthy):
-        for earlier in healthy[:place]:
+def check_once(records: Sequence[AnyRecord], kind: str = "healthy run") -> None:
+    """Raises InputError when a record is given twice: what it shows would confirm itself."""
+    for place, other in enumerate(records):
+        for earlier in records[:place]:
             if _same_samples(earlier, other):
                 raise InputError(
-                    f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every healthy run once"
+                    f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every {kind} once"
                 )
 
 

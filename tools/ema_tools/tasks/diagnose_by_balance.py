@@ -30,7 +30,7 @@ from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import Change, HealthyByBalance, changes_of, healthy_machine
-from ema_tools.tasks.diagnose import check_apart
+from ema_tools.tasks.diagnose import check_apart, check_once
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 # What the first model leaves beyond the floor must be more than this, relative, for anything to be missing: an estimate is within a factor of two on machines
@@ -179,7 +179,8 @@ def has_laps(record: AnyRecord) -> bool:
 
 
 def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = ()) -> tuple[RecordValidity, ...]:
-    """Whether each of the records can answer by its balance. Raises InputError for the first that cannot, and for one that is held out and has no balance."""
+    """Whether each of the records can answer by its balance. Raises InputError for the first that cannot, for one that is held out and has no balance, and for one that is given twice."""
+    check_once((*records, *holdout), "run")
     gates = tuple(judge_motion(actuator, record) if isinstance(record, MotionRecord) else judge(actuator, record) for record in records)
     for record, gate in zip(records, gates, strict=True):
         if not gate.answerable:

@@ -103,7 +103,9 @@ def test_every_place_is_filled(effect: str) -> None:
     assert (ROOT / "src" / "effects" / f"ema_effect_{effect}.c").is_file()
     row = load_definitions().effect(effect)
     assert row.is_learned == (record.learned is not None)
-    assert row.is_learned or (record.typical is None) == (record.below_peak is not None)
+    if not row.is_learned:
+        needs = record.below_peak is None
+        assert (record.typical is not None) == needs, f"{effect}: its record {'needs' if needs else 'must not have'} a typical size"
     assert record.typical is None or record.typical.why
     if record.slight is not None and record.slight.free:
         assert record.slight.size == max(values[row.size.field] for values in record.slight.free)

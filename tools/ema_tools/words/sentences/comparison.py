@@ -20,6 +20,8 @@ def place_name(place: ErrorPart) -> str:
 
 def sentence(found: Comparison) -> str:
     """The comparison in one sentence."""
+    if found.unlike:
+        return f"{found.record} tells nothing of the machine as it is: {'; '.join(found.unlike)}."
     balances = found.balances
     there = {name: error for name, error in balances.items() if not error.reason}
     if not there:
