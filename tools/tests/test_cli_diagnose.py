@@ -16,7 +16,7 @@ import pytest
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, read_record, write_record
 from ema_tools.library.definitions import load_definitions
-from support import REFERENCE, chirp_record, complaint, run_ema
+from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
 HOT = {"winding_heating.rise_degC": 60.0}
@@ -372,6 +372,15 @@ def test_wrong_additions_are_one_line(arguments: tuple[str, ...], message: str, 
     new = tmp_path / "new.toml"
     assert complaint(run_ema("add", REFERENCE, *(runs.get(one, one) for one in arguments), "-o", new)).startswith(message)
     assert not new.exists()
+
+
+def test_an_effect_with_a_value_too_many_ends_in_its_special_case(tmp_path: Path) -> None:
+    """Beside these two runs a Stribeck friction of two directions comes first, before wear is known; beside the wear nothing of its second direction is left."""
+    story = RECORDINGS / "story"
+    healthy = [part for number in (1, 2) for part in ("--healthy", story / f"healthy_{number}.csv")]
+    assert run_ema("diagnose", REFERENCE, story / "today.csv", *healthy, "--json", tmp_path / "found.json").code == 0
+    effects = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))["effects"]
+    assert {one["name"] for one in effects if one["accepted"]} == {"stribeck_friction"}
 
 
 def test_records_given_twice_do_not_confirm_themselves(runs: dict[str, Path], tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis, Named, Path, Round
 from ema_tools.select.strategies import strategy_for
 from ema_tools.select.strategies.healthy_machine import HealthyMachine
-from ema_tools.select.strategies.strategy import Strategy
+from ema_tools.select.strategies.strategy import Strategy, begun_with
 
 _ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: three standard deviations [chance]
 # A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another
@@ -101,6 +101,19 @@ def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callab
     return tuple(fit for fit in fits if not needless(_newest(fit, held)))
 
 
+def _in_special_cases(path: Path, strategy: Strategy) -> Path:
+    """The path with an effect of its last set in its special case, where that leaves hardly more: beside what came after it nothing may be left of what it has more."""
+    best = path.steps[-1] if path.steps else None
+    for effect in best.effects if best is not None else ():
+        special = _as_special_case(path.steps[-1], effect)
+        if special is None or len(special.effects) < len(path.steps[-1].effects):
+            continue
+        special = strategy.refined((special,), (), False, strategy.before)[0]
+        if special.judged - path.steps[-1].judged < strategy.needed((), len(path.rounds), special.cost):
+            path = begun_with(special, path)
+    return path
+
+
 def _newest(fit: Fit, held: Sequence[str]) -> str:
     return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
 
@@ -178,6 +191,7 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     tell = report or untold
     path = _grown(strategy, strategy.limits.effects, tell)
     path = strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
+    path = _in_special_cases(path, strategy)
     alone = bool(path.steps) and strategy.is_no_answer(path.steps[-1].cost) and _stands_alone(path, strategy)
     # what its own form leaves of it is no second effect
     path = replace(path, steps=path.steps[:1]) if alone else path
