@@ -134,10 +134,8 @@ static void ema_group_run(ema_group_t* group, const ema_batch_t* batch)
     }
 }
 
-/* From how many runs on lanes cost less than runs one after the other, those without a run among them: effects that act
- * during the run gain more. */
-#define EMA_LANES_WORTH (EMA_LANES / 3U)
-#define EMA_LANES_WORTH_EFFECTS (EMA_LANES / 4U)
+/* From how many runs on lanes cost no more than runs one after the other, those without a run among them. */
+#define EMA_LANES_WORTH (2U + (EMA_LANES / 8U))
 
 /* One run on its own. */
 static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t lane)
@@ -166,8 +164,7 @@ static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t
 
 static void ema_group_go(ema_group_t* group, const ema_batch_t* batch)
 {
-    const bool acts = group->lanes.plant[0].active.any;
-    if (group->lanes.count >= (acts ? EMA_LANES_WORTH_EFFECTS : EMA_LANES_WORTH)) {
+    if (group->lanes.count >= EMA_LANES_WORTH) {
         ema_group_fill(group);
         ema_group_run(group, batch);
     } else {

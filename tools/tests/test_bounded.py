@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ema_tools.base.arrays import Reals
-from ema_tools.fit.bounded import FreeValue, OneSided, Slopes, Stop, TwoSided, fit
+from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Slopes, Stop, TwoSided, fit
 
 TIME = np.linspace(0.0, 1.0, 50)
 STOP = Stop(50, 1e-12, 1e-12, 1e-12)
@@ -73,3 +73,23 @@ def test_a_step_grows_until_it_shows() -> None:
     flat = fit(UNKNOWNS, stepped, OneSided((1e-6,), 0.1), Stop(1, 1e-9, 1e-9))
     shown = fit(UNKNOWNS, stepped, OneSided((1e-6, 0.5), 0.1), Stop(1, 1e-9, 1e-9))
     assert not flat.slopes.any() and shown.slopes.any(axis=0).all()
+
+
+def test_a_fit_ends_where_no_step_promises_anything() -> None:
+    """Beside noise of unit variance the way from a tenth of a standard error on is not gone."""
+    noise = np.random.default_rng(7).standard_normal(TIME.size)
+    target = 50.0 * falling({"gain": 3.0, "rate": 2.0}) + noise
+    asked: list[None] = []
+
+    def counted(values: Mapping[str, float]) -> Reals:
+        asked.append(None)
+        return 50.0 * falling(values)
+
+    whole = fit(UNKNOWNS, counted, OneSided((1e-6,)), Stop(50, 1e-15, 1e-15, 1e-15), target)
+    all_of_it = len(asked)
+    soon = fit(UNKNOWNS, counted, OneSided((1e-6,)), Stop(50, 1e-15, 1e-15, 1e-15, of_promise=PROMISE), target)
+    assert len(asked) - all_of_it < all_of_it
+    assert whole.cost <= soon.cost < whole.cost + PROMISE
+    assert soon.cost == pytest.approx(float(soon.residual @ soon.residual)) and soon.slopes.shape == (TIME.size, 2)
+    std = np.sqrt(np.diag(whole.covariance))
+    assert all(abs(soon.values[one.name] - whole.values[one.name]) < 0.1 * std[k] for k, one in enumerate(UNKNOWNS))

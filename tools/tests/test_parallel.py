@@ -8,7 +8,7 @@ from collections.abc import Generator, Sequence
 
 import pytest
 
-from ema_tools.base.parallel import beside, each, in_step, workers
+from ema_tools.base.parallel import beside, each, idle, in_step, workers
 
 
 def halvings(number: int) -> Generator[int, float, list[float]]:
@@ -49,6 +49,23 @@ def test_each_keeps_the_order_and_raises_what_is_raised(count: int) -> None:
     if count:
         with pytest.raises(ZeroDivisionError):
             each(lambda number: 1 // number, range(count))
+
+
+def test_cores_without_work_are_known() -> None:
+    assert idle() == workers()
+    together = threading.Barrier(workers())
+
+    def seen(_: int) -> int:
+        together.wait(timeout=10.0)
+        found = idle()
+        together.wait(timeout=10.0)
+        return found
+
+    # each of them has its own core and no other
+    assert each(seen, range(workers())) == [1] * workers()
+    with pytest.raises(ZeroDivisionError):
+        each(lambda number: 1 // number, range(3))
+    assert idle() == workers()
 
 
 def test_work_inside_of_work_waits_for_no_free_thread() -> None:

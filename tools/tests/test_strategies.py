@@ -12,12 +12,18 @@ from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.benchmarks.hidden import trials
 from ema_tools.fit.evidence import View
 from ema_tools.fit.refit import Fit
+from ema_tools.select import search
 from ema_tools.select.outcome import Path, Round
 from ema_tools.select.strategies import strategy
 from ema_tools.select.strategies.data_sheet_alone import DataSheetAlone
 
 _VIEW = cast(View, object())
-_SIZES = {"supply_sag": "effects.supply_sag.sag", "cogging_torque": "effects.cogging_torque.amplitude_Nm"}
+_SIZES = {
+    "supply_sag": "effects.supply_sag.sag",
+    "cogging_torque": "effects.cogging_torque.amplitude_Nm",
+    "stribeck_friction": "effects.stribeck_friction.rise",
+    "directional_stribeck": "effects.directional_stribeck.rise",
+}
 
 
 def _fit(cost: float, *effects: str) -> Fit:
@@ -48,6 +54,26 @@ def test_an_effect_that_explains_more_alone_is_the_answer(monkeypatch: pytest.Mo
 def test_one_effect_and_none_stay() -> None:
     for path in (Path((Round({}, (), {}),), (), _VIEW), Path((Round({}, (), {}),), (_fit(70.0, "supply_sag"),), _VIEW)):
         assert _fewer(path, {}) is path
+
+
+def test_a_special_case_gone_astray_is_fitted_again_from_what_it_is_a_case_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def as_special_case(fit: Fit, effect: str) -> Fit | None:
+        asked.append(effect)
+        return _fit(51.0, "stribeck_friction") if effect == "directional_stribeck" else None
+
+    monkeypatch.setattr(search, "_as_special_case", as_special_case)
+    general, cogging = _fit(50.0, "directional_stribeck"), _fit(60.0, "cogging_torque")
+
+    def shown(special: float) -> dict[tuple[str, ...], float]:
+        asked.clear()
+        fits = search._with_special_cases((general, cogging, _fit(special, "stribeck_friction")), (), "directional_stribeck")
+        return {fit.effects: fit.cost for fit in fits}
+
+    # chance parts them by less than nine: then its own fit is as good
+    assert shown(80.0)["stribeck_friction",] == 51.0 and asked == ["directional_stribeck"]
+    assert shown(57.0)["stribeck_friction",] == 57.0 and asked == []
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
@@ -26,9 +27,19 @@ def _helpers() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(os.cpu_count() or 1)
 
 
+# Threads that work on items at this moment.
+_working: set[int] = set()
+
+
+def idle() -> int:
+    """Cores on which nobody works on an item of `each`, that of the thread that asks among them."""
+    return max(1, workers() - len(_working - {threading.get_ident()}))
+
+
 # a process that was forked has none of its parent's threads
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_helpers.cache_clear)
+    os.register_at_fork(after_in_child=_working.clear)
 
 
 def each(work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int], None] | None = None) -> list[Result]:
@@ -51,9 +62,16 @@ def each(work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[
             yield
 
     def help_out() -> None:
-        for _ in one_after_another():
-            pass
+        _working.add(threading.get_ident())
+        try:
+            for _ in one_after_another():
+                pass
+        finally:
+            _working.discard(threading.get_ident())
 
+    own = threading.get_ident()
+    inside = own in _working
+    _working.add(own)
     helping = [_helpers().submit(help_out) for _ in range(min(workers(), len(items)) - 1)]
     told = 0
     try:
@@ -64,7 +82,10 @@ def each(work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[
         # nobody begins another item
         for _ in left:
             pass
+        _working.discard(own)
         wait([helper for helper in helping if not helper.cancel()])
+        if inside:
+            _working.add(own)
     if failed:
         raise failed[min(failed)]
     while done is not None and told < len(results):

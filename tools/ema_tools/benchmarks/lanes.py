@@ -67,7 +67,7 @@ def _same(one: Simulation, many: object) -> bool:
 
 def measure(bits: int, runs: int) -> list[Saving]:
     """A row without effects, and one for each effect."""
-    module, beside = library(bits), lanes(bits)
+    module, beside = library(bits), lanes(bits, runs)
     if beside is None:
         raise SystemExit("the project was built without ema_lanes: build it again")
     command_mm = module.command("chirp", CHIRP, STEP_S, ROWS)
@@ -97,7 +97,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=32)
     chosen = parser.parse_args()
     savings = measure(chosen.bits, chosen.runs)
-    beside = lanes(chosen.bits)
+    beside = lanes(chosen.bits, chosen.runs)
     assert beside is not None
     title = f"float{chosen.bits}, {chosen.runs} runs, {beside.path.name}, {beside.count} lanes; goal: {GOAL_PLAIN:g} times without effects, {GOAL_EFFECT:g} with"
     table = Table(title=title)

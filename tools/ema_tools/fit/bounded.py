@@ -14,6 +14,8 @@ from ema_tools.base.parallel import each, in_step
 
 # The first point lies inside its bounds by this share of them: from a bound itself the solver would not move along it [precision]
 _INSIDE = 1e-9
+# Where noise has unit variance: a fit that a tenth of a standard error parts from the best is there [precision]
+PROMISE = 0.01
 
 
 @dataclass(frozen=True)
@@ -113,12 +115,14 @@ class TwoSided:
 
 @dataclass(frozen=True)
 class Stop:
-    """When a fit ends: after so many `points`, or where a step changes the point, the cost or the slope by less than these shares."""
+    """When a fit ends: after so many `points`, where a step changes the point, the cost or the slope by less than these shares, or where the slopes promise no step that lowers
+    the cost by as much as `of_promise`, in squares of the vector's unit."""
 
     points: int
     of_point: float
     of_cost: float
     of_slope: float = 1e-8  # as the solver has it [precision]
+    of_promise: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -136,6 +140,20 @@ class Found:
     def covariance(self) -> Reals:
         """Of the values, in their units [unknowns, unknowns], when the residual is white with a variance of 1; nothing along what the residual does not show."""
         return np.asarray(np.linalg.pinv(self.slopes.T @ self.slopes) * np.outer(self.scale, self.scale), dtype=float)
+
+
+class _Arrived(Exception):
+    """Ends the solver's work from within, at a point [unknowns] with what is left there [n] and its slopes [n, unknowns]."""
+
+    def __init__(self, point: Reals, left: Reals, slopes: Reals) -> None:
+        super().__init__()
+        self.end = (point, left, slopes)
+
+
+def _promised(left: Reals, slopes: Reals) -> float:
+    """By how much a step would lower the cost if the slopes held all the way."""
+    down = slopes.T @ left
+    return float(down @ np.linalg.pinv(slopes.T @ slopes) @ down)
 
 
 def fit(
@@ -179,20 +197,28 @@ def fit(
         return here(point) if target is None else here(point) - target
 
     def jacobian(point: Reals) -> Reals:
-        return slopes(at_each, point, here(point), lower, upper)
+        columns = slopes(at_each, point, here(point), lower, upper)
+        left = here(point) if target is None else here(point) - target
+        if _promised(left, columns) < stop.of_promise:
+            raise _Arrived(point.copy(), left, columns)
+        return columns
 
     margin = _INSIDE * (upper - lower)
     begun = np.clip(np.array([one.start for one in unknowns]) / scale, lower + margin, upper - margin)
-    solved = least_squares(
-        residual,
-        begun,
-        jac=jacobian,
-        bounds=(lower, upper),
-        max_nfev=stop.points,
-        xtol=stop.of_point,
-        ftol=stop.of_cost,
-        gtol=stop.of_slope,
-    )
-    best = values(solved.x)
+    try:
+        solved = least_squares(
+            residual,
+            begun,
+            jac=jacobian,
+            bounds=(lower, upper),
+            max_nfev=stop.points,
+            xtol=stop.of_point,
+            ftol=stop.of_cost,
+            gtol=stop.of_slope,
+        )
+        end, left, columns = solved.x, np.asarray(solved.fun, dtype=float), np.asarray(solved.jac, dtype=float)
+    except _Arrived as arrived:
+        end, left, columns = arrived.end
+    best = values(end)
     at_bound = tuple(one.name for one in unknowns if one.on_bound(best[one.name]))
-    return Found(best, at_bound, np.asarray(solved.fun, dtype=float), 2.0 * float(solved.cost), np.asarray(solved.jac, dtype=float), scale)
+    return Found(best, at_bound, left, float(left @ left), columns, scale)

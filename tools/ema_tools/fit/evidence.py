@@ -18,7 +18,7 @@ from scipy.optimize import lsq_linear
 from ema_tools.base.arrays import Complexes, Reals
 from ema_tools.base.errors import InputError, taken
 from ema_tools.base.orthonormal import orthonormal
-from ema_tools.base.parallel import each, workers
+from ema_tools.base.parallel import each, idle
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit import nuisance as spreads
@@ -78,7 +78,7 @@ def simulate_side_by_side(
         for (place, _), run in zip(part, runs, strict=True):
             found[place] = run if isinstance(run, InputError) else seen(place, np.array([getattr(run, name) for name in channels]))
 
-    size = min(_SIDE_BY_SIDE, max(1, -(-len(changes) // workers())))
+    size = min(_SIDE_BY_SIDE, max(1, -(-len(changes) // idle())))
     parts = [group[first : first + size] for group in alike.values() for first in range(0, len(group), size)]
     # the long ones first, so that no core waits for another at the end
     each(share, sorted(parts, key=len, reverse=True))

@@ -12,7 +12,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Row, row_of
 from ema_tools.fit import bounded
-from ema_tools.fit.bounded import FreeValue, OneSided, Stop
+from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
 from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import effect_of
@@ -135,7 +135,7 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
         unknowns,
         lambda changes: vectors([changes])[0],
         OneSided(_JACOBIAN_STEPS, ROUGHNESS),
-        Stop(_RUNS, 1e-4, 1e-5),
+        Stop(_RUNS, 1e-4, 1e-5, of_promise=PROMISE),
         view.residual,
         many=vectors,
     )

@@ -1,4 +1,4 @@
-"""Many runs at once: the shared libraries `ema_lanes32` and `ema_lanes64` of `port/lanes`, which work on several actuators side by side.
+"""Many runs at once: the shared libraries `ema_lanes32` and `ema_lanes64` of `port/lanes`, which work on several actuators side by side, and `ema_lanes32_few` with half as many lanes.
 
 Of each there may be a second build for processors with AVX2, which is taken where the processor has it; the bits are the same in all of them, and those of runs
 one after the other.
@@ -78,10 +78,16 @@ class Lanes:
 
 
 @functools.cache
-def lanes(bits: int) -> Lanes | None:
-    """The build that fits this processor, loaded once; None where the project was built without. Raises LibraryError when it is of another build."""
-    if not named_library(f"ema_lanes{bits}").is_file():
+def _built(name: str, bits: int) -> Lanes | None:
+    """The build that fits this processor, loaded once; None where the project was built without."""
+    if not named_library(name).is_file():
         return None
-    plain = Lanes(f"ema_lanes{bits}", bits)
-    wide = f"ema_lanes{bits}_avx2"
+    plain = Lanes(name, bits)
+    wide = f"{name}_avx2"
     return Lanes(wide, bits) if plain.avx2 and named_library(wide).is_file() else plain
+
+
+def lanes(bits: int, runs: int) -> Lanes | None:
+    """The build for so many runs; None where the project was built without. Raises LibraryError when it is of another build."""
+    few = _built("ema_lanes32_few", bits) if bits == 32 else None
+    return few if few is not None and runs <= few.count else _built(f"ema_lanes{bits}", bits)

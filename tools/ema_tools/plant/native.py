@@ -496,7 +496,7 @@ class Library:
         """
         command = np.ascontiguousarray(command_mm, dtype=np.float64)
         rows = np.ascontiguousarray(values, dtype=np.float64)
-        beside = lanes(self.bits)
+        beside = lanes(self.bits, len(rows))
         if beside is None:
             return [self._tried(row, options, command, start_mm) for row in rows]
         runs = beside.simulate(rows, options, command, start_mm)

@@ -21,7 +21,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit import bounded
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.bounded import FreeValue, OneSided, Stop
+from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import Evidence, simulate_channels, simulate_side_by_side, view
 from ema_tools.fit.nuisance import Spread
 from ema_tools.library.faults import FAULTS
@@ -178,7 +178,9 @@ class KnownMachine:
                 for values, plain in zip(asked, left, strict=True)
             ]
 
-        found = bounded.fit(unknowns, lambda values: vectors([values])[0], OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6), many=vectors)
+        found = bounded.fit(
+            unknowns, lambda values: vectors([values])[0], OneSided((_STEP,)), Stop(steps, 1e-5, 1e-6, of_promise=PROMISE), many=vectors
+        )
         std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
         return MachineFit(effect, {**first, **found.values}, std, found.cost)
 

@@ -82,17 +82,25 @@ def _as_special_case(fit: Fit, effect: str) -> Fit | None:
     return refit(settled(fit.view.evidence, start, fit.view.deviations, 1), start)
 
 
+def _with_special_cases(fits: tuple[Fit, ...], held: Sequence[str], first: str) -> tuple[Fit, ...]:
+    """With the fit of the special case of effect `first` where it has none yet, and of every other one that stays so far behind what it is a case of that its own fit has gone astray."""
+    newest = {_newest(fit, held): fit for fit in reversed(fits)}
+    asked = []
+    for effect, fit in newest.items():
+        special = newest.get(record_of(effect).special_case)
+        if effect == first if special is None else special.judged - fit.judged > _ALIKE:
+            asked.append((fit, effect))
+    cases = each(lambda one: _as_special_case(*one), asked)
+    return best_of_each([*fits, *(case for case in cases if case is not None)])
+
+
 def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callable[[float], float]) -> tuple[Fit, ...]:
     """Without the fit of an effect that is another one in a special case and does not take off beyond that one what a further effect must, `needed` at a cost."""
     if not fits:
         return fits
-    by_newest = {_newest(fit, held): fit for fit in reversed(fits)}
     first = _newest(fits[0], held)
-    if record_of(first).special_case not in by_newest:
-        special = _as_special_case(fits[0], first)
-        if special is not None:
-            by_newest[record_of(first).special_case] = special
-            fits = best_of_each([*fits, special])
+    fits = _with_special_cases(fits, held, first)
+    by_newest = {_newest(fit, held): fit for fit in reversed(fits)}
 
     def needless(effect: str) -> bool:
         special = by_newest.get(record_of(effect).special_case)
