@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +18,7 @@ from ema_tools.data.records import Record, read_record, write_record
 from ema_tools.tasks.calibrate import calibrate, free_parameters
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
+UNIT = RECORDINGS / "unit"
 WRONG = {
     "screw.csj_Nm": 0.2,
     "screw.inertia_kgm2": 8e-5,
@@ -178,8 +181,13 @@ def test_record_that_the_model_cannot_follow_is_refused(tmp_path: Path, what: st
             "screw.csj_Nm,screw.blk_mm",
         )
     )
-    assert said.startswith(f"wrong.csv: {what.split(':')[0]}: the calibrated model misses it by ")
-    assert said.endswith("then calibrate again")
+    if "stuck" in what:
+        assert said.startswith(
+            "wrong.csv: position_mm does not change, while that of healthy.csv does: check that the sensor was connected"
+        )
+    else:
+        assert said.startswith(f"wrong.csv: {what.split(':')[0]}: the calibrated model misses it by ")
+        assert said.endswith("then calibrate again")
     assert not (tmp_path / "new.toml").exists()
 
 
@@ -203,3 +211,44 @@ def test_a_run_that_is_given_twice_says_nothing_of_scatter(tmp_path: Path) -> No
     ran = run_ema("calibrate", REFERENCE, healthy, healthy, "-o", tmp_path / "new.toml")
     assert "healthy_1.csv: given twice: give every healthy run once" in complaint(ran)
     assert not (tmp_path / "new.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("odd", "says"),
+    [
+        ("in_mA.csv", "in_mA.csv: current_A is 1e+03 times that of healthy_"),
+        ("worn.csv", "worn.csv: not of the same state as healthy_1.csv, healthy_2.csv: csj_Nm differs from theirs by "),
+    ],
+)
+@pytest.mark.parametrize("command", ["calibrate", "export"])
+def test_the_odd_one_among_healthy_runs_is_named(tmp_path: Path, command: str, odd: str, says: str) -> None:
+    """Whatever its place; nothing is written."""
+    runs = [UNIT / "healthy_1.csv", UNIT / "healthy_2.csv"]
+    given = UNIT / odd
+    if not given.exists():
+        given = tmp_path / odd
+        run = read_record(runs[0], read_actuator(UNIT / "unit.toml"))
+        write_record(given, replace(run, current_A=1000.0 * run.recorded("current_A")))
+    runs.insert(0, given)
+    out = tmp_path / "made"
+    healthy = [word for run in runs for word in ("--healthy", str(run))]
+    asked = ("export", UNIT / "unit.toml", "-o", tmp_path / "data.h", "--signatures", out, *healthy)
+    ran = run_ema(*(("calibrate", REFERENCE, *runs, "-o", out) if command == "calibrate" else asked))
+    assert says in complaint(ran)
+    assert not out.exists()
+
+
+def test_values_far_from_the_file_are_said(tmp_path: Path) -> None:
+    """A lead that is five times too long is made up for by inertia and back-EMF."""
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(re.sub(r"(?m)^lead_mm = 5.0", "lead_mm = 25.4", REFERENCE.read_text(encoding="utf-8")), encoding="utf-8")
+    ran = run_ema("calibrate", wrong, UNIT / "healthy_1.csv", "-o", tmp_path / "new.toml", "--json", tmp_path / "told.json")
+    assert "Far from the file: screw.inertia_kgm2 is 5.1 times, motor.back_emf_V_s_per_rad is 5.1 times what it said." in " ".join(
+        ran.out.split()
+    )
+    assert set(json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))["far"]) == {
+        "screw.inertia_kgm2",
+        "motor.back_emf_V_s_per_rad",
+    }
+    right = run_ema("calibrate", REFERENCE, UNIT / "healthy_1.csv", "-o", tmp_path / "right.toml")
+    assert "Far from the file" not in right.out

@@ -113,7 +113,11 @@ BAD = [
     ),
     (
         ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "motor.inductance_H=1e-9"),
-        "simulate: the step is too long for a time constant",
+        "simulate: motor.inductance_H: so small that the machine answers in 1e-09 s: the step is too long for a time constant",
+    ),
+    (
+        ("simulate", REFERENCE, "--command", "chirp", "-o", "r.csv", "--set", "screw.inertia_kgm2=1e-9"),
+        "simulate: screw.inertia_kgm2: so small that the machine answers in 2.6e-07 s: the step is too long",
     ),
     (("simulate", REFERENCE, "--command", "chirp", "-o", "."), ".: is a folder: name a file"),
     (("compare", REFERENCE, "none.csv"), "none.csv: there is no such file; check the path"),

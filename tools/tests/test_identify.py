@@ -110,7 +110,7 @@ def test_healthy_records_of_two_states_are_refused(tmp_path: Path) -> None:
         run_ema("identify", REFERENCE, RECORDINGS / "case_a.csv", "--healthy", tmp_path / "cold.csv", "--healthy", tmp_path / "warm.csv")
     )
     assert said.startswith("warm.csv: not of the same state as cold.csv: ")
-    assert said.endswith(": leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other")
+    assert said.endswith(": leave out what is not healthy, or calibrate on one of them and diagnose the other")
 
 
 def test_one_healthy_record_that_the_model_does_not_explain_is_refused(tmp_path: Path) -> None:

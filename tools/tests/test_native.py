@@ -66,7 +66,7 @@ def test_refused_actuator_is_named() -> None:
         with pytest.raises(InputError, match=r"screw.csj_Nm: a value is NaN or infinite"):
             call()
     stiff, _ = reference_actuator().changed({"motor.inductance_H": 1e-9}).arrays()
-    with pytest.raises(InputError, match="simulate: the step is too long for a time constant"):
+    with pytest.raises(InputError, match=r"simulate: motor.inductance_H: so small that .* the step is too long for a time constant"):
         library().simulate(stiff, OPTIONS, np.zeros(100))
 
 

@@ -177,9 +177,9 @@ def calibrate(
     from ema_tools.data.records import Record
     from ema_tools.results.provenance import provenance
     from ema_tools.select.fixes import fixes_of
+    from ema_tools.select.healthy_records import check_once
     from ema_tools.tasks.calibrate import calibrate as work
     from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance
-    from ema_tools.tasks.diagnose import check_once
     from ema_tools.tasks.method import check_fixes, chosen_for_calibration
     from ema_tools.tasks.own_machine import of_own_machine, own_machine
     from ema_tools.words.answers.calibration import calibration, calibration_by_balance

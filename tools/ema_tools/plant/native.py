@@ -389,6 +389,27 @@ def _std(std: float, reasons: int) -> float:
     return math.nan if std == 0.0 and reasons & NOT_DETERMINED else std
 
 
+_STIFF = 4  # EMA_ERR_STIFF [layout]
+
+
+def _fastest(values: Reals) -> tuple[str, float]:
+    """The value behind the shortest time constant of a machine [values], and that, s."""
+    ids = load_definitions().ids
+    inertia, viscous, gain, emf, resistance, inductance = (
+        float(values[ids[name]])
+        for name in (
+            "screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad",
+            "motor.resistance_ohm", "motor.inductance_H",
+        )
+    )  # fmt: skip
+    damped = viscous + gain * emf / resistance
+    times = {"screw.inertia_kgm2": inertia / damped if damped > 0.0 else np.inf}
+    if inductance > 0.0:
+        times["motor.inductance_H"] = inductance / resistance
+    name = min(times, key=times.__getitem__)
+    return name, times[name]
+
+
 class Library:
     """One precision of the module. Safe to use from several threads: no call keeps state."""
 
@@ -461,6 +482,11 @@ class Library:
         if self._lib.ema_desk_check(_doubles(values), options.ctypes.data_as(POINTER(c_int32)), ctypes.byref(offender)) != 0:
             name = next((name for name, place in load_definitions().ids.items() if place == offender.value), "the actuator")
             return InputError(f"{doing}: {name}: {self.status_text(status)}: correct it in the actuator")
+        if status == _STIFF:
+            name, answers_s = _fastest(values)
+            return InputError(
+                f"{doing}: {name}: so small that the machine answers in {answers_s:.2g} s: {self.status_text(status)}, or correct {name} in the actuator"
+            )
         return InputError(f"{doing}: {self.status_text(status)}: correct the actuator or the record")
 
     def check(self, values: Reals, options: Integers) -> None:

@@ -56,6 +56,7 @@ class OwnMachineEntry:
     found_percent: dict[str, float] = field(
         default_factory=dict
     )  # shifts from which on the onboard module calls 95 % of the faults one, by full name
+    doubt: str = ""  # why two runs may not both be healthy, in words
 
 
 @dataclass(frozen=True)
@@ -84,5 +85,8 @@ class CalibrationResult:
     method: Literal["balance", "simulation"] = "simulation"
     method_reason: str = ""  # why this method
     forces: ForceCalibration | None = field(default=None, metadata=SPARE)  # None by simulation
+    far: dict[str, float] = field(
+        default_factory=dict
+    )  # constants of the machine that came out this many times what the file said, by full name
     own_machine: OwnMachineEntry | None = None  # None where no two records run the same command, or it was not wanted
     provenance: Provenance = field(default_factory=dict)

@@ -55,6 +55,11 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
         raise InputError(
             f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none"
         )
+    check_none_odd(healthy)
+
+
+def check_none_odd(healthy: Sequence[Record]) -> None:
+    """Raises InputError, naming the file, where one of several records of one command lies far from all others."""
     apart = _apart(healthy)
     odd = int(np.argmax(apart))
     if apart[odd] > (_ODD if len(healthy) > 3 else _ODD_OF_THREE):

@@ -18,6 +18,8 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.noise import white_noise
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import row_of
+from ema_tools.data.records import Record
+from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.whitening import least_noise
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
 
@@ -67,6 +69,14 @@ def checked_states(beside: Compared, bases: Sequence[MachineFit]) -> str:
     return f"{text}; a third healthy record would tell"
 
 
+def state_doubt(evidence: Evidence, healthy: Sequence[Record]) -> str:
+    """Why two healthy records, behind the evidence, may not both be healthy, in words. Raises InputError where more of them are of two states: one that is not healthy would be taken for scatter."""
+    if "position_mm" not in evidence.channels or len(healthy) < 2:
+        return ""
+    beside = Compared(evidence, tuple(healthy), evidence.channels)
+    return checked_states(beside, each(lambda machine: machine.base({}), beside.known_repeats))
+
+
 def _said(beside: Compared, groups: Apart) -> str:
     few = ", ".join(beside.repeats[place].file for place in groups.places)
     rest = ", ".join(one.file for place, one in enumerate(beside.repeats) if place not in groups.places)
@@ -76,7 +86,9 @@ def _said(beside: Compared, groups: Apart) -> str:
         )
     else:
         what = f"{row_of(groups.what).field} differs from theirs by {100.0 * groups.by:.0f} %, which is no scatter of one machine"
-    return f"{few}: not of the same state as {rest}: {what}: leave out of --healthy what is not healthy, or calibrate on one of them and diagnose the other"
+    return (
+        f"{few}: not of the same state as {rest}: {what}: leave out what is not healthy, or calibrate on one of them and diagnose the other"
+    )
 
 
 def _left(machine: KnownMachine, base: MachineFit) -> Reals:

@@ -30,6 +30,7 @@ from ema_tools.data.records import Record, simulated
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import Found, FreeValue, Stop, TwoSided
 from ema_tools.plant.native import CHANNELS, Simulation
+from ema_tools.select.healthy_records import check_alike
 from ema_tools.tasks.onboard_search import BOUNDS
 
 PLAY = "screw.blk_mm"
@@ -55,6 +56,9 @@ _REST_OF_DRIVE = 0.5  # the same share of current and voltage, whose noise is la
 
 # Share by which the loop's fit must lower the errors to be preferred to the balances', which depend on fewer blocks [judgement]
 _LOOP_GAIN = 0.02
+# What no grease, wear or weather changes: a data sheet has it right to some per cent, and a file with a wrong lead makes it wrong by the lead's square [physics]
+_CONSTANTS = ("screw.inertia_kgm2", "motor.resistance_ohm", "motor.back_emf_V_s_per_rad", "motor.torque_constant_Nm_per_A")
+_FAR = 2.0  # times [judgement]
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,11 @@ class Calibration:
     errors_after: dict[str, float]
     noise: dict[str, float]
     left_out: dict[str, str]
+
+    def far(self) -> dict[str, float]:
+        """Constants of the machine that are many times what its file said, or a small part of it, and how many times: then other numbers of the file may be another machine's."""
+        times = {one.name: one.after / one.before for one in self.parameters if one.name in _CONSTANTS and one.before > 0.0 < one.after}
+        return {name: value for name, value in times.items() if not 1.0 / _FAR < value < _FAR}
 
     def at_rod(self) -> dict[str, ForceModel]:
         """The mechanics as a force model at the rod: `before`, `after`, `std`; empty when they were not calibrated."""
@@ -123,7 +132,7 @@ def _simulated(fitted: Actuator, given: Actuator, record: Record) -> Simulation:
             return abs(float(np.log(after / before)))
 
         raise InputError(
-            f"calibrate: {max(_TIME_CONSTANTS, key=went)}: the records do not determine it: leave it out of --fit or record another command"
+            f"calibrate: {max(_TIME_CONSTANTS, key=went)}: the records do not determine it: check it and screw.lead_mm in the file, record another command, or fit the others alone (--fit)"
         ) from None
 
 
@@ -330,7 +339,9 @@ def _loop_covariance(found: Found, errors: Sequence[Reals]) -> Reals:
     size = np.sqrt(np.diag(normal))
     if not np.all(size > 0.0) or np.linalg.cond(normal / np.outer(size, size)) > 1e12:
         worst = tuple(found.values)[int(np.argmin(size))]
-        raise InputError(f"calibrate: {worst}: the records do not determine it: leave it out of --fit or record another command")
+        raise InputError(
+            f"calibrate: {worst}: the records do not determine it: check it and screw.lead_mm in the file, record another command, or fit the others alone (--fit)"
+        )
     inverse = np.linalg.inv(normal / np.outer(size, size)) / np.outer(size, size)
     return np.asarray(inverse @ scores @ inverse * np.outer(found.scale, found.scale))
 
@@ -345,8 +356,9 @@ def calibrate(
     """Fit base parameters on healthy records; `names` restricts them. `loop`: whether to fit the simulated loop after the balances; None keeps that
     fit only where it follows the records clearly better, since the balances depend on fewer blocks.
 
-    Raises InputError when the records do not determine a parameter, and when the calibrated model does not follow them.
+    Raises InputError when a record is unlike the others of its command, when the records do not determine a parameter, and when the calibrated model does not follow them.
     """
+    check_alike(records)
     before = channel_errors(actuator, records)
     free = tuple(row_of(name).name for name in names) if names is not None else free_parameters(actuator, records)
     found: dict[str, FittedParameter] = {}

@@ -5,25 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ema_tools.base.errors import InputError
-from ema_tools.base.parallel import beside, each
+from ema_tools.base.parallel import beside
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.motion_records import AnyRecord
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.nuisance import FROM_DATA_SHEET
 from ema_tools.library.faults import FAULTS, effect_of
-from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import gather, same_command
-from ema_tools.select.healthy_groups import checked_states
+from ema_tools.select.healthy_groups import state_doubt
+from ema_tools.select.healthy_records import check_apart, check_size, same_samples
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, walk
-from ema_tools.select.known_machine import Compared
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
@@ -31,7 +27,6 @@ from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
 
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
-_SIZES = 10.0  # signals of two runs of one command that differ more than this in size are of different units [physics]
 
 
 @dataclass(frozen=True)
@@ -105,58 +100,23 @@ def healthy_of(record: Record, healthy: Sequence[Record]) -> list[Record]:
 def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None) -> None:
     """Raises InputError, naming the file, for records that confirm themselves, for a run that is given twice, for healthy records of a command that nothing else has, and for repeats
     whose signals do not fit the record's."""
-    if holdout is not None and _same_samples(record, holdout):
+    if holdout is not None and same_samples(record, holdout):
         raise InputError(
             f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command"
         )
     check_apart(record, healthy)
     for other in healthy:
-        if holdout is not None and _same_samples(other, holdout):
+        if holdout is not None and same_samples(other, holdout):
             raise InputError(
                 f"{holdout.file}: held out is one of the healthy records, which shows no effect: give --holdout another run of the machine as it is in {record.file}"
             )
         if same_command(record, other):
-            _check_signals(record, other)
+            check_size(record, other)
         elif holdout is None or not same_command(holdout, other):
             rows = "" if other.rows == record.rows else f" ({other.rows} rows, {record.file} has {record.rows})"
             raise InputError(
                 f"{other.file}: command_mm: neither the command of {record.file} nor that of a record held out{rows}: give healthy records of the same command"
             )
-
-
-def check_apart(record: AnyRecord, healthy: Sequence[AnyRecord]) -> None:
-    """Raises InputError when a healthy record is the record itself or is given twice: identical samples tell nothing of how the machine repeats."""
-    for other in healthy:
-        if _same_samples(record, other):
-            raise InputError(f"{other.file}: healthy is the record itself, against which nothing has changed: leave it out of --healthy")
-    check_once(healthy)
-
-
-def check_once(records: Sequence[AnyRecord], kind: str = "healthy run") -> None:
-    """Raises InputError when a record is given twice: what it shows would confirm itself."""
-    for place, other in enumerate(records):
-        for earlier in records[:place]:
-            if _same_samples(earlier, other):
-                raise InputError(
-                    f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every {kind} once"
-                )
-
-
-def _same_samples(one: AnyRecord, other: AnyRecord) -> bool:
-    names = [name for name in one.present if name in other.present]
-    return one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
-
-
-def _check_signals(record: Record, other: Record) -> None:
-    """Repeats of one command have signals of one size."""
-    for name in (name for name in CHANNELS if record.channel(name) is not None and other.channel(name) is not None):
-        size, its = float(np.std(record.recorded(name))), float(np.std(other.recorded(name)))
-        if size > 0.0 and not its > 0.0:
-            raise InputError(
-                f"{other.file}: {name} does not change, while that of {record.file} does: check that the sensor was connected, or leave the file out of --healthy"
-            )
-        if size > 0.0 and not 1.0 / _SIZES < its / size < _SIZES:
-            raise InputError(f"{other.file}: {name} is {its / size:.3g} times that of {record.file}: give both in the same unit")
 
 
 def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> RecordValidity:
@@ -182,14 +142,6 @@ def _terminals(lost_V: float) -> RecordRemark:
     )
 
 
-def _two_healthy_states(evidence: Evidence, healthy: Sequence[Record]) -> str:
-    """Why two healthy records may not both be, in words. Raises InputError where more of them are of two states: one that is not healthy would be taken for scatter."""
-    if "position_mm" not in evidence.channels or len(healthy) < 2:
-        return ""
-    beside = Compared(evidence, tuple(healthy), evidence.channels)
-    return checked_states(beside, each(lambda machine: machine.base({}), beside.known_repeats))
-
-
 def answer(
     actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None
 ) -> Answer:
@@ -211,7 +163,7 @@ def answer(
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
     healthy_machine = fitted_machine(evidence, None)
     with (
-        beside(lambda: _two_healthy_states(evidence, same)) as doubted,
+        beside(lambda: state_doubt(evidence, same)) as doubted,
         beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located,
     ):
         found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))

@@ -30,7 +30,7 @@ from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import Change, HealthyByBalance, changes_of, healthy_machine
-from ema_tools.tasks.diagnose import check_apart, check_once
+from ema_tools.select.healthy_records import check_apart, check_once
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 # What the first model leaves beyond the floor must be more than this, relative, for anything to be missing: an estimate is within a factor of two on machines

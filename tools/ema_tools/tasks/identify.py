@@ -20,8 +20,8 @@ from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.cross_check import CrossCheck, cross_check
+from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.tasks.diagnose import check_apart
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, SCATTERS, check_record, check_table, identified_of, run
 

@@ -26,6 +26,7 @@ from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather
+from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.known_machine import live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, channel_errors
 from ema_tools.tasks.healthy_runs import least_shift, scatter_read
@@ -41,7 +42,7 @@ _BUDGET = "search.evaluation_budget"
 class OwnMachine:
     """The unit's model. `standing`: effects that it always has, with how many times a model step costs with each what it costs without any; `scatter_percent`: of the readings from run to run,
     standard deviations by name; `least_percent`: the shifts that are called a fault, `exceeded`: by what share of the ground tests of a healthy unit, `found_percent`: from which shift on
-    the onboard module calls a fault one with POWER."""
+    the onboard module calls a fault one with POWER; `doubt`: why two records may not both be healthy, in words."""
 
     actuator: Actuator
     standing: Mapping[str, float]
@@ -50,6 +51,7 @@ class OwnMachine:
     exceeded: Mapping[str, float]
     found_percent: Mapping[str, float]
     records: int
+    doubt: str = ""
 
 
 def repeated(records: Sequence[Record]) -> tuple[Record, ...]:
@@ -69,6 +71,7 @@ def own_machine(
     if not repeats or not identified_of(actuator):
         return None
     evidence = gather(actuator, repeats[0], repeats, live(*repeats), report)
+    doubt = state_doubt(evidence, repeats)
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
     found = found.changed({}, actuator.about)
     left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
@@ -112,6 +115,7 @@ def own_machine(
         exceeded,
         {name: least[name] + 100.0 * certain[name] for name in names},
         runs,
+        doubt,
     )
 
 

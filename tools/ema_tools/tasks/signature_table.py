@@ -25,7 +25,10 @@ from ema_tools.library.faults import FAULT_RECORDS, FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.plant.native import CHANNELS
 from ema_tools.results.files import SignatureTable
-from ema_tools.select.baseline import same_command
+from ema_tools.select.baseline import gather, same_command
+from ema_tools.select.healthy_groups import state_doubt
+from ema_tools.select.healthy_records import check_alike
+from ema_tools.select.known_machine import live
 from ema_tools.tasks.onboard_search import DAY_VALUES
 
 TABLE_BYTES_MAX = 131_072  # what the table may take in flash: docs/ONBOARD_DIAGNOSIS.md has the measurement behind it [measured]
@@ -86,7 +89,8 @@ class Fault:
 @dataclass(frozen=True)
 class Signatures:
     """The table. `command_mm` [bins]; `reference` [signals, bins]: by what the healthy machine differs from its model; `weight` [signals]: one over the noise of a bin's mean;
-    `rows` [k, signals, bins]: first what scatters, orthonormal, then the patterns' and the faults'. `limit`, `energy`: largest score and squared residual of a healthy machine."""
+    `rows` [k, signals, bins]: first what scatters, orthonormal, then the patterns' and the faults'. `limit`, `energy`: largest score and squared residual of a healthy machine;
+    `doubt`: why two runs may not both be healthy, in words."""
 
     actuator: Actuator
     signals: tuple[str, ...]
@@ -102,6 +106,7 @@ class Signatures:
     faults: tuple[Fault, ...]
     limit: float = LIMIT
     energy: float = 0.0
+    doubt: str = ""
 
     @property
     def bins(self) -> int:
@@ -121,7 +126,9 @@ class Signatures:
 
     @property
     def warning(self) -> str | None:
-        """What speaks against the table: that its actuator is not the machine of the healthy runs."""
+        """What speaks against the table: that its runs may not be healthy, or that its actuator is not their machine."""
+        if self.doubt:
+            return f"--signatures: {self.doubt}"
         worst = max(self.misfit, key=self.misfit.__getitem__)
         if self.misfit[worst] <= _CALIBRATED:
             return None
@@ -365,6 +372,7 @@ def _check_runs(healthy: Sequence[Record], signals: Sequence[str]) -> None:
         for name in signals:
             if other.channel(name) is None:
                 raise InputError(f"{other.file}: {name}: not recorded: name the recorded signals with --signals")
+    check_alike(healthy)
 
 
 def signals_of(records: Sequence[Record], text: str | None = None) -> tuple[str, ...]:
@@ -382,6 +390,7 @@ def signatures(actuator: Actuator, healthy: Sequence[Record], signals: Sequence[
     names = tuple(name for name in CHANNELS if name in signals)
     _check_runs(healthy, signals)
     record = healthy[0]
+    doubt = state_doubt(gather(actuator, record, healthy, live(*healthy)), healthy)
     bin_rows = max(1, round(1.0 / (rate_hz * record.period_s)))
     table = _table(_Bench(actuator, record, names, bin_rows), healthy)
     if len(table.rows) > ROWS_MAX:
@@ -391,7 +400,7 @@ def signatures(actuator: Actuator, healthy: Sequence[Record], signals: Sequence[
     if 2 * table.numbers > TABLE_BYTES_MAX:
         fitting = -(-2 * table.numbers * bin_rows // TABLE_BYTES_MAX)
         table = _table(_Bench(actuator, record, names, fitting), healthy)
-    return table
+    return replace(table, doubt=doubt)
 
 
 def _table(bench: _Bench, healthy: Sequence[Record]) -> Signatures:

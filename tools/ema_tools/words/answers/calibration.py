@@ -25,6 +25,7 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
         at_rod={title: result.RodModel(**asdict(model)) for title, model in found.at_rod().items()},
         error=result.ChannelErrors(found.errors_before, found.errors_after, found.noise),
         left_out=found.left_out,
+        far=found.far(),
         own_machine=None
         if own is None
         else result.OwnMachineEntry(
@@ -34,6 +35,7 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
             dict(own.least_percent),
             dict(own.exceeded),
             dict(own.found_percent),
+            own.doubt,
         ),
         provenance=provenance,
     )

@@ -107,6 +107,13 @@ def calibration(console: Console, found: CalibrationResult) -> None:
     for name, before in found.error.before.items():
         errors.add_row(TITLES[name], UNITS[name], number(before), number(found.error.after[name]))
     console.print(errors)
+    if found.far:
+        times = ", ".join(f"{shown(row_of(name))} is {number(value, 2)} times" for name, value in found.far.items())
+        say(
+            console,
+            f"Far from the file: {times} what it said. A wrong screw.lead_mm, gearbox.ratio or motor constant, or a record of another machine, shows itself so: "
+            "check them before you use the result.",
+        )
     noise = found.error.noise
     left = {
         name: error / noise[name] for name, error in found.error.after.items() if noise[name] > 0.0 and error > _MANY_TIMES * noise[name]
@@ -138,6 +145,8 @@ def _force_calibration(console: Console, found: ForceCalibration) -> None:
 
 def own_machine(console: Console, own: OwnMachineEntry) -> None:
     """What the unit's runs of one command show beside base values."""
+    if own.doubt:
+        say(console, f"Doubtful: {own.doubt}.")
     if own.standing:
         effects = ", ".join(f"{name} (a model step takes {number(cost, 2)} times as long)" for name, cost in own.standing.items())
         say(console, f"What this unit always has, by its {own.records} runs of one command: {effects}.")
