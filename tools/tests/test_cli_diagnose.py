@@ -306,6 +306,10 @@ REFUSED = {
         ("hot", "--healthy", "healthy_0", "--healthy", "dead"),
         "dead.csv: current_A does not change, while that of hot.csv does: check that the sensor was connected",
     ),
+    "a current in mA beside healthy ones": (
+        ("milli", "--healthy", "healthy_0", "--healthy", "healthy_1"),
+        "milli.csv: current_A is ",
+    ),
     "another unit in a healthy record": (
         ("hot", "--healthy", "healthy_0", "--healthy", "healthy_milli"),
         "healthy_milli.csv: current_A is ",
@@ -503,3 +507,24 @@ def check_named(actuator: Path, record: Path, effect: str, size: float, folder: 
     assert result(folder / "i.json")["verdict"] != "fault"
     ran = run_ema("identify", folder / "new.toml", record, "--json", folder / "i.json", "--force")
     assert ran.code == 0 and result(folder / "i.json")["verdict"] in ("healthy", "undecided")
+
+
+def test_a_healthy_run_held_out_is_said_and_no_table_made(runs: dict[str, Path], tmp_path: Path) -> None:
+    repeats = [part for k in range(2) for part in ("--healthy", runs[f"healthy_{k}"])]
+    told = tmp_path / "told.json"
+    ran = run_ema("diagnose", REFERENCE, runs["hot"], *repeats, "--holdout", runs["healthy_2"], "--json", told)
+    found = json.loads(told.read_text(encoding="utf-8"))
+    assert found["verdict"] == "unknown" and not any(effect["accepted"] for effect in found["effects"])
+    said = " ".join(ran.out.split())
+    assert "winding_heating would explain it, but nothing is missing on the record held out, as on a run of the healthy machine" in said
+    assert "Next: give --holdout a run of the machine as it is in hot.csv" in said and "learned" not in said
+
+
+def test_a_signal_that_does_not_change_is_said_by_identify(runs: dict[str, Path], tmp_path: Path) -> None:
+    record = read_record(runs["hot"], read_actuator(REFERENCE))
+    dead = written(tmp_path / "dead.csv", replace(record, current_A=np.zeros(record.rows)))
+    assert (
+        "dead.csv: current_A does not change and is left out: check that its sensor was connected"
+        in run_ema("identify", REFERENCE, dead, "--no-guard").err
+    )
+    assert "left out" not in run_ema("identify", REFERENCE, runs["hot"], "--no-guard").err

@@ -281,6 +281,7 @@ def identify(
     from ema_tools.plant.native import SearchSettings
     from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.select.known_machine import silent
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
@@ -325,6 +326,8 @@ def identify(
     result = identification(found, measured.file, origin, drawn, shape, warnings=warned or None, **more)
     save(json_path, result, force)
     show.identification(output(), result)
+    for name in silent(measured):
+        complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
 
 

@@ -65,6 +65,19 @@ def same_samples(one: AnyRecord, other: AnyRecord) -> bool:
     return one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
 
 
+def check_against_all(record: Record, others: Sequence[Record]) -> None:
+    """Raises InputError, naming the record, where a signal of it is of another size than in all of several others of its command, which are of one size: then it is not they that are wrong."""
+    for name in (name for name in CHANNELS if record.channel(name) is not None):
+        sizes = [float(np.std(one.recorded(name))) for one in others if one.channel(name) is not None]
+        size = float(np.std(record.recorded(name)))
+        alike = len(sizes) > 1 and 0.0 < max(sizes) < _SIZES * min(sizes)
+        if alike and size > 0.0 and not min(sizes) / _SIZES < size < max(sizes) * _SIZES:
+            times = size / float(np.median(sizes))
+            raise InputError(
+                f"{record.file}: {name} is {times:.3g} times that of the {len(sizes)} healthy records: give all in the same unit"
+            )
+
+
 def check_size(record: Record, other: Record, names: Sequence[str] = CHANNELS) -> None:
     """Raises InputError, naming `other`, where a signal of it is not of the size of the record's: repeats of one command have signals of one size."""
     for name in (name for name in names if record.channel(name) is not None and other.channel(name) is not None):

@@ -327,11 +327,15 @@ def live(*records: Record) -> tuple[str, ...]:
     return tuple(name for name in common_channels(records) if all(np.ptp(one.recorded(name)) > 0.0 for one in records))
 
 
+def silent(record: Record) -> tuple[str, ...]:
+    """Signals of the record that do not change, and are left out of what it says."""
+    return tuple(name for name in common_channels([record]) if name not in live(record))
+
+
 def blocked(actuator: Actuator, record: Record) -> str:
     """Why no answer from a record means anything, by its validity; empty where it may answer. Sensors that are not connected are left out."""
-    moving = live(record)
-    silent: dict[str, Any] = {name: None for name in common_channels([record]) if name not in moving and name != "position_mm"}
-    gate = judge(actuator, replace(record, **silent))
+    left_out: dict[str, Any] = {name: None for name in silent(record) if name != "position_mm"}
+    gate = judge(actuator, replace(record, **left_out))
     return next((f"{one.text}: {one.next}" for one in gate.remarks if one.severity == "blocks"), "")
 
 

@@ -18,8 +18,8 @@ from ema_tools.fit.nuisance import FROM_DATA_SHEET
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
-from ema_tools.select.healthy_records import check_apart, check_size, same_samples
-from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, walk
+from ema_tools.select.healthy_records import check_against_all, check_apart, check_size, same_samples
+from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
@@ -77,6 +77,11 @@ class Answer:
         return {name: shift for name, shift in shifts.items() if abs(shift) > _FAR_FROM_SHEET * FROM_DATA_SHEET[(name,)]}
 
     @property
+    def contradicted_by_healthy(self) -> bool:
+        """Whether the record held out refutes what was found since nothing is missing on it at all."""
+        return bool(self.refuted) and not self.effects and shows_nothing(self.steps, self.errors)
+
+    @property
     def recommended(self) -> bool:
         """Whether `actuator` is better than the one that was given."""
         return self.verdict == "missing"
@@ -105,6 +110,7 @@ def check_records(record: Record, healthy: Sequence[Record] = (), holdout: Recor
             f"{holdout.file}: held out is the record itself, which confirms anything: give --holdout another run, best of another command"
         )
     check_apart(record, healthy)
+    check_against_all(record, healthy_of(record, healthy))
     for other in healthy:
         if holdout is not None and same_samples(other, holdout):
             raise InputError(
@@ -193,7 +199,7 @@ def answer(
     improved = known.changed(kept if found.verdict == "missing" else {})
     left: tuple[unknowns.Unknown, ...] = ()
     table = None
-    if found.verdict == "unknown":
+    if found.verdict == "unknown" and not (wrong and shows_nothing(steps, errors)):
         tell(0.95, "what is unknown")
         left = unknowns.left_over(known.changed(kept), record, places)
         table = unknowns.learned(left[0]) if left else None

@@ -36,6 +36,12 @@ def _said(found: Answer) -> str:
             return f"{first}nothing can be concluded, since the healthy records differ by themselves: {found.doubt}."
         if found.sensor is not None:
             return f"{first}{sensor_sentence(found.sensor)} (weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g})."
+        if found.contradicted_by_healthy:
+            would = " and ".join(found.refuted)
+            return (
+                f"{first}{would} would explain it, but nothing is missing on the record held out, as on a run of the healthy machine, and its error rises: "
+                f"nothing is recommended ({fall})."
+            )
         if found.refuted:
             last = unexplained.sentence(found.left[0]) if found.left else ""
             told = f"{first}something is there, and {' and '.join(found.refuted)} would explain it, but not the record held out, whose error rises"
@@ -73,6 +79,8 @@ def next_step(found: Answer) -> str:
         return "Next: record a third run of the healthy machine, and diagnose again with all of them."
     if found.verdict == "unknown" and found.sensor is not None:
         return f"Next: {sensor_next(found.sensor)}."
+    if found.contradicted_by_healthy:
+        return f"Next: give --holdout a run of the machine as it is in {found.record.file}, best of another command; if it is one, one of the two is of another machine or another day."
     if found.verdict == "unknown":
         table = f"ema add ACTUATOR {found.learned.effect} --fit REC flies it as a learned table; " if found.learned is not None else ""
         return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
