@@ -217,6 +217,16 @@ def test_an_effect_that_is_there_is_refitted_and_said_so(runs: dict[str, Path], 
     assert ran.code == 0 and "is not in the model at this size" in ran.out
 
 
+def test_an_effect_of_the_file_that_the_healthy_runs_do_not_have_is_said(tmp_path: Path) -> None:
+    new, story = tmp_path / "new.toml", RECORDINGS / "story"
+    assert run_ema("add", REFERENCE, "stribeck_friction", "--set", "rise=0.3", "-o", new).code == 0
+    repeats = [part for k in range(1, 4) for part in ("--healthy", story / f"healthy_{k}.csv")]
+    said = " ".join(run_ema("identify", new, story / "today.csv", *repeats).out.split())
+    assert (
+        "is in the model at this very size, but the healthy records are of the machine without it" in said and "leave --healthy out" in said
+    )
+
+
 def test_nothing_is_overwritten(runs: dict[str, Path], tmp_path: Path) -> None:
     there = tmp_path / "there.html"
     there.write_text("mine", encoding="utf-8")

@@ -34,13 +34,15 @@ class _Said:
     values: Mapping[str, float] = field(default_factory=dict)
     std: Mapping[str, float] = field(default_factory=dict)
     there: bool = False
+    as_given: bool = False
 
 
 @dataclass(frozen=True)
 class CrossCheck(_Said):
     """What all signals say. `effects`: the missing one or the rival, then those that look like it; `values`, `std`: of that effect; `faults`: CSJ and BLK by name, beside it
     where one is missing; `shift`: of these from the machine that is known, relative; `open`: how far they may be off for how machines differ from day to day; `against`: healthy
-    repeats that the record was compared with; `signals`: that were compared; `skipped`: why nothing was sought; `there`: the model holds the effect, at another size."""
+    repeats that the record was compared with; `signals`: that were compared; `skipped`: why nothing was sought; `there`: the model holds the effect, at another size;
+    `as_given`: the actuator's file holds it at this very size, which the healthy repeats do not show."""
 
     kind: Kind = "adequate"
     against: int = 0

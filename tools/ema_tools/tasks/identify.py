@@ -25,6 +25,7 @@ from ema_tools.select.known_machine import blocked, compared, repeats_of
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, SCATTERS, check_record, check_table, identified_of, run
 
+_SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 NOT_ADEQUATE = REASONS[2]
 
@@ -176,6 +177,15 @@ def _check_healthy(actuator: Actuator, healthy: Sequence[Record]) -> None:
             raise InputError(f"{other.file}: cannot serve as a healthy record: {why}")
 
 
+def _holds(actuator: Actuator, values: Mapping[str, float]) -> bool:
+    """Whether the effect of these values, its size first, is in the actuator at this very size."""
+    if not values:
+        return False
+    size, value = next(iter(values.items()))
+    held = actuator[row_of(size).name]
+    return abs(value - held) < _SAME_SIZE * abs(held)
+
+
 def identify(
     actuator: Actuator,
     record: Record,
@@ -247,6 +257,7 @@ def identify(
     if guarding and beside is not None and estimates:
         least = {name: 0.01 * percent for name, percent in least_percent.items()}
         checked = cross_check(known, record, beside, estimates, least, not answer.adequate)
+        checked = replace(checked, as_given=_holds(actuator, checked.values))
     weighted = search is not None and search.weight is not None
     scatter = scatter_of(found, record, searched, dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
     return Identified(

@@ -27,6 +27,11 @@ def missing_words(checked: CrossCheck) -> str:
         what = "something is missing from the model that no effect of the library explains: ema diagnose draws it"
         return what if checked.against else f"{what}; healthy records of this unit and command, with --healthy, take off what it always has"
     size = next(iter(checked.values))
+    if checked.as_given and checked.against:
+        return (
+            f"{_effect(checked, size)} is in the model at this very size, but the healthy records are of the machine without it, beside which all signals say {_shifts(checked)}: "
+            "leave --healthy out, or give healthy records of the machine with it"
+        )
     missing = "is not in the model at this size" if checked.there else "is missing from the model"
     alike = f", which looks like {', '.join(checked.effects[1:])} on this record" if checked.effects[1:] else ""
     return (
