@@ -77,6 +77,10 @@ foreach(kind 32 32_few 64)
             target_compile_options(${library} PRIVATE -mavx2)
         endif()
         target_link_libraries(${library} PRIVATE ${module})
+        # Nobody asks for them where neither the tools are set up nor the compiler works on several numbers at once.
+        if(NOT EMA_PYTHON AND CMAKE_BUILD_TYPE STREQUAL "Debug")
+            set_target_properties(${library} PROPERTIES EXCLUDE_FROM_ALL ON)
+        endif()
         # In one piece, or an effect would be a call for each lane.
         if(CMAKE_BUILD_TYPE STREQUAL "Release")
             target_sources(${library} PRIVATE ${ema_lanes_module} ${EMA_OWN_SOURCES})
