@@ -23,19 +23,12 @@ def _value(text: str) -> float:
     return float(text.translate(_PLAIN).replace("×10", "e").rstrip("."))
 
 
-def _last_digit(text: str) -> float:
-    """One in the last digit shown, which a rounding may take either way; 0 for a whole number, which counts something."""
-    digits = text.split("e")[0].split("×")[0].rstrip(".").partition(".")[2]
-    return 1.01 * 10.0 ** -len(digits) if digits and "e" not in text and "×" not in text else 0.0
-
-
 def _alike(shown: str, real: str) -> bool:
     if _NUMBER.sub("#", shown) != _NUMBER.sub("#", real):
         return False
+    pairs = zip(map(_value, _NUMBER.findall(shown)), map(_value, _NUMBER.findall(real)), strict=True)
     return all(
-        abs(_value(one) - _value(other))
-        <= max(_LEAST if abs(_value(other)) > 10.0 * _LEAST or _value(one) == 0.0 else 0.0, _SHARE * abs(_value(other)), _last_digit(one))
-        for one, other in zip(_NUMBER.findall(shown), _NUMBER.findall(real), strict=True)
+        abs(one - other) <= max(_LEAST if abs(other) > 10.0 * _LEAST or one == 0.0 else 0.0, _SHARE * abs(other)) for one, other in pairs
     )
 
 

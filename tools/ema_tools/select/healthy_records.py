@@ -17,13 +17,12 @@ _ENOUGH = 3  # of two runs that lie apart nobody knows which is the odd one [cha
 
 
 def check_alike(records: Sequence[Record]) -> None:
-    """Raises InputError, naming the file, for a run that is given twice, and among runs of one command for one with a signal of another size than the others', or far from them all."""
-    check_once(records)
+    """Raises InputError, naming the file, among runs of one command for one with a signal of another size than the others', or far from them all."""
     left = list(records)
     while left:
-        first = left[0]
-        runs = [one for one in left if same_command(first, one)]
-        left = [one for one in left if not same_command(first, one)]
+        same = [same_command(left[0], one) for one in left]
+        runs = [one for one, is_same in zip(left, same, strict=True) if is_same]
+        left = [one for one, is_same in zip(left, same, strict=True) if not is_same]
         _check_sizes(runs)
         if len(runs) >= _ENOUGH:
             check_none_odd(runs)

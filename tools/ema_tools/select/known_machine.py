@@ -329,7 +329,8 @@ def live(*records: Record) -> tuple[str, ...]:
 
 def silent(record: Record) -> tuple[str, ...]:
     """Signals of the record that do not change, and are left out of what it says."""
-    return tuple(name for name in common_channels([record]) if name not in live(record))
+    moving = live(record)
+    return tuple(name for name in common_channels([record]) if name not in moving)
 
 
 def blocked(actuator: Actuator, record: Record) -> str:

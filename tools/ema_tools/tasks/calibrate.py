@@ -131,9 +131,14 @@ def _simulated(fitted: Actuator, given: Actuator, record: Record) -> Simulation:
             before, after = max(abs(given[name]), 1e-300), max(abs(fitted[name]), 1e-300)
             return abs(float(np.log(after / before)))
 
-        raise InputError(
-            f"calibrate: {max(_TIME_CONSTANTS, key=went)}: the records do not determine it: check it and screw.lead_mm in the file, record another command, or fit the others alone (--fit)"
-        ) from None
+        raise _undetermined(max(_TIME_CONSTANTS, key=went)) from None
+
+
+def _undetermined(name: str) -> InputError:
+    """What to do about a value that the records do not determine."""
+    return InputError(
+        f"calibrate: {name}: the records do not determine it: check it and screw.lead_mm in the file, record another command, or fit the others alone (--fit)"
+    )
 
 
 def check_followed(actuator: Actuator, records: Sequence[Record]) -> None:
@@ -339,9 +344,7 @@ def _loop_covariance(found: Found, errors: Sequence[Reals]) -> Reals:
     size = np.sqrt(np.diag(normal))
     if not np.all(size > 0.0) or np.linalg.cond(normal / np.outer(size, size)) > 1e12:
         worst = tuple(found.values)[int(np.argmin(size))]
-        raise InputError(
-            f"calibrate: {worst}: the records do not determine it: check it and screw.lead_mm in the file, record another command, or fit the others alone (--fit)"
-        )
+        raise _undetermined(worst)
     inverse = np.linalg.inv(normal / np.outer(size, size)) / np.outer(size, size)
     return np.asarray(inverse @ scores @ inverse * np.outer(found.scale, found.scale))
 

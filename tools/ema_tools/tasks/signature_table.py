@@ -27,7 +27,7 @@ from ema_tools.plant.native import CHANNELS
 from ema_tools.results.files import SignatureTable
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
-from ema_tools.select.healthy_records import check_alike
+from ema_tools.select.healthy_records import check_alike, check_once
 from ema_tools.select.known_machine import live
 from ema_tools.tasks.onboard_search import DAY_VALUES
 
@@ -372,6 +372,7 @@ def _check_runs(healthy: Sequence[Record], signals: Sequence[str]) -> None:
         for name in signals:
             if other.channel(name) is None:
                 raise InputError(f"{other.file}: {name}: not recorded: name the recorded signals with --signals")
+    check_once(healthy)
     check_alike(healthy)
 
 
