@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -57,10 +57,14 @@ class Slopes(Protocol):
 
 @dataclass(frozen=True)
 class OneSided:
-    """Each unknown moved by the first of `steps`, in scales, that changes the vector by more than `rough`, its length; by the last where none does. Never over an end of its range. All at once."""
+    """Each unknown moved by the first of `steps`, in scales, that changes the vector by more than `rough`, its length; by the last where none does. Never over an end of its range. All at once.
+
+    One rule serves one fit: a step that was too small at one point is not tried again at the next.
+    """
 
     steps: tuple[float, ...]
     rough: float = 0.0
+    _first: dict[int, int] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, vectors: Vectors, point: Reals, here: Reals, lower: Reals, upper: Reals) -> Reals:
         """The columns."""
@@ -70,7 +74,8 @@ class OneSided:
 
     def _column(self, point: Reals, here: Reals, place: int, lower: float, upper: float) -> Generator[Reals, Reals, Reals]:
         column = np.zeros_like(here)
-        for width in self.steps:
+        for width in self.steps[self._first.get(place, 0) :]:
+            self._first[place] = self.steps.index(width)
             step = _inside(float(point[place]), width, lower, upper)
             moved = point.copy()
             moved[place] += step
