@@ -13,3 +13,12 @@ void ema_copy(void* to, const void* from, size_t size)
         (void)memcpy(&place[k], &word, sizeof word); /* EMA-D3 */
     }
 }
+
+void ema_clear(void* place, size_t size)
+{
+    static const uint32_t none = 0U;
+    unsigned char* const byte = (unsigned char*)place;
+    for (size_t k = 0; k < size; k += sizeof none) {
+        (void)memcpy(&byte[k], &none, sizeof none); /* EMA-D3 */
+    }
+}

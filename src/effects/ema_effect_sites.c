@@ -20,11 +20,10 @@ _Static_assert((uint32_t)EMA_SITE_COUNT <= EMA_TABLES_BIT, "a bit for each site,
 
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 {
-    const ema_active_t none = {0};
     ema_active_t* const active = &plant->active;
     const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
     ema_real* held = (ema_real*)(void*)&plant->effects;            /* EMA-D4 */
-    *active = none;
+    ema_clear(active, sizeof *active);
     active->substeps = 1U;
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
         const ema_effect_row_t* const row = &ema_effect_rows[k];

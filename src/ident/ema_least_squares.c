@@ -123,8 +123,7 @@ static void ema_squares_begin(ema_least_squares_t* self, ema_squares_phase_t pha
 /* Starts a march at `x`. */
 static void ema_squares_go(ema_least_squares_t* self, const ema_real* x)
 {
-    const ema_squares_point_t fresh = {0};
-    self->present = fresh;
+    ema_clear(&self->present, sizeof self->present);
     for (uint32_t k = 0; k < self->config->count; ++k) {
         self->present.x[k] = x[k];
     }
@@ -475,8 +474,7 @@ static void ema_squares_decide(ema_least_squares_t* self)
 
 static void ema_squares_fresh(ema_least_squares_t* self)
 {
-    const ema_least_squares_t fresh = {0};
-    *self = fresh;
+    ema_clear(self, sizeof *self);
 }
 
 ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_squares_config_t* config,

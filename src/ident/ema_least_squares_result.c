@@ -1,6 +1,7 @@
 /* Apart from ema_least_squares.c so that what is asked once takes no stack from the runs. */
 #include <stddef.h>
 
+#include "ema_copy.h"
 #include "ema_least_squares_check.h"
 #include "ema_linear.h"
 #include "ema_math.h"
@@ -57,8 +58,7 @@ ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least
     const ema_squares_point_t* const best = &self->best;
     const uint32_t rows = self->cursor.rows;
     const ema_real freedom = ema_squares_freedom(self);
-    const ema_least_squares_result_t fresh = {0};
-    *result = fresh;
+    ema_clear(result, sizeof *result);
     result->count = self->config->count;
     result->misfit_before = ema_sqrt(self->first_square / freedom);
     result->misfit_after = ema_sqrt(best->square / freedom);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "ema_copy.h"
 #include "ema_cursor_step.h"
 #include "ema_math.h"
 #include "ema_onboard_begin.h"
@@ -103,8 +104,7 @@ ema_status_t ema_onboard_begin(ema_onboard_t* self, const ema_signatures_t* tabl
 {
     const ema_status_t status = ema_model_init(&self->model, actuator, start_mm);
     if (status == EMA_OK) {
-        const ema_scores_t fresh = {0};
-        self->scores = fresh;
+        ema_clear(&self->scores, sizeof self->scores);
         self->scores.table = table;
         for (uint32_t k = 0; k < table->faults; ++k) {
             const ema_signature_fault_t* const fault = &table->fault[k];

@@ -1,5 +1,6 @@
 #include "ema_record_row.h"
 
+#include "ema_copy.h"
 #include "ema_math.h"
 
 #define EMA_INT16_FULL EMA_R(32767.0)
@@ -19,7 +20,8 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
     if ((record == NULL) || (config == NULL) || (config->buffer == NULL)) {
         return EMA_ERR_NULL;
     }
-    ema_record_t made = {0};
+    ema_record_t made;
+    ema_clear(&made, sizeof made);
     made.buffer = config->buffer;
     made.command = config->command;
     made.format = config->format;

@@ -1,5 +1,6 @@
 #include "ema/ema_sensitivity.h"
 
+#include "ema_copy.h"
 #include "ema_cursor_step.h"
 #include "ema_linear.h"
 #include "ema_math.h"
@@ -25,8 +26,7 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
     if (!valid || !ema_record_weights(record, weight)) {
         return EMA_ERR_RANGE;
     }
-    const ema_sensitivity_t fresh = {0};
-    *self = fresh;
+    ema_clear(self, sizeof *self);
     ema_cursor_start(&self->cursor, record, actuator);
     self->parameters = count;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
@@ -138,7 +138,8 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
                                    * self->residual.weighted_square;
     const ema_real variance = ema_residual_variance(&self->residual, freedom, widen);
     for (uint32_t i = 0; i < count; ++i) {
-        ema_real column[EMA_IDENTIFIED_MAX] = {0};
+        ema_real column[EMA_IDENTIFIED_MAX];
+        ema_clear(column, sizeof column);
         result->std[i] = EMA_R(0.0);
         result->bias[i] = EMA_R(0.0);
         if (result->determined) {

@@ -24,8 +24,7 @@
 /* One electrical law without its responses. */
 static void ema_circuit_set(ema_circuit_t* circuit, ema_real time_constant_s, ema_real speed_per_input, ema_real gain)
 {
-    const ema_circuit_t none = {0};
-    *circuit = none;
+    ema_clear(circuit, sizeof *circuit);
     if (time_constant_s > EMA_R(0.0)) {
         circuit->rate_current = EMA_R(-1.0) / time_constant_s;
         circuit->rate_voltage = gain / time_constant_s;
@@ -157,8 +156,7 @@ void ema_plant_learned(ema_plant_t* plant, const ema_actuator_t* actuator)
 
 void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
 {
-    const ema_state_t rest = {0};
-    *state = rest;
+    ema_clear(state, sizeof *state);
     state->motion = ema_acts(plant, EMA_SITE_PRESLIDING) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)EMA_MOTION_STUCK;
     state->angle_rad = plant->start_mm / plant->gearbox.lead_mm_per_rad;
     state->motor_mm = plant->start_mm;

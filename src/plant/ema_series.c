@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "ema_copy.h"
 #include "ema_math.h"
 
 _Static_assert((sizeof(ema_response_t) == (EMA_RESPONSES * sizeof(ema_real)))
@@ -124,7 +125,6 @@ void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end
 
 void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
 {
-    const ema_span_t none = {0};
     /* bend and twist are of use where a whole step is tried alone */
     const uint32_t columns = plant->tries_whole_step ? EMA_RESPONSES : EMA_RESPONSES_EVEN;
     ema_real* const driven = (ema_real*)(void*)&work->span;          /* EMA-D4 */
@@ -133,7 +133,7 @@ void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant,
     ema_real* const angle = (ema_real*)(void*)&responses->angle;     /* EMA-D4 */
     ema_real* const stuck = &responses->stuck_from_current;
     ema_point_t* const end = &work->segment.end;
-    work->span = none;
+    ema_clear(&work->span, sizeof work->span);
     work->span.span_s = span_s;
     work->span.torque_gain_Nm_per_A = plant->motor.torque_constant_Nm_per_A;
     for (uint32_t column = 0; column < columns; ++column) {

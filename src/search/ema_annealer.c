@@ -200,8 +200,7 @@ ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_conf
     if (!ema_config_valid(config)) {
         return EMA_ERR_RANGE;
     }
-    const ema_annealer_t fresh = {0};
-    *annealer = fresh;
+    ema_clear(annealer, sizeof *annealer);
     ema_copy(&annealer->config, config, sizeof *config);
     ema_random_init(&annealer->random, config->seed, UINT64_C(54));
     for (uint32_t i = 0; i < config->dimension; ++i) {

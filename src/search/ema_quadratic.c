@@ -1,5 +1,6 @@
 #include "ema_quadratic.h"
 
+#include "ema_copy.h"
 #include "ema_linear.h"
 #include "ema_math.h"
 
@@ -72,8 +73,7 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     }
     const ema_annealer_point_t* const best = &annealer->best;
     ema_real spread = EMA_R(0.0);
-    const ema_quadratic_t fresh = {0};
-    *quadratic = fresh;
+    ema_clear(quadratic, sizeof *quadratic);
     for (uint32_t p = 0; p < annealer->point_count; ++p) {
         spread = ema_max(spread, annealer->points[p].cost - best->cost);
         for (uint32_t i = 0; i < dimension; ++i) {

@@ -1,6 +1,7 @@
 /* Apart from ema_runs.c so that the lists of values take no stack from the search. */
 #include "ema_assess.h"
 
+#include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_runs.h"
 
@@ -11,8 +12,10 @@ void ema_assess_start(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
     ema_runs_move(session, session->annealer.best.x);
-    ema_value_id_t ids[EMA_IDENTIFIED_MAX] = {0};
-    ema_real delta[EMA_IDENTIFIED_MAX] = {0};
+    ema_value_id_t ids[EMA_IDENTIFIED_MAX];
+    ema_real delta[EMA_IDENTIFIED_MAX];
+    ema_clear(ids, sizeof ids);
+    ema_clear(delta, sizeof delta);
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         const ema_identified_t* const identified = &config->identified[i];
         ema_real healthy = EMA_R(0.0);

@@ -27,8 +27,7 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
         return EMA_ERR_NULL;
     }
     const ema_params_t* const params = &actuator->params;
-    const ema_session_config_t fresh = {0};
-    *config = fresh;
+    ema_clear(config, sizeof *config);
     config->actuator = actuator;
     config->record = *record;
     config->weight[EMA_CHANNEL_POSITION] = EMA_R(1.0);
@@ -105,8 +104,7 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
         status = ema_annealer_init(&session->annealer, &annealer);
     }
     if (status == EMA_OK) {
-        const ema_session_t fresh = {0};
-        *session = fresh;
+        ema_clear(session, sizeof *session);
         session->config = config;
         session->record = record;
         session->starts_healthy = config->start_at_healthy;
@@ -192,9 +190,9 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         return EMA_ERR_ORDER;
     }
     const ema_session_config_t* const config = session->config;
-    const ema_result_t fresh = {0};
-    *result = fresh;
-    ema_sensitivity_result_t assessed = {0};
+    ema_clear(result, sizeof *result);
+    ema_sensitivity_result_t assessed;
+    ema_clear(&assessed, sizeof assessed);
     if ((session->phase == EMA_PHASE_DONE) && session->assessed) {
         ema_sensitivity_result(&session->sensitivity, &assessed);
     }

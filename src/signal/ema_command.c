@@ -70,7 +70,8 @@ ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t
     if (!recorded && !stepped && !ema_in_range(config->start_hz, EMA_R(0.0), half_rate_hz)) {
         return EMA_ERR_RANGE;
     }
-    ema_command_t made = {0};
+    ema_command_t made;
+    ema_clear(&made, sizeof made);
     made.config = *config;
     made.turns = (recorded || stepped) ? 0U : ema_turn64(config->start_hz * step_s);
 
