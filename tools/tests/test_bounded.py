@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pytest
@@ -73,6 +73,19 @@ def test_a_step_grows_until_it_shows() -> None:
     flat = fit(UNKNOWNS, stepped, OneSided((1e-6,), 0.1), Stop(1, 1e-9, 1e-9))
     shown = fit(UNKNOWNS, stepped, OneSided((1e-6, 0.5), 0.1), Stop(1, 1e-9, 1e-9))
     assert not flat.slopes.any() and shown.slopes.any(axis=0).all()
+
+
+def test_a_step_that_was_too_small_is_not_tried_again_in_the_same_fit() -> None:
+    rule = OneSided((1e-9, 1e-3), 1e-6)
+    gains: list[float] = []
+
+    def vectors(points: Sequence[Reals]) -> list[Reals]:
+        gains.extend(float(point[0]) for point in points)
+        return [float(point[0]) * TIME for point in points]
+
+    for here in (1.0, 2.0):
+        rule(vectors, np.array([here]), here * TIME, np.array([0.0]), np.array([9.0]))
+    assert gains == pytest.approx([1.0 + 1e-9, 1.001, 2.001], abs=1e-12)
 
 
 def test_a_fit_ends_where_no_step_promises_anything() -> None:

@@ -614,3 +614,12 @@ def test_a_torque_in_the_place_of_a_speed_contradicts_the_angle(tmp_path: Path) 
     ran = run_ema("import", "table", tmp_path / "log.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
     said = complaint(ran)
     assert "motor_angle_rad moves" in said and "times as far as motor_speed_rad_s says: correct from, unit or scale" in said
+
+
+def test_a_copy_of_a_record_is_said_where_it_comes_in(tmp_path: Path) -> None:
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text(text(), encoding="utf-8")
+    of_files(tmp_path, MAP, tmp_path / "a.csv", tmp_path / "b.csv")
+    first, second = (one["remarks"] for one in json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))["files"])
+    assert not first
+    assert second == ["the same samples came as a.csv, too: one of the two is enough, and a diagnosis refuses both together"]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ema_tools.base.errors import InputError
-from ema_tools.data.motion_records import AnyRecord
+from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import check_none_odd, same_command
@@ -56,12 +56,6 @@ def check_once(records: Sequence[AnyRecord], kind: str = "healthy run") -> None:
                 raise InputError(
                     f"{other.file}: {'given twice' if other.file == earlier.file else f'holds the same samples as {earlier.file}'}: give every {kind} once"
                 )
-
-
-def same_samples(one: AnyRecord, other: AnyRecord) -> bool:
-    """Whether two records are one, however their files are called."""
-    names = [name for name in one.present if name in other.present]
-    return one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
 
 
 def check_against_all(record: Record, others: Sequence[Record]) -> None:

@@ -12,13 +12,14 @@ from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.nuisance import FROM_DATA_SHEET
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
-from ema_tools.select.healthy_records import check_against_all, check_apart, check_size, same_samples
+from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose

@@ -15,7 +15,7 @@ from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import keep_apart, may_write, write_text
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.incomplete import NONE_OF_IT
-from ema_tools.data.motion_records import MotionRecord, write_motion_record
+from ema_tools.data.motion_records import MotionRecord, same_samples, write_motion_record
 from ema_tools.data.motion_signals import Origin, Train, drive_torque, integrated, motor_speed, origins
 from ema_tools.data.tables import doubts
 from ema_tools.data.tables.convert import Converted, convert
@@ -85,7 +85,7 @@ def import_tables(names: Sequence[str | Path], map_path: str | Path, folder: str
     for number, path in enumerate(paths):
         tell(number / len(paths), path.name)
         files.append(convert(path, mapped, units))
-    files = _named_apart(files)
+    files = _said_once(_named_apart(files))
     records = [record for one in files for record in one.records]
     remarks = doubts.check(records, mapped)
     actuator, estimated = start_machine(records, mapped)
@@ -119,6 +119,17 @@ def _named_apart(files: Sequence[Converted]) -> list[Converted]:
                     f"{one.path}: would become {record.file} as {seen[record.file]} does: rename one of the two, or import them into two folders"
                 )
             seen[record.file] = one.path
+    return found
+
+
+def _said_once(files: Sequence[Converted]) -> list[Converted]:
+    """With a word to every file whose records came before, by another name."""
+    found: list[Converted] = []
+    for one in files:
+        earlier = [record for other in found for record in other.records]
+        twins = [next((other.file for other in earlier if same_samples(record, other)), None) for record in one.records]
+        copies = tuple(TableRemark("copy", None, None, twin) for twin in twins if twin is not None)
+        found.append(replace(one, remarks=one.remarks + copies))
     return found
 
 

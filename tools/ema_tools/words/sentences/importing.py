@@ -23,6 +23,7 @@ _SAID: Mapping[RemarkKind, str] = {
     "footer": "{count:g} rows of text below the numbers: left out",
     "rms": "{column} is recorded as an effective value: taken as it is, so a torque constant must be per effective ampere",
     "one_way": "the machine moves one way only and {column} holds it back: right for a load that is lowered; otherwise write sign = -1 in [columns.{column}]",
+    "copy": "the same samples came as {column}, too: one of the two is enough, and a diagnosis refuses both together",
 }
 _MADE: Mapping[Origin, str] = {
     "recorded": "recorded",
