@@ -16,9 +16,5 @@ void ema_copy(void* to, const void* from, size_t size)
 
 void ema_clear(void* place, size_t size)
 {
-    static const uint32_t none = 0U;
-    unsigned char* const byte = (unsigned char*)place;
-    for (size_t k = 0; k < size; k += sizeof none) {
-        (void)memcpy(&byte[k], &none, sizeof none); /* EMA-D3 */
-    }
+    (void)memset(place, 0, size);
 }

@@ -67,6 +67,15 @@ def steps_of(count: int) -> str:
 
 
 @dataclass(frozen=True)
+class Level:
+    """What the same code costs at another level of optimisation: bytes of code and constants, and of the deepest public function's stack."""
+
+    option: str
+    code: int
+    stack: int
+
+
+@dataclass(frozen=True)
 class Measured:
     """Everything that the document tells."""
 
@@ -78,6 +87,7 @@ class Measured:
     guarded: int
     day: int
     squares: int
+    levels: tuple[Level, ...]
 
     def number(self, name: str) -> int:
         """One of the counts, whole."""
@@ -112,6 +122,13 @@ class Measured:
             Target("bare", "the same without effects: friction and backlash alone", 12 * 1024, self.bare, "bytes"),
             Target("ram", "memory: session, its configuration and a record of 10 s at 1 kHz", 48 * 1024, ram, "bytes"),
             Target("stack", "stack of the deepest public function", 512, worst, "bytes"),
+            Target(
+                "any_stack",
+                f"the same at {', '.join(f'`{level.option}`' for level in self.levels)}",
+                1024,
+                max(level.stack for level in self.levels),
+                "bytes",
+            ),
             *tick,
             *identify,
         ]
@@ -216,7 +233,16 @@ def measure(given: argparse.Namespace) -> Measured:
     guarded = code_bytes(given.size, given.guarded, given.guarded_object)
     day = code_bytes(given.size, given.day, given.day_object)
     squares = code_bytes(given.size, given.squares, given.squares_object)
-    return Measured(given.compiler, counts, code, bare, stacks, guarded, day, squares)
+    # what calls the module is left out by its size at -Os: it is a handful of calls
+    levels = [
+        Level(
+            f"-{level}",
+            code_bytes(given.size, Path(program), given.flash_object),
+            max(size for size, _ in stack.worst_of(Path(objects), given.include).values()),
+        )
+        for level, program, objects in given.level
+    ]
+    return Measured(given.compiler, counts, code, bare, stacks, guarded, day, squares, tuple(levels))
 
 
 def grouped(value: float) -> str:
@@ -308,6 +334,17 @@ def document(found: Measured) -> str:
             ]
             for name, (size, _) in sorted(found.stacks.items(), key=lambda item: (-item[1][0], item[0]))
         ],
+    )
+    lines += [
+        "## Levels of optimisation",
+        "",
+        "The same sources and flags but for the level; a firmware that is debugged runs at `-Og` or `-O0`.",
+        "",
+    ]
+    worst = max(size for size, _ in found.stacks.values())
+    lines += table(
+        ["level", "bytes of code and constants, all effects", "bytes of stack, deepest public function"],
+        [[f"`{one.option}`", grouped(one.code), grouped(one.stack)] for one in (*found.levels, Level("-Os", found.code, worst))],
     )
     lines += ["## Memory", ""]
     sizes = {name.removeprefix("size_"): value for name, value in found.counts.items() if name.startswith("size_ema_")}
@@ -557,6 +594,14 @@ def main() -> int:
     parser.add_argument("--bare", type=Path, required=True, help="the program ema_flash without effects")
     parser.add_argument("--guarded", type=Path, required=True, help="the program ema_flash_guarded")
     parser.add_argument("--guarded-object", type=Path, required=True, help="the object file of ema_flash_guarded.c alone")
+    parser.add_argument(
+        "--level",
+        nargs=3,
+        action="append",
+        required=True,
+        metavar=("LEVEL", "PROGRAM", "OBJECTS"),
+        help="ema_flash built with another level of optimisation, and the folder of its library's objects",
+    )
     parser.add_argument("--squares", type=Path, required=True, help="the program ema_flash_squares")
     parser.add_argument("--squares-object", type=Path, required=True, help="the object file of ema_flash_squares.c alone")
     parser.add_argument("--day", type=Path, required=True, help="the program ema_flash_day")

@@ -17,7 +17,16 @@ EDGE = re.compile(r'^edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"')
 FRAME = re.compile(r"\\n(\d+) bytes \(([^)]*)\)")
 INDIRECT = "__indirect_call"
 # What the compiler calls by itself; newlib's and libgcc's versions for these cores push no more than this.
-LIBRARY_BYTES = {"memcpy": 16, "memset": 16, "memmove": 16, "memcmp": 16, "__aeabi_ul2f": 16, "__aeabi_l2f": 16, "__aeabi_f2ulz": 32}
+LIBRARY_BYTES = {
+    "memcpy": 16,
+    "memset": 16,
+    "memmove": 16,
+    "memcmp": 16,
+    "sqrtf": 16,
+    "__aeabi_ul2f": 16,
+    "__aeabi_l2f": 16,
+    "__aeabi_f2ulz": 32,
+}
 PUBLIC = re.compile(r"\b(ema_\w+)\(")
 
 

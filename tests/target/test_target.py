@@ -173,6 +173,9 @@ class Stacks(unittest.TestCase):
             stack.load(Path(folder))
 
 
+LEVELS = (budgets.Level("-O0", 60_000, 700), budgets.Level("-O2", 29_000, 500))
+
+
 def measured(**changed: float) -> budgets.Measured:
     """A measurement inside every target, apart from what is changed and what MISSED excuses."""
     counts: dict[str, float] = {
@@ -229,7 +232,9 @@ def measured(**changed: float) -> budgets.Measured:
         "size_ema_least_squares_t": 10_700
     }
     counts |= {"onboard_whole": 4_000_000} | changed
-    return budgets.Measured("12.2.1", counts, 25_000, 20_000, {"ema_session_run": (500, ("ema_session_run",))}, 28_000, 25_200, 30_000)
+    return budgets.Measured(
+        "12.2.1", counts, 25_000, 20_000, {"ema_session_run": (500, ("ema_session_run",))}, 28_000, 25_200, 30_000, LEVELS
+    )
 
 
 class Budgets(unittest.TestCase):
@@ -261,7 +266,7 @@ class Budgets(unittest.TestCase):
         self.assertRegex(" ".join(budgets.problems_of(large, budgets.document(large))), "table of signatures.*mend it")
 
     def test_a_reason_too_many(self) -> None:
-        small = budgets.Measured("12.2.1", measured().counts, 20_000, 10_000, measured().stacks, 22_000, 20_200, 25_000)
+        small = budgets.Measured("12.2.1", measured().counts, 20_000, 10_000, measured().stacks, 22_000, 20_200, 25_000, LEVELS)
         self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
 
     def test_the_page(self) -> None:
