@@ -82,6 +82,26 @@ def test_a_swing_once_per_turn_is_named_where_nobody_knows_where_records_begin()
     assert SAME_SWING in reasons.values() or len([step for step in found.steps if "periods" in str(step.values)]) == 1
 
 
+def test_friction_that_falls_with_speed_gives_the_viscous_friction_back() -> None:
+    """Without the effect the records put viscous friction below zero; held there, it would turn up as another effect."""
+    time = np.arange(4000) * 5e-3
+
+    def swept(top_rad_s: float, seed: int) -> MotionRecord:
+        random = np.random.default_rng(seed)
+        speed = top_rad_s * np.sin(0.9 * time + seed) * np.sin(0.13 * time)
+        level = 0.03 * (1.0 + 0.5 * np.exp(-np.abs(speed) / 8.0))
+        torque = 1e-4 * np.gradient(speed, 5e-3) + level * np.sign(speed) + 2e-5 * speed + random.normal(0.0, 4e-4, time.size)
+        return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
+
+    found = improve_by_forces(actuator_of("bare motor", 0), [swept(top, seed) for seed, top in enumerate((15.0, 40.0, 90.0, 150.0))])
+    (step,) = found.steps
+    truth = {"stribeck_friction.rise": 0.5, "stribeck_friction.speed_rad_s": 8.0, "stribeck_friction.shape": 1.0}
+    assert step.effect == "stribeck_friction"
+    # three standard errors of a fit in which shape and speed are free as well
+    assert all(step.values[name] == pytest.approx(value, abs=3.0 * step.std[name]) for name, value in truth.items())
+    assert step.values["screw.viscous_Nm_s_per_rad"] == pytest.approx(2e-5, abs=3.0 * step.std["screw.viscous_Nm_s_per_rad"])
+
+
 def test_noise_alone_has_no_phase() -> None:
     found = improve_by_forces(
         actuator_of("lead screw", 0), [spinning(speed, seed) for seed, speed in enumerate((2.0, -3.0, 5.0, -7.0, 9.0))]

@@ -25,7 +25,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import effect_of_base_value
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Piece, Setting
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.torque_patterns import Pattern
+from ema_tools.select.torque_patterns import Pattern, continuous_of, pattern_of
 
 Rows = NDArray[np.bool_]
 
@@ -231,9 +231,9 @@ class Bench:
         )
 
     def keep_undetermined(self) -> tuple[str, ...]:
-        """Takes an inertia as stated that the records do not determine, and the end of its range for another base value that they put beyond it; the names of what was taken.
-
-        So does a base value whose torque is the others': a load where the machine moves one way only, viscous friction where it keeps one speed.
+        """Takes an inertia as stated that the records do not determine, and a base value whose torque is the others': a load where the machine moves one way only, viscous friction
+        where it keeps one speed. Another base value that the records put beyond its range stays inside from here on: an effect that is not yet known may be what pushes it there.
+        The names of what was taken.
         """
         for name in _TAKEN_FIRST:
             place = MECHANICAL_PARAMETERS.index(name)
@@ -257,10 +257,12 @@ class Bench:
             # the least determined first: the others may be right without it
             place = max(found, key=lambda place: std.get(MECHANICAL_PARAMETERS[place], math.inf) / _reach(fit, place))
             name, row = MECHANICAL_PARAMETERS[place], row_of(MECHANICAL_PARAMETERS[place])
-            stated = self.start.setting.actuator[name]
             low, high = self.between.get(place, (row.lower, row.upper))
-            self.taken[place] = float(np.clip(stated, low, high) if name == INERTIA else np.clip(fit.values[name], low, high))
-            self.start = self._as_stated(self.start)
+            if name == INERTIA:
+                self.taken[place] = float(np.clip(self.start.setting.actuator[name], low, high))
+                self.start = self._as_stated(self.start)
+            else:
+                self.between[place] = (low, high)
             self._bent.clear()
 
     def stay_in_ranges(self) -> None:
@@ -355,9 +357,30 @@ class Bench:
         each = tuple(self.error_of(held_out, drive, self.sliding & (self.fold == part)) for part in range(self.division.folds))
         return FoldErrors(self.error_of(fit.residual, drive, self.training), self.error_of(fit.residual, drive, self.held), each)
 
-    def _std(self, fit: Fitted) -> dict[str, float]:
-        """Standard errors of the values, jointly; sizes that are searched are taken as linear where they are."""
-        values = fit.values
+    def stated(self, fit: Fitted) -> Fitted:
+        """The fit with standard errors as they are told to people: shapes were fitted too, and a size that hangs on one is no better known than it is."""
+        return replace(fit, std=self._std(fit, self._shape_slopes(fit)))
+
+    def _shape_slopes(self, fit: Fitted) -> dict[str, Reals]:
+        """How the fitted torque moves with each shape parameter that lies between those tried, [samples] per unit of it."""
+        found: dict[str, Reals] = {}
+        setting, first = fit.samples.setting, fit.samples.base.shape[1]
+        width = 0
+        for pattern in fit.patterns:
+            place, width = first + width, width + pattern.columns.shape[1]
+            coefficients = fit.coefficients[place : first + width]
+            for name in (name for name in continuous_of(pattern.effect) if coefficients.size and name in pattern.shape):
+                value, row = pattern.shape[name], row_of(name)
+                ends = [float(np.clip(value * (1.0 + sign * _STEP), row.lower, row.upper)) for sign in (-1.0, 1.0)]
+                sides = [pattern_of(setting, pattern.effect, {**pattern.shape, name: end}) for end in ends]
+                columns = [self.decimated(side.columns) for side in sides if not isinstance(side, str)]
+                if len(columns) == len(ends) and ends[1] > ends[0]:
+                    found[name] = (columns[1] - columns[0]) @ coefficients / (ends[1] - ends[0])
+        return found
+
+    def _std(self, fit: Fitted, shapes: Mapping[str, Reals] | None = None) -> dict[str, float]:
+        """Standard errors of the values, jointly; sizes that are searched are taken as linear where they are, and so are `shapes` by their slopes [samples]."""
+        values, shapes = fit.values, shapes or {}
         bends = [name for pattern in fit.patterns if pattern.bends for name in pattern.shape]
         held = {name: values[name] for name in bends}
         slopes = []
@@ -366,15 +389,16 @@ class Bench:
             ends = tuple(float(np.clip(values[name] * (1.0 + sign * _STEP), row.lower, row.upper)) for sign in (-1.0, 1.0))
             low, high = (self.changed({**held, name: end}) for end in ends)
             slopes.append(((high.base - low.base) @ fit.coefficients[:4] - (high.target - low.target)) / (ends[1] - ends[0]))
-        matrix = np.column_stack([fit.matrix, *slopes])[self.training]
+        matrix = np.column_stack([fit.matrix, *slopes, *shapes.values()])[self.training]
         # a value on its end does not move
         matrix[:, [MECHANICAL_PARAMETERS.index(name) for name in self.at_ends(fit)]] = 0.0
         covariance = _covariance(matrix, fit.residual[self.training], self.of_record[self.training])
-        point = np.concatenate([fit.coefficients, [values[name] for name in bends]])
+        moving = [*bends, *shapes]
+        point = np.concatenate([fit.coefficients, [values[name] for name in moving]])
 
         def at(moved: Reals) -> Reals:
             found = self.values_of(fit.samples.setting, fit.patterns, moved[: fit.coefficients.size])
-            found |= dict(zip(bends, moved[fit.coefficients.size :].tolist(), strict=True))
+            found |= dict(zip(moving, moved[fit.coefficients.size :].tolist(), strict=True))
             return np.array([found[name] for name in values])
 
         steps = np.maximum(1e-3 * np.sqrt(np.maximum(np.diag(covariance), 0.0)), 1e-12 * np.maximum(np.abs(point), 1e-12))

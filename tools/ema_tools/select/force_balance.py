@@ -599,6 +599,8 @@ def improve_by_forces(
         )
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {best.effect}, which came later") for name in dropped]
+    if steps:
+        steps[-1] = replace(steps[-1], std=bench.stated(accepted).std)
     report(1.0, "done")
     states = accepted.samples.setting.states
     curves = {

@@ -123,7 +123,7 @@ class _Refit:
             raise InputError(
                 f"{f'add {self.added}' if self.added else 'calibrate'}: {beyond}: keep an effect of the model by --fix EFFECT, or bound a base value by --fix NAME=LOW..HIGH"
             )
-        bench = self.bench
+        bench, last = self.bench, self.bench.stated(last)
         kept = {
             MECHANICAL_PARAMETERS[place]: BY_USER if MECHANICAL_PARAMETERS[place] in bench.fixes.kept else BY_RECORDS
             for place in bench.taken
