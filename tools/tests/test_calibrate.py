@@ -15,7 +15,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record, read_record, write_record
-from ema_tools.tasks.calibrate import calibrate, free_parameters
+from ema_tools.tasks.calibrate import PLAY, calibrate, free_parameters
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 UNIT = RECORDINGS / "unit"
@@ -243,7 +243,7 @@ def test_values_far_from_the_file_are_said(tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.toml"
     wrong.write_text(re.sub(r"(?m)^lead_mm = 5.0", "lead_mm = 25.4", REFERENCE.read_text(encoding="utf-8")), encoding="utf-8")
     ran = run_ema("calibrate", wrong, UNIT / "healthy_1.csv", "-o", tmp_path / "new.toml", "--json", tmp_path / "told.json")
-    assert "Far from the file: screw.inertia_kgm2 is 5.1 times, motor.back_emf_V_s_per_rad is 5.1 times what it said." in " ".join(
+    assert "Far from the file: screw.inertia_kgm2 is 5.2 times, motor.back_emf_V_s_per_rad is 5.1 times what it said." in " ".join(
         ran.out.split()
     )
     assert set(json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))["far"]) == {
@@ -252,3 +252,17 @@ def test_values_far_from_the_file_are_said(tmp_path: Path) -> None:
     }
     right = run_ema("calibrate", REFERENCE, UNIT / "healthy_1.csv", "-o", tmp_path / "right.toml")
     assert "Far from the file" not in right.out
+
+
+def test_a_supply_off_its_data_sheet_is_found_and_spoils_no_play() -> None:
+    """What the controller asks for is a share of the supply."""
+    given = reference_actuator()
+    truth = given.changed({"drive.supply_V": 23.6, PLAY: 0.036, "motor.resistance_ohm": 1.03})
+    record = chirp_record(truth).with_noise({**NOISE, "voltage_V": 0.01}, 3)
+    found = calibrate(given, [record])
+    known = {one.name: one for one in found.parameters}
+    assert known["drive.supply_V"].after == pytest.approx(23.6, abs=4.0 * known["drive.supply_V"].std)
+    assert known[PLAY].after == pytest.approx(0.036, abs=4.0 * known[PLAY].std)
+    # as it is stated, it stays
+    same = calibrate(given, [chirp_record(given).with_noise({**NOISE, "voltage_V": 0.01}, 3)])
+    assert "drive.supply_V" not in {one.name for one in same.parameters}

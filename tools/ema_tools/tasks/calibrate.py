@@ -35,6 +35,7 @@ from ema_tools.tasks.onboard_search import BOUNDS
 
 PLAY = "screw.blk_mm"
 FRICTION = "screw.csj_Nm"
+SUPPLY = "drive.supply_V"
 _REST_ROUNDS = 20  # friction at rest and the parameters settle together, within few of these [effort]
 _WEIGHING_ROUNDS = 3  # fits in which each channel weighs by what the last one left of it [effort]
 _STEPS = 30  # of one fit: far more than it takes [effort]
@@ -271,6 +272,11 @@ def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str,
     return tuple(names)
 
 
+def supply_shows(actuator: Actuator, records: Sequence[Record]) -> bool:
+    """Whether the records can tell the supply: in voltage mode, from what the controller asked for."""
+    return actuator["drive.mode"] == 0.0 and all(record.channel("voltage_V") is not None for record in records)
+
+
 def _unknown(actuator: Actuator, name: str) -> FreeValue:
     """A parameter in units of its own size; one that may be zero is measured by what it competes with: load by friction."""
     lower, upper = range_of(actuator, name)
@@ -378,15 +384,36 @@ def calibrate(
             found |= {parameter.name: parameter for parameter in parameters}
     for record in records:
         _simulated(fitted, actuator, record)
-    if loop is not False:
-        closer, parameters = in_the_loop(fitted, records, free, actuator, report)
-        if loop or len(found) < len(free) or _gain(channel_errors(fitted, records), channel_errors(closer, records)) > _LOOP_GAIN:
-            fitted = closer
+
+    refused: InputError | None = None
+
+    def followed(wanted: Sequence[str], needed: bool) -> None:
+        """Takes the loop's fit where it must be, or follows the records clearly better."""
+        nonlocal fitted, free, found, refused
+        try:
+            closer, parameters = in_the_loop(fitted, records, wanted, actuator, report)
+        except InputError as error:
+            # a loop whose model lacks something may lead nowhere, where the balances each stand by themselves
+            if needed:
+                raise
+            refused = refused or error
+            return
+        if needed or _gain(channel_errors(fitted, records), channel_errors(closer, records)) > _LOOP_GAIN:
+            fitted, free = closer, tuple(wanted)
             found |= {parameter.name: parameter for parameter in parameters}
+
+    if loop is not False:
+        followed(free, loop is True or len(found) < len(free))
+        if names is None and supply_shows(fitted, records):
+            # what the controller asks for is a share of the supply, so a wrong one makes every electrical value wrong, and the play with them
+            followed((*free, SUPPLY), False)
     if not found:
         why = "; ".join(left_out.values()) or "a balance gives only all of its parameters"
         raise InputError(f"calibrate: nothing to fit without the closed loop ({why}): leave --balances-only out")
-    check_followed(fitted, records)
+    try:
+        check_followed(fitted, records)
+    except InputError as error:
+        raise refused or error from None
     parameters = [_begun(found[name], actuator) for name in free if name in found]
     after = channel_errors(fitted, records)
     noise = {name: max(white_noise(record.recorded(name)) for record in records if name in record.present) for name in after}
