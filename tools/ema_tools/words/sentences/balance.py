@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
+from ema_tools.select.force_balance import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyByBalance
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
@@ -43,7 +45,7 @@ def sentence(found: BalanceAnswer) -> str:
         )
         return f"{found.names}: {said} (force error {given.training:.2f} %, {floor})."
     last = found.forces.steps[-1].errors
-    names = ", ".join(step.effect for step in found.accepted)
+    names = _named(found.accepted)
     verb = "are" if len(found.accepted) > 1 else "is"
     left = found.unexplained
     stays = f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained" if left is not None and left > _TOLD else ""
@@ -53,6 +55,11 @@ def sentence(found: BalanceAnswer) -> str:
     )
 
 
+def _named(steps: Sequence[ForceStep]) -> str:
+    """The effects, each with those that these records do not tell from it."""
+    return ", ".join(f"{step.effect} (looks like {', '.join(step.alike)})" if step.alike else step.effect for step in steps)
+
+
 def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     """What has changed against healthy records."""
     count, after = len(machine.records), found.last
@@ -60,7 +67,7 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     against = f"against {count} healthy record{'s' if count > 1 else ''}"
     errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
     verb = "are" if len(found.accepted) > 1 else "is"
-    told = [f"missing {verb} {', '.join(step.effect for step in found.accepted)}"] if found.accepted else []
+    told = [f"missing {verb} {_named(found.accepted)}"] if found.accepted else []
     told += [_changed(one) for one in found.changed]
     if not told:
         told.append(
