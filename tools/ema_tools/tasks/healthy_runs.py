@@ -27,6 +27,8 @@ _AT_MOST = (
 )
 # Friction differs from day to day by the temperature as the winding does: where that scatters more than usual, so will friction, though few records may not show it [physics]
 _ALSO_SHOWN = {"screw.csj_Nm": "motor.resistance_ohm"}
+# And where that of today is another than theirs, so may friction be; grease says whether it is the temperature or the winding alone [physics]
+_THINNER = "screw.viscous_Nm_s_per_rad"
 # Signals that tell play and friction and hardly anything else: current and voltage follow grease and winding, which differ from day to day [physics]
 _WEIGHED = ("position_mm", "motor_position_mm")
 
@@ -108,6 +110,21 @@ def scatter_read(known: Actuator, name: str, read: Sequence[float], today: Seque
     # what the actuator states not to scatter shows nothing
     beside = [(one[other] / known[other] - 1.0) / share * usual for one in today if other in one and share > 0.0]
     return scatter_shown([*shown, *beside], usual, 2 if beside else 1)
+
+
+def of_another_day(healthy: Actuator, today: Mapping[str, float]) -> dict[str, float]:
+    """Share by which values may differ since today's temperature is another than on the healthy runs, one standard deviation by name; `today`: what scatters, as it is today.
+
+    A warmer winding resists more and a warmer grease less, and grease changes by more: where the two do not agree, it is no temperature.
+    """
+    found = {}
+    for name, other in _ALSO_SHOWN.items():
+        if other in today and _THINNER in today and healthy[_THINNER] > 0.0:
+            winding, grease = today[other] / healthy[other] - 1.0, today[_THINNER] / healthy[_THINNER] - 1.0
+            share = share_from_run_to_run(healthy, other)
+            if winding * grease < 0.0 and abs(grease) > abs(winding) and share > 0.0:
+                found[name] = abs(winding) / share * share_from_run_to_run(healthy, name)
+    return found
 
 
 def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:

@@ -22,10 +22,11 @@ from ema_tools.plant.native import CHANNELS, REASONS, Identification, Identified
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
+from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs, of_another_day
 from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, SCATTERS, check_record, check_table, identified_of, run
 
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
+_BEYOND_CLIMATE = 2.0  # standard deviations of what temperature does to friction: the largest that is known of greases and seals [physics]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 NOT_ADEQUATE = REASONS[2]
 
@@ -42,7 +43,7 @@ class Identified:
     `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
     `seen`: the record as it was searched, `settings`: how; `tried`: the values of every model run, in the order of `costs`, none where they are not known.
     `least_percent`: the shifts that are called a fault, by name; `doubt`: why two healthy records may not both be, in words; `checked`: what all signals say of the
-    estimates; None where it was not wanted.
+    estimates; None where it was not wanted; `climate`: share by which values may differ since today's temperature is another than on the healthy records.
     """
 
     actuator: Actuator
@@ -62,6 +63,7 @@ class Identified:
     checked: CrossCheck | None = None
     doubt: str = ""
     scatter: Mapping[str, float] = field(default_factory=dict)
+    climate: Mapping[str, float] = field(default_factory=dict)
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
@@ -81,7 +83,7 @@ class Identified:
         # what scatters does so by a share of itself
         shares = (self._scatters(name) and self._shown) or self._stated(name) > 0.0
         grown = max(1.0, self.actuator[name] / self.healthy[name]) if shares else 1.0
-        return grown * self.healthy_std(name)
+        return math.hypot(grown * self.healthy_std(name), self.climate.get(name, 0.0) * abs(self.actuator[name]))
 
     def healthy_std(self, name: str) -> float:
         """The same of a healthy machine."""
@@ -141,8 +143,16 @@ class Identified:
         return all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
 
     def _threshold(self, name: str) -> float:
-        """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter, relative."""
-        return max(self._least(name), _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name]))
+        """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter or by today's temperature, relative."""
+        apart = self.healthy_std(name) / abs(self.healthy[name])
+        return max(self._least(name), math.hypot(_BEYOND_SCATTER * apart, _BEYOND_CLIMATE * self.climate.get(name, 0.0)))
+
+    def within_climate(self) -> bool:
+        """Whether today's temperature makes a fault no more than what a healthy machine may do."""
+        return self.within_scatter() and any(
+            _BEYOND_CLIMATE * share >= _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
+            for name, share in self.climate.items()
+        )
 
     def within_scatter(self) -> bool:
         """Whether a fault is no more than what healthy records of the machine differ by."""
@@ -215,11 +225,14 @@ def identify(
     repeats = compared(actuator, record, same) if same else None
     baseline: Baseline | None = None
     doubt = ""
+    climate: dict[str, float] = {}
     if repeats is not None:
         runs = healthy_runs(repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
-        known = runs.known.changed(repeats.known.today(repeats.known.base({})))
+        today = repeats.known.today(repeats.known.base({}))
+        climate = of_another_day(runs.known, today)
+        known = runs.known.changed(today)
     elif healthy:
         baseline = baseline_of(actuator, healthy, settings, bits)
         known = actuator.changed(baseline.values)
@@ -278,4 +291,5 @@ def identify(
         checked,
         doubt,
         scatter,
+        climate,
     )

@@ -60,6 +60,9 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         return found.doubt
     if found.objection == "signals":
         return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
+    if found.objection == "open" and found.within_climate():
+        warmth = ", ".join(f"{TITLES[name]} by {100.0 * share:.2g} %" for name, share in found.climate.items())
+        return f"today's winding and grease are those of another temperature than on the healthy records, and with it values may differ ({warmth}): healthy records at today's temperature would tell"
     if found.objection == "open" and found.within_scatter():
         scatter = ", ".join(
             f"{TITLES[name]} by {100.0 * found.healthy_std(name) / abs(found.healthy[name]):.2g} %" for name in checked.shift
