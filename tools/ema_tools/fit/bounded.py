@@ -74,8 +74,9 @@ class OneSided:
 
     def _column(self, point: Reals, here: Reals, place: int, lower: float, upper: float) -> Generator[Reals, Reals, Reals]:
         column = np.zeros_like(here)
-        for width in self.steps[self._first.get(place, 0) :]:
-            self._first[place] = self.steps.index(width)
+        first = self._first.get(place, 0)
+        for at, width in enumerate(self.steps[first:], first):
+            self._first[place] = at
             step = _inside(float(point[place]), width, lower, upper)
             moved = point.copy()
             moved[place] += step

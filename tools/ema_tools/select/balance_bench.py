@@ -250,19 +250,23 @@ class Bench:
             found = [
                 place
                 for place, name in enumerate(MECHANICAL_PARAMETERS)
-                if place not in self.taken and name != LOAD and _not_determined(name, fit.values[name], std.get(name, math.inf))
+                if place not in self.taken
+                and name != LOAD
+                # what is held inside its range is where it may be, whatever rounding makes of its end
+                and (name == INERTIA or place not in self.between)
+                and _not_determined(name, fit.values[name], std.get(name, math.inf))
             ]
             if not found:
                 return tuple(MECHANICAL_PARAMETERS[place] for place in self.taken)
             # the least determined first: the others may be right without it
             place = max(found, key=lambda place: std.get(MECHANICAL_PARAMETERS[place], math.inf) / _reach(fit, place))
             name, row = MECHANICAL_PARAMETERS[place], row_of(MECHANICAL_PARAMETERS[place])
-            low, high = self.between.get(place, (row.lower, row.upper))
             if name == INERTIA:
+                low, high = self.between.get(place, (row.lower, row.upper))
                 self.taken[place] = float(np.clip(self.start.setting.actuator[name], low, high))
                 self.start = self._as_stated(self.start)
             else:
-                self.between[place] = (low, high)
+                self.between[place] = (row.lower, row.upper)
             self._bent.clear()
 
     def stay_in_ranges(self) -> None:

@@ -272,7 +272,7 @@ def free_parameters(actuator: Actuator, records: Sequence[Record]) -> tuple[str,
     return tuple(names)
 
 
-def supply_shows(actuator: Actuator, records: Sequence[Record]) -> bool:
+def _supply_shows(actuator: Actuator, records: Sequence[Record]) -> bool:
     """Whether the records can tell the supply: in voltage mode, from what the controller asked for."""
     return actuator["drive.mode"] == 0.0 and all(record.channel("voltage_V") is not None for record in records)
 
@@ -385,11 +385,12 @@ def calibrate(
     for record in records:
         _simulated(fitted, actuator, record)
 
+    tries = [(free, loop is True or len(found) < len(free))] if loop is not False else []
+    if tries and names is None and _supply_shows(actuator, records):
+        # what the controller asks for is a share of the supply, so a wrong one makes every electrical value wrong, and the play with them
+        tries.append(((*free, SUPPLY), False))
     refused: InputError | None = None
-
-    def followed(wanted: Sequence[str], needed: bool) -> None:
-        """Takes the loop's fit where it must be, or follows the records clearly better."""
-        nonlocal fitted, free, found, refused
+    for wanted, needed in tries:
         try:
             closer, parameters = in_the_loop(fitted, records, wanted, actuator, report)
         except InputError as error:
@@ -397,16 +398,10 @@ def calibrate(
             if needed:
                 raise
             refused = refused or error
-            return
+            continue
         if needed or _gain(channel_errors(fitted, records), channel_errors(closer, records)) > _LOOP_GAIN:
-            fitted, free = closer, tuple(wanted)
+            fitted, free = closer, wanted
             found |= {parameter.name: parameter for parameter in parameters}
-
-    if loop is not False:
-        followed(free, loop is True or len(found) < len(free))
-        if names is None and supply_shows(fitted, records):
-            # what the controller asks for is a share of the supply, so a wrong one makes every electrical value wrong, and the play with them
-            followed((*free, SUPPLY), False)
     if not found:
         why = "; ".join(left_out.values()) or "a balance gives only all of its parameters"
         raise InputError(f"calibrate: nothing to fit without the closed loop ({why}): leave --balances-only out")

@@ -144,15 +144,17 @@ class Identified:
 
     def _threshold(self, name: str) -> float:
         """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter or by today's temperature, relative."""
-        apart = self.healthy_std(name) / abs(self.healthy[name])
-        return max(self._least(name), math.hypot(_BEYOND_SCATTER * apart, _BEYOND_CLIMATE * self.climate.get(name, 0.0)))
+        return max(self._least(name), math.hypot(self._most_by_scatter(name), self._most_by_climate(name)))
+
+    def _most_by_scatter(self, name: str) -> float:
+        return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
+
+    def _most_by_climate(self, name: str) -> float:
+        return _BEYOND_CLIMATE * self.climate.get(name, 0.0)
 
     def within_climate(self) -> bool:
         """Whether today's temperature makes a fault no more than what a healthy machine may do."""
-        return self.within_scatter() and any(
-            _BEYOND_CLIMATE * share >= _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
-            for name, share in self.climate.items()
-        )
+        return self.within_scatter() and any(self._most_by_climate(name) >= self._most_by_scatter(name) for name in self.climate)
 
     def within_scatter(self) -> bool:
         """Whether a fault is no more than what healthy records of the machine differ by."""
