@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import re
 import shutil
@@ -301,6 +302,15 @@ def browser() -> str:
     if found is None:
         pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
     return found
+
+
+def test_the_page_is_small_enough_to_send(tmp_path: Path) -> None:
+    """The library alone, unpacked, is 4.8 MB: packed it leaves a mail's usual room to the curves."""
+    page = _page(tmp_path, identified(case="A"))
+    assert len(page) < 2_200_000
+    packed = re.search(r'const plotlyPacked = "([A-Za-z0-9+/=]+)";', page)
+    assert packed is not None and b"plotly.js" in gzip.decompress(base64.b64decode(packed.group(1)))[:200]
+    assert _page(tmp_path, identified(case="A")) == page
 
 
 @pytest.mark.slow

@@ -1,11 +1,20 @@
 "use strict";
-(() => {
+(async () => {
   const data = JSON.parse(document.getElementById("page-data").textContent);
   const css = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
   const coarse = matchMedia("(pointer: coarse)").matches;
   const config = { responsive: true, displayModeBar: false, doubleClick: false, scrollZoom: false };
 
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  // The library comes packed; a browser that cannot unpack it says so in place of the curves.
+  if (!("DecompressionStream" in window)) {
+    for (const plot of document.querySelectorAll(".plot")) plot.textContent = "This browser cannot draw the curves: open the page in one of 2023 or later.";
+    return;
+  }
+  const library = document.createElement("script");
+  library.textContent = await new Response(new Blob([bytes(plotlyPacked)]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  document.head.append(library);
+
   const unpack = (series) => Float64Array.from(new Int16Array(bytes(series.int16)), (value) => value * series.scale);
   const times = (time) => {
     const row = time.kept ? new Uint32Array(bytes(time.kept)) : Uint32Array.from({ length: time.rows }, (_, i) => i);
