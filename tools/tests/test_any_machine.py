@@ -20,7 +20,10 @@ from ema_tools.fit.division import divided
 from ema_tools.select.balance_setting import Setting
 from ema_tools.select.force_balance import SAME_SWING, improve_by_forces
 from ema_tools.select.torque_patterns import NO_SCREW, NOT_PLACED, patterns_of
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import chosen, diagnosed
+from ema_tools.words.answers.steps import forward
+from ema_tools.words.sentences.balance import forward_sentence, sentence
 from support import chirp_record, run_ema
 
 quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a record without Numba")
@@ -50,6 +53,24 @@ def test_the_hidden_effect_is_named_without_a_controller(kind: str, command: str
 def test_a_healthy_machine_is_accused_of_nothing(command: str) -> None:
     row = perform(MachineTrial("bare motor", 0, command, HEALTHY))
     assert not wrong(row), row
+
+
+def swept(top_rad_s: float, seed: int, rows: int = 4000) -> MotionRecord:
+    """A shaft with Stribeck friction that swings, as long as `rows` of 5 ms."""
+    time, random = np.arange(rows) * 5e-3, np.random.default_rng(seed)
+    speed = top_rad_s * np.sin(0.9 * time + seed) * np.sin(0.13 * time)
+    level = 0.03 * (1.0 + 0.5 * np.exp(-np.abs(speed) / 8.0))
+    torque = 1e-4 * np.gradient(speed, 5e-3) + level * np.sign(speed) + 2e-5 * speed + random.normal(0.0, 4e-4, time.size)
+    return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
+
+
+@pytest.mark.parametrize(("rows", "is_judged"), [(60, False), (4000, True)])
+def test_a_record_of_which_nothing_can_be_held_out_says_so(rows: int, is_judged: bool) -> None:
+    """A third of a second has no stretch that could be judged by the others. Either is solved forward on itself alone."""
+    answer = diagnosed(actuator_of("bare motor", 0), [swept(90.0, 1, rows)])
+    assert isinstance(answer, BalanceAnswer)
+    told = f"{sentence(answer)} {forward_sentence(forward(answer.forward))}"
+    assert "nan" not in told and ("nothing could be held out" not in told) is is_judged, told
 
 
 def test_the_plan_asks_only_for_what_records_can_show() -> None:
@@ -84,15 +105,6 @@ def test_a_swing_once_per_turn_is_named_where_nobody_knows_where_records_begin()
 
 def test_friction_that_falls_with_speed_gives_the_viscous_friction_back() -> None:
     """Without the effect the records put viscous friction below zero; held there, it would turn up as another effect."""
-    time = np.arange(4000) * 5e-3
-
-    def swept(top_rad_s: float, seed: int) -> MotionRecord:
-        random = np.random.default_rng(seed)
-        speed = top_rad_s * np.sin(0.9 * time + seed) * np.sin(0.13 * time)
-        level = 0.03 * (1.0 + 0.5 * np.exp(-np.abs(speed) / 8.0))
-        torque = 1e-4 * np.gradient(speed, 5e-3) + level * np.sign(speed) + 2e-5 * speed + random.normal(0.0, 4e-4, time.size)
-        return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
-
     found = improve_by_forces(actuator_of("bare motor", 0), [swept(top, seed) for seed, top in enumerate((15.0, 40.0, 90.0, 150.0))])
     (step,) = found.steps
     truth = {"stribeck_friction.rise": 0.5, "stribeck_friction.speed_rad_s": 8.0, "stribeck_friction.shape": 1.0}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ema_tools.results import parts
@@ -25,7 +26,12 @@ def steps(way: Sequence[Rung]) -> tuple[parts.StepEntry, ...]:
 
 def forward(found: Forward) -> parts.ForwardErrors:
     """The forward solution beside the balance."""
-    return parts.ForwardErrors(*found.motion, *found.holdout, *found.drive, found.reads)
+    return parts.ForwardErrors(*_had(found.motion), *_had(found.holdout), *_had(found.drive), found.reads)
+
+
+def _had(pair: tuple[float, float]) -> tuple[float | None, float | None]:
+    before, after = (error if math.isfinite(error) else None for error in pair)
+    return before, after
 
 
 def field_of(name: str) -> str:

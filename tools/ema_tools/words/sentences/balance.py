@@ -42,6 +42,8 @@ def sentence(found: BalanceAnswer) -> str:
             else "nothing exceeds what the laps repeat"
             if math.isfinite(found.forces.floor_percent)
             else f"no effect of the library lowers the error on the {parts} held out"
+            if math.isfinite(given.holdout)
+            else f"no effect of the library lowers the error, but nothing could be held out to see it: none of the {parts} has enough motion for itself, so record longer"
         )
         return f"{found.names}: {said} (force error {given.training:.2f} %, {floor})."
     last = found.forces.steps[-1].errors
