@@ -552,6 +552,25 @@ def test_the_other_commands_load_none_of_the_readers() -> None:
     assert ran.stdout.strip() == "[]"
 
 
+@pytest.mark.parametrize("odd", [0, 1, 2])
+def test_one_file_of_another_sign_is_named(tmp_path: Path, odd: int) -> None:
+    """Most of the rows go along with the motion; the file that does not is told by itself."""
+    time_s = 0.002 * np.arange(3000)
+    files = []
+    for number in range(3):
+        speed = (30.0 + 10.0 * number) * np.sin(2.0 * np.pi * (0.5 + 0.3 * number) * time_s)
+        torque = (1e-5 * np.gradient(speed, 0.002) + 2e-3 * np.sign(speed)) * (-1.0 if number == odd else 1.0)
+        files.append(tmp_path / f"{number}.csv")
+        lines = [",".join(map(repr, row)) for row in np.column_stack([1e3 * time_s, speed / RPM, 1e3 * torque]).tolist()]
+        files[-1].write_text("\n".join(["Time [ms],Motor speed [rpm],Torque [mNm]", *lines]), encoding="utf-8")
+    (tmp_path / "map.toml").write_text(MAP, encoding="utf-8")
+    said = complaint(run_ema("import", "table", *files, "--map", tmp_path / "map.toml", "-o", tmp_path / "out"))
+    assert f"{odd}.csv: torque_Nm goes against motor_speed_rad_s, unlike the other records" in said
+    assert "with the other sign in [columns.torque_Nm] than in map.toml" in said
+    assert not (tmp_path / "out").exists()
+    of_files(tmp_path, MAP, *(file for number, file in enumerate(files) if number != odd))
+
+
 @pytest.mark.parametrize("several", [False, True], ids=["one frequency", "a sweep"])
 def test_a_spring_that_outweighs_the_inertia_is_no_wrong_sign(tmp_path: Path, several: bool) -> None:
     time_s = 0.002 * np.arange(2000)

@@ -196,34 +196,59 @@ def _acceleration(speed: Reals, period_s: float) -> Reals:
 
 
 def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> tuple[TableRemark, ...]:
-    """Drive against motion: a drive overcomes friction and speeds up the mass. Raises InputError where it does neither but the reverse."""
+    """Drive against motion: a drive overcomes friction and speeds up the mass. Raises InputError where it does neither but the reverse, in all records or in one of them."""
     found = _rows(records, mapped, train)
     if found is None:
         return ()
     every, drive_name, motion_name = found
-    # at rest friction answers whatever the drive does
-    moves = np.abs(every.speed) > _MOVES_SHARE * float(np.max(np.abs(every.speed), initial=0.0))
-    rows = _Rows(every.drive[moves], every.speed[moves], every.acceleration[moves], every.place[moves])
-    direction = np.sign(rows.speed)
-    both_ways = bool(np.any(direction > 0.0) and np.any(direction < 0.0))
-    columns = {"inertia": rows.acceleration, "one": np.ones_like(rows.drive)}
-    if both_ways:
-        # beside what a spring or the weight of an arm does, which is no inertia
-        columns.update({"friction": direction, "place": rows.place})
-    signs = {name: _signed_share(columns, name, rows.drive) for name in ("inertia", "friction") if name in columns}
-    against = [name for name, share in signs.items() if share < -_EXPLAINS]
-    along = [name for name, share in signs.items() if share > _EXPLAINS]
+    _one_sign(records, mapped, train, (drive_name, motion_name))
+    rows, columns, along, against = _ways(every)
     if against and not along:
-        what = " and ".join("brakes in both directions" if name == "friction" else "slows down while the speed rises" for name in against)
         raise InputError(
-            f"{_all_of(records)}: {drive_name} {what}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
+            f"{_all_of(records)}: {drive_name} {_reversed(against)}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
             f" or the other sign in [columns.{motion_name}]"
         )
     if "inertia" in along and mapped.inertia_kgm2 > 0.0 and (drive_name != "current_A" or "torque_constant" in mapped.machine):
         _inertia(columns, rows.drive, records, mapped, (drive_name, motion_name))
-    if not both_ways and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
+    if "friction" not in columns and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
         return (TableRemark("one_way", None, None, drive_name),)
     return ()
+
+
+def _one_sign(records: Sequence[MotionRecord], mapped: TableMap, train: Train, names: tuple[str, str]) -> None:
+    """Raises InputError for the records in which drive and motion go together other than in most of them."""
+    ways: dict[bool, list[str]] = {True: [], False: []}
+    for record in records:
+        own = _rows([record], mapped, train)
+        if own is not None:
+            _, _, along, against = _ways(own[0])
+            if bool(along) is not bool(against):
+                ways[bool(along)].append(record.file)
+    if ways[True] and ways[False]:
+        odd = min(ways.values(), key=len)
+        raise InputError(
+            f"{', '.join(odd)}: {names[0]} goes {'along with' if odd is ways[True] else 'against'} {names[1]}, unlike the other records: its sign is another there:"
+            f" import {'these files' if len(odd) > 1 else 'this file'} by a map of {'their' if len(odd) > 1 else 'its'} own, with the other sign in [columns.{names[0]}] than in {mapped.file}"
+        )
+
+
+def _ways(every: _Rows) -> tuple[_Rows, dict[str, Reals], list[str], list[str]]:
+    """The rows that move, their columns, and what of inertia and friction the drive surely goes along with and against; friction is there where the motion goes both ways."""
+    # at rest friction answers whatever the drive does
+    moves = np.abs(every.speed) > _MOVES_SHARE * float(np.max(np.abs(every.speed), initial=0.0))
+    rows = _Rows(every.drive[moves], every.speed[moves], every.acceleration[moves], every.place[moves])
+    direction = np.sign(rows.speed)
+    columns = {"inertia": rows.acceleration, "one": np.ones_like(rows.drive)}
+    if np.any(direction > 0.0) and np.any(direction < 0.0):
+        # beside what a spring or the weight of an arm does, which is no inertia
+        columns.update({"friction": direction, "place": rows.place})
+    signs: dict[str, float] = {name: _signed_share(columns, name, rows.drive) for name in ("inertia", "friction") if name in columns}
+    along = [name for name, share in signs.items() if share > _EXPLAINS]
+    return rows, columns, along, [name for name, share in signs.items() if share < -_EXPLAINS]
+
+
+def _reversed(against: Sequence[str]) -> str:
+    return " and ".join("brakes in both directions" if name == "friction" else "slows down while the speed rises" for name in against)
 
 
 def _inertia(columns: dict[str, Reals], drive: Reals, records: Sequence[MotionRecord], mapped: TableMap, names: tuple[str, str]) -> None:
@@ -234,7 +259,7 @@ def _inertia(columns: dict[str, Reals], drive: Reals, records: Sequence[MotionRe
     if not 1.0 / _INERTIA_TIMES < times < _INERTIA_TIMES:
         raise InputError(
             f"{_all_of(records)}: {names[0]} speeds up {times:.3g} times the inertia of [machine]: correct unit or scale in [columns.{names[0]}] or [columns.{names[1]}]"
-            f" of {mapped.file}, or inertia and mass in [machine]"
+            f" of {mapped.file}, or inertia and mass{', lead or ratio' if mapped.mm_per_rad else ''} in [machine]"
         )
 
 
