@@ -36,11 +36,9 @@ typedef enum {
 typedef struct {
     ema_session_t session;
     const ema_signatures_t* signatures;
+    ema_guarded_phase_t phase;
     ema_result_t result;   /* once the session has ended */
     ema_finding_t finding; /* of the run that ended last */
-    uint64_t model_steps;  /* of the runs beside the table */
-    uint32_t evaluations;
-    ema_guarded_phase_t phase;
 } ema_guarded_t;
 
 /* Starts an empty session; `signatures` may be NULL. On an error nothing has changed. Errors: those of ema_session_init

@@ -53,8 +53,9 @@ typedef struct {
     const ema_command_t* command;
     uint32_t capacity; /* rows */
     uint32_t count;
-    uint32_t stride; /* values a row */
+    ema_real asked_mm; /* way that the recorded command has made */
     ema_record_format_t format;
+    uint8_t stride;                        /* values a row */
     int8_t place[EMA_CHANNEL_COUNT];       /* of the channel in the row, -1 when it is not kept */
     ema_real unit[1U + EMA_CHANNEL_COUNT]; /* int16: value of one count, by place */
 } ema_record_t;

@@ -71,7 +71,7 @@ typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDEC
     X(EMA_REASON_LEARNED_RANGE, 128, "a learned table was used outside the range it was seen in")                      \
     X(EMA_REASON_EFFECT, 256, "the table of signatures shows an effect that is missing from the model")                \
     X(EMA_REASON_OTHER_COMMAND, 512,                                                                                   \
-      "the table of signatures says nothing: the record runs another command than the table's")
+      "the record runs another command than the ground test, for which table and thresholds hold")
 
 enum {
 #define EMA_REASON_ENUM(name, bit, text) name = (bit), /* EMA-D1 */

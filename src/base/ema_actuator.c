@@ -52,23 +52,33 @@ static uint32_t ema_row_bounds(const ema_effect_row_t* row)
     return EMA_BOUNDS_COUNT(row->held, row->site, row->values);
 }
 
+/* The effect of value `id`, NULL where it is a parameter or none; the place of its first row of bounds, and the value's
+ * place in it. */
+static const ema_effect_row_t* ema_row_of(size_t id, size_t* first, size_t* place)
+{
+    const ema_effect_row_t* row = NULL;
+    *first = EMA_PARAM_COUNT;
+    *place = id - EMA_PARAM_COUNT;
+    for (uint32_t k = 0; (row == NULL) && (id >= EMA_PARAM_COUNT) && EMA_ROW_HELD(k); ++k) {
+        if (*place < (size_t)ema_effect_rows[k].values) {
+            row = &ema_effect_rows[k];
+        } else {
+            *place -= ema_effect_rows[k].values;
+            *first += ema_row_bounds(&ema_effect_rows[k]);
+        }
+    }
+    return row;
+}
+
 bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
 {
-    size_t first = EMA_PARAM_COUNT;
-    size_t at = EMA_PARAM_COUNT;
-    bool found = id < first;
+    size_t first;
+    size_t place;
+    const ema_effect_row_t* const row = ema_row_of(id, &first, &place);
+    const size_t count = (row != NULL) ? ema_row_bounds(row) : 0U;
+    const bool found = (id < EMA_PARAM_COUNT) || (count > 0U);
     if (found) {
-        *bounds = ema_bounds[id];
-    }
-    for (uint32_t k = 0; !found && EMA_ROW_HELD(k); ++k) {
-        const uint32_t count = ema_row_bounds(&ema_effect_rows[k]);
-        const size_t place = id - first;
-        if ((place < (size_t)ema_effect_rows[k].values) && (count > 0U)) {
-            *bounds = ema_bounds[at + ((place < (size_t)count) ? place : ((size_t)count - 1U))];
-            found = true;
-        }
-        first += ema_effect_rows[k].values;
-        at += count;
+        *bounds = ema_bounds[(id < EMA_PARAM_COUNT) ? id : (first + ((place < count) ? place : (count - 1U)))];
     }
     return found;
 }
@@ -93,12 +103,10 @@ static size_t ema_values_within(const ema_real* value, size_t count, const ema_b
     size_t good = 0U;
     while ((*status == EMA_OK) && (good < count)) {
         const ema_bounds_t* const range = &bounds[(good < rows) ? good : (rows - 1U)];
-        if (!ema_is_finite(value[good])) {
-            *status = EMA_ERR_NOT_FINITE;
-        } else if ((value[good] < range->lower) || (value[good] > range->upper)) {
-            *status = EMA_ERR_RANGE;
-        } else {
+        if ((value[good] >= range->lower) && (value[good] <= range->upper)) {
             ++good;
+        } else {
+            *status = ema_is_finite(value[good]) ? EMA_ERR_RANGE : EMA_ERR_NOT_FINITE;
         }
     }
     return good;
@@ -186,14 +194,10 @@ static ema_status_t ema_tables_check(const ema_actuator_t* actuator, size_t* id)
 
 bool ema_actuator_is_learned(ema_value_id_t id)
 {
-    bool learned = false;
-    size_t first = EMA_PARAM_COUNT;
-    for (uint32_t k = 0; EMA_ROW_TABLE(k); ++k) {
-        const size_t next = first + ema_effect_rows[k].values;
-        learned = learned || (ema_row_is_table(&ema_effect_rows[k]) && ((size_t)id >= first) && ((size_t)id < next));
-        first = next;
-    }
-    return learned;
+    size_t first;
+    size_t place;
+    const ema_effect_row_t* const row = ema_row_of(id, &first, &place);
+    return (row != NULL) && ema_row_is_table(row);
 }
 
 ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender)
@@ -212,6 +216,17 @@ ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender
     return status;
 }
 
+ema_real ema_value_of(const ema_actuator_t* actuator, ema_value_id_t id)
+{
+    const ema_real* base = (const ema_real*)(const void*)&actuator->params; /* EMA-D4 */
+    size_t place = id;
+    if (id >= EMA_PARAM_COUNT) {
+        base = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
+        place = (size_t)id - EMA_PARAM_COUNT;
+    }
+    return base[place];
+}
+
 ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id, ema_real* value)
 {
     if ((actuator == NULL) || (value == NULL)) {
@@ -220,13 +235,7 @@ ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id,
     if (id >= EMA_VALUE_COUNT) {
         return EMA_ERR_RANGE;
     }
-    const ema_real* base = (const ema_real*)(const void*)&actuator->params; /* EMA-D4 */
-    size_t place = id;
-    if (id >= EMA_PARAM_COUNT) {
-        base = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
-        place = (size_t)id - EMA_PARAM_COUNT;
-    }
-    *value = base[place];
+    *value = ema_value_of(actuator, id);
     return EMA_OK;
 }
 

@@ -10,7 +10,9 @@ void ema_motor_prepare(ema_motor_t* motor, const ema_params_t* params);
 /* Torque on the shaft, saturated by the induction flux. */
 static inline ema_real ema_motor_torque(const ema_motor_t* motor, ema_real current_A)
 {
-    return ema_clamp(motor->torque_constant_Nm_per_A * current_A, -motor->torque_limit_Nm, motor->torque_limit_Nm);
+    /* the call of a function would take longer than this */
+    const ema_real torque_Nm = motor->torque_constant_Nm_per_A * current_A;
+    return ema_min(ema_max(torque_Nm, -motor->torque_limit_Nm), motor->torque_limit_Nm);
 }
 
 #endif

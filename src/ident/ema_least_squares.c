@@ -472,11 +472,6 @@ static void ema_squares_decide(ema_least_squares_t* self)
     }
 }
 
-static void ema_squares_fresh(ema_least_squares_t* self)
-{
-    ema_clear(self, sizeof *self);
-}
-
 ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_squares_config_t* config,
                                     const ema_record_t* record)
 {
@@ -486,7 +481,7 @@ ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_s
     ema_status_t status = ema_least_squares_check(config, record);
     if (status == EMA_OK) {
         ema_real x[EMA_LEAST_SQUARES_MAX] = {0};
-        ema_squares_fresh(self);
+        ema_clear(self, sizeof *self);
         self->config = config;
         self->cursor.record = record;
         self->outcome = EMA_OUTCOME_ACTIVE;

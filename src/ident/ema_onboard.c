@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "ema_bounds.h"
 #include "ema_copy.h"
 #include "ema_cursor_step.h"
 #include "ema_math.h"
@@ -32,8 +33,7 @@ uint32_t ema_onboard_fingerprint(const ema_actuator_t* actuator)
 {
     uint32_t fingerprint = EMA_FINGERPRINT_START;
     for (uint32_t id = 0; id < (uint32_t)EMA_VALUE_COUNT; ++id) {
-        ema_real value = EMA_R(0.0);
-        (void)ema_actuator_get(actuator, (ema_value_id_t)id, &value);
+        const ema_real value = ema_value_of(actuator, (ema_value_id_t)id);
         const bool fault = (id == (uint32_t)EMA_VALUE_ID(csj_Nm)) || (id == (uint32_t)EMA_VALUE_ID(blk_mm));
         const float single = fault ? 0.0f : (float)value;
         uint32_t word = 0U;

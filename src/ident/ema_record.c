@@ -46,7 +46,7 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
         return EMA_ERR_RANGE;
     }
     made.capacity = (rows < (size_t)INT32_MAX) ? (uint32_t)rows : (uint32_t)INT32_MAX;
-    *record = made;
+    ema_copy(record, &made, sizeof made);
     return EMA_OK;
 }
 
@@ -89,6 +89,10 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
         } else {
             ((ema_real*)record->buffer)[start + place] = row[place];
         }
+    }
+    if ((record->command == NULL) && (record->count > 0U)) {
+        record->asked_mm +=
+            ema_abs(ema_record_value(record, record->count, 0U) - ema_record_value(record, record->count - 1U, 0U));
     }
     ++record->count;
     return EMA_OK;

@@ -1,5 +1,6 @@
 #include "ema/ema_sensitivity.h"
 
+#include "ema_bounds.h"
 #include "ema_copy.h"
 #include "ema_cursor_step.h"
 #include "ema_linear.h"
@@ -35,8 +36,7 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
     }
     ema_status_t status = ema_run_prepare(&self->plant[0], &self->state[0], &self->work, actuator, start_mm);
     for (uint32_t k = 0; (status == EMA_OK) && (k < count); ++k) {
-        ema_real value = EMA_R(0.0);
-        (void)ema_actuator_get(actuator, ids[k], &value);
+        const ema_real value = ema_value_of(actuator, ids[k]);
         (void)ema_actuator_set(actuator, ids[k], value + delta[k]);
         self->delta[k] = delta[k];
         status = ema_run_prepare(&self->plant[1U + k], &self->state[1U + k], &self->work, actuator, start_mm);

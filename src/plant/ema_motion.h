@@ -77,18 +77,16 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
     return plain;
 }
 
-/* What the work says that the drive applies, over a whole model step. */
-static inline void ema_motion_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+/* What the work says that the drive applies, over a whole model step in which no effect acts. */
+static inline void ema_motion_plain_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
-    if (ema_acts_on_motion(plant)) {
-        ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s);
-    } else {
-        for (uint32_t k = 0; k < plant->substeps; ++k) {
-            if (!ema_motion_plain(plant, state, &work->applied)) {
-                ema_motion_located(plant, state, work, plant->substep_s);
-            }
+    uint32_t left = plant->substeps;
+    do {
+        if (!ema_motion_plain(plant, state, &work->applied)) {
+            ema_motion_located(plant, state, work, plant->substep_s);
         }
-    }
+        --left;
+    } while (left > 0U);
 }
 
 /* Where the motion has brought motor and rod. */

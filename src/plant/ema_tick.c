@@ -9,12 +9,13 @@
 
 void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real command_mm, ema_output_t* row)
 {
-    row->position_mm = ema_encoder_rod(&plant->encoder, state->rod_mm);
+    ema_real position_mm = ema_encoder_rod(&plant->encoder, state->rod_mm);
     if (ema_acts_on_reading(plant)) {
-        row->position_mm += ema_site_seen(plant, state);
+        position_mm += ema_site_seen(plant, state);
     }
+    row->position_mm = position_mm;
     row->motor_position_mm = state->motor_mm;
-    const ema_real feedback_mm = ema_encoder_step(&plant->encoder, state, state->motor_mm, row->position_mm);
+    const ema_real feedback_mm = ema_encoder_step(&plant->encoder, state, state->motor_mm, position_mm);
     const ema_real output = ema_pid_step(&plant->pid, state, command_mm, feedback_mm);
     ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
     row->voltage_V = work->applied.voltage_V;
@@ -23,13 +24,17 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, em
     }
     ema_drive_current(plant, state, &work->applied);
     row->current_A = state->current_A;
-    if (plant->drive.delayed) {
-        ema_delayed_step(plant, state, work);
+    if (!plant->drive.delayed && !ema_acts_on_motion(plant)) {
+        ema_motion_plain_step(plant, state, work);
     } else {
-        ema_motion_step(plant, state, work);
-    }
-    if (ema_acts_by_warmth(plant)) {
-        ema_site_warm(plant, state, row->current_A);
+        if (plant->drive.delayed) {
+            ema_delayed_step(plant, state, work);
+        } else {
+            ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s);
+        }
+        if (ema_acts_by_warmth(plant)) {
+            ema_site_warm(plant, state, row->current_A);
+        }
     }
     ema_motion_arrive(plant, state);
     ++state->step;

@@ -102,7 +102,7 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
         const bool jump = ema_random_uniform(random) < EMA_JUMP_SHARE;
         const ema_real draw = jump ? ema_random_uniform(random)
                                    : (annealer->current.x[i] + (annealer->step[i] * ema_random_normal(random)));
-        annealer->candidate = annealer->current;
+        ema_copy(&annealer->candidate, &annealer->current, sizeof annealer->candidate);
         annealer->candidate.x[i] = ema_reflect(draw);
         annealer->walked = !jump;
     }
@@ -125,7 +125,7 @@ static void ema_annealer_keep(ema_annealer_t* annealer)
             return;
         }
     }
-    annealer->points[place] = annealer->candidate;
+    ema_copy(&annealer->points[place], &annealer->candidate, sizeof annealer->points[place]);
 }
 
 static void ema_annealer_reanneal(ema_annealer_t* annealer)
@@ -152,12 +152,12 @@ static void ema_annealer_decide(ema_annealer_t* annealer)
     }
     if (accepted) {
         annealer->info.accepted_uphill += (annealer->candidate.cost > annealer->current.cost) ? 1U : 0U;
-        annealer->current = annealer->candidate;
+        ema_copy(&annealer->current, &annealer->candidate, sizeof annealer->current);
         ++annealer->info.accepted;
         ++annealer->accepted_since;
     }
     if (annealer->candidate.cost < annealer->best.cost) {
-        annealer->best = annealer->candidate;
+        ema_copy(&annealer->best, &annealer->candidate, sizeof annealer->best);
     }
 }
 
@@ -187,9 +187,9 @@ static ema_outcome_t ema_annealer_judge(ema_annealer_t* annealer)
 /* Nothing is known of the first candidate. */
 static void ema_annealer_begin(ema_annealer_t* annealer)
 {
-    annealer->current = annealer->candidate;
+    ema_copy(&annealer->current, &annealer->candidate, sizeof annealer->current);
     annealer->current.cost = EMA_NO_COST;
-    annealer->best = annealer->current;
+    ema_copy(&annealer->best, &annealer->current, sizeof annealer->best);
 }
 
 ema_status_t ema_annealer_init(ema_annealer_t* annealer, const ema_annealer_config_t* config)

@@ -1,6 +1,7 @@
 /* Apart from ema_runs.c so that the lists of values take no stack from the search. */
 #include "ema_assess.h"
 
+#include "ema_bounds.h"
 #include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_runs.h"
@@ -18,11 +19,9 @@ void ema_assess_start(ema_session_t* session)
     ema_clear(delta, sizeof delta);
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         const ema_identified_t* const identified = &config->identified[i];
-        ema_real healthy = EMA_R(0.0);
         const ema_real value = ema_identified_at(identified, session->annealer.best.x[i]);
         ids[i] = identified->id;
-        (void)ema_actuator_get(config->actuator, identified->id, &healthy);
-        delta[i] = EMA_DELTA_SHARE * ema_abs(healthy);
+        delta[i] = EMA_DELTA_SHARE * ema_abs(ema_value_of(config->actuator, identified->id));
         if ((value + delta[i]) > identified->upper) {
             delta[i] = -delta[i];
         }

@@ -45,8 +45,6 @@ ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t
     if (status == EMA_OK) {
         guarded->signatures = signatures;
         guarded->finding = ema_no_finding;
-        guarded->model_steps = 0U;
-        guarded->evaluations = 0U;
         guarded->phase = EMA_GUARDED_FEEDING;
     }
     return status;
@@ -73,13 +71,16 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
     }
 }
 
-/* Makes at most `steps` model steps beside the table. */
+/* Makes at most `steps` model steps beside the table: before the session, or after its result is kept. */
 static void ema_guarded_score(ema_guarded_t* guarded, uint32_t steps)
 {
-    guarded->model_steps += ema_scoring_run(&guarded->session, steps);
+    const bool looking = guarded->phase == EMA_GUARDED_LOOKING;
+    uint64_t* const model_steps = looking ? &guarded->result.model_steps : &guarded->session.model_steps;
+    uint32_t* const evaluations = looking ? &guarded->result.evaluations : &guarded->session.evaluations;
+    *model_steps += ema_scoring_run(&guarded->session, steps);
     if (ema_scoring_ended(&guarded->session, &guarded->finding)) {
-        ++guarded->evaluations;
-        if (guarded->phase == EMA_GUARDED_LOOKING) {
+        ++*evaluations;
+        if (looking) {
             guarded->phase = EMA_GUARDED_DONE;
         } else {
             if (guarded->finding.kind != EMA_FINDING_NONE) {
@@ -143,10 +144,6 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
         ema_copy(result, &guarded->result, sizeof *result);
     } else {
         status = ema_session_result(&guarded->session, result);
-    }
-    if (status == EMA_OK) {
-        result->evaluations += guarded->evaluations;
-        result->model_steps += guarded->model_steps;
     }
     if ((status == EMA_OK) && (guarded->signatures != NULL) && ended) {
         const ema_finding_kind_t kind = guarded->finding.kind;

@@ -8,6 +8,9 @@
 /* Standard deviations on either side that hold 95 % of a normal distribution. */
 #define EMA_WIDTH_95 EMA_R(1.96)
 
+/* What is not seen is stated as three standard deviations, as a share of a share in %. */
+#define EMA_UNSEEN_STDS EMA_R(3.0e4)
+
 /* How far a value is read apart from run to run, in % of it; zero of what the actuator says nothing of. */
 static ema_real ema_scatter_percent(const ema_actuator_t* actuator, ema_value_id_t id)
 {
@@ -37,7 +40,11 @@ ema_status_t ema_session_half_95(const ema_session_config_t* config, const ema_r
     (void)ema_actuator_get(config->actuator, identified->id, &healthy);
     const ema_real value = ema_max(ema_abs(estimate->estimate), ema_abs(healthy));
     const ema_real scatter = (ema_scatter_percent(config->actuator, identified->id) / EMA_R(100.0)) * value;
-    const ema_real square = ((estimate->std * estimate->std) + (estimate->bias * estimate->bias)) + (scatter * scatter);
+    /* three standard deviations of it, of the healthy value, in ten thousandths */
+    const ema_real unseen =
+        ((config->actuator->params.unseen_percent * identified->min_shift_percent) / EMA_UNSEEN_STDS) * healthy;
+    const ema_real square =
+        ((estimate->std * estimate->std) + (estimate->bias * estimate->bias)) + (scatter * scatter) + (unseen * unseen);
     *half_95 = EMA_WIDTH_95 * ema_sqrt(square);
     return EMA_OK;
 }

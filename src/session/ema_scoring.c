@@ -1,6 +1,7 @@
 /* Apart from ema_guarded.c so that the start takes no stack from the runs. */
 #include "ema_scoring.h"
 
+#include "ema_bounds.h"
 #include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_onboard_begin.h"
@@ -68,8 +69,7 @@ void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding)
     const ema_signatures_t* const table = session->scoring.scores.table;
     ema_real start[EMA_IDENTIFIED_MAX] = {0};
     for (uint32_t i = 0; i < config->identified_count; ++i) {
-        ema_real value = EMA_R(0.0);
-        (void)ema_actuator_get(config->actuator, config->identified[i].id, &value);
+        const ema_real value = ema_value_of(config->actuator, config->identified[i].id);
         start[i] = value;
         for (uint32_t k = 0; k < table->faults; ++k) {
             if (table->fault[k].id == config->identified[i].id) {

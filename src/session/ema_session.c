@@ -9,6 +9,10 @@
 #include "ema_runs.h"
 #include "ema_verdict.h"
 
+/* Farther from the ground test's mean speed a command is another one: rounding, and a rest before or after, are less.
+ */
+#define EMA_COMMAND_APART EMA_R(0.05)
+
 /* An estimate this close to a bound, as a share of the search range, lies on it. */
 #define EMA_BOUND_SHARE EMA_R(5.0e-4)
 
@@ -29,15 +33,19 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
     const ema_params_t* const params = &actuator->params;
     ema_clear(config, sizeof *config);
     config->actuator = actuator;
-    config->record = *record;
+    ema_copy(&config->record, record, sizeof *record);
     config->weight[EMA_CHANNEL_POSITION] = EMA_R(1.0);
     config->identified_count = 2U;
-    const ema_identified_t csj = {EMA_VALUE_ID(csj_Nm), params->csj_lower_Nm, params->csj_upper_Nm,
-                                  params->csj_min_shift_percent};
-    const ema_identified_t blk = {EMA_VALUE_ID(blk_mm), params->blk_lower_mm, params->blk_upper_mm,
-                                  params->blk_min_shift_percent};
-    config->identified[0] = csj;
-    config->identified[1] = blk;
+    ema_identified_t* const csj = &config->identified[0];
+    csj->id = EMA_VALUE_ID(csj_Nm);
+    csj->lower = params->csj_lower_Nm;
+    csj->upper = params->csj_upper_Nm;
+    csj->min_shift_percent = params->csj_min_shift_percent;
+    ema_identified_t* const blk = &config->identified[1];
+    blk->id = EMA_VALUE_ID(blk_mm);
+    blk->lower = params->blk_lower_mm;
+    blk->upper = params->blk_upper_mm;
+    blk->min_shift_percent = params->blk_min_shift_percent;
     config->annealer.first_step = EMA_FIRST_STEP;
     config->annealer.initial_temperature = params->initial_temperature_mm2s;
     config->annealer.cooling = params->cooling;
@@ -59,19 +67,15 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
     annealer->dimension = config->identified_count;
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         const ema_identified_t* const identified = &config->identified[i];
-        ema_real healthy = EMA_R(0.0);
         if (!(identified->lower < identified->upper)) {
             return EMA_ERR_BOUNDS;
         }
-        if (ema_actuator_is_learned(identified->id)
-            || (ema_actuator_get(config->actuator, identified->id, &healthy) != EMA_OK)) {
-            return EMA_ERR_RANGE;
-        }
         ema_bounds_t bounds;
-        if (!ema_bounds_of(identified->id, &bounds) || (identified->lower < bounds.lower)
-            || (identified->upper > bounds.upper)) {
+        if (ema_actuator_is_learned(identified->id) || !ema_bounds_of(identified->id, &bounds)
+            || (identified->lower < bounds.lower) || (identified->upper > bounds.upper)) {
             return EMA_ERR_RANGE;
         }
+        const ema_real healthy = ema_value_of(config->actuator, identified->id);
         if (!(healthy >= identified->lower) || !(healthy <= identified->upper) || (healthy == EMA_R(0.0))
             || !(identified->min_shift_percent >= EMA_R(0.0))) {
             return EMA_ERR_RANGE;
@@ -104,12 +108,12 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
         status = ema_annealer_init(&session->annealer, &annealer);
     }
     if (status == EMA_OK) {
-        ema_clear(session, sizeof *session);
+        ema_clear(session, (size_t)offsetof(ema_session_t, annealer));
+        ema_clear(&session->actuator, sizeof *session - (size_t)offsetof(ema_session_t, actuator));
         session->config = config;
-        session->record = record;
+        ema_copy(&session->record, &record, sizeof record);
         session->starts_healthy = config->start_at_healthy;
         session->phase = EMA_PHASE_FEEDING;
-        (void)ema_annealer_init(&session->annealer, &annealer);
     }
     return status;
 }
@@ -181,6 +185,16 @@ ema_phase_t ema_session_phase(const ema_session_t* session)
     return session->phase;
 }
 
+/* Whether the record runs another command than the unit's ground test. */
+static bool ema_session_elsewhere(const ema_session_t* session)
+{
+    const ema_actuator_t* const actuator = session->config->actuator;
+    const ema_real steps = (ema_real)(session->record.count - 1U) * (ema_real)actuator->options.record_every_steps;
+    const ema_real usual_mm = actuator->params.command_speed_mm_s * (steps * actuator->params.step_s);
+    return (usual_mm > EMA_R(0.0)) && (session->record.command == NULL)
+           && !(ema_abs(session->record.asked_mm - usual_mm) <= (EMA_COMMAND_APART * usual_mm));
+}
+
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result)
 {
     if ((session == NULL) || (result == NULL)) {
@@ -200,8 +214,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     for (uint32_t i = 0; i < config->identified_count; ++i) {
         ema_estimate_t* const estimate = &result->identified[i];
         const ema_real x = session->annealer.best.x[i];
-        ema_real healthy = EMA_R(1.0);
-        (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
+        const ema_real healthy = ema_value_of(config->actuator, config->identified[i].id);
         estimate->estimate = ema_identified_at(&config->identified[i], x);
         estimate->std = assessed.std[i];
         estimate->bias = assessed.bias[i];
@@ -220,6 +233,10 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     result->outcome = ema_annealer_outcome(&session->annealer);
     if (session->phase == EMA_PHASE_DONE) {
         ema_verdict_judge(config, assessed.determined && assessed.crossed, result);
+        if (ema_session_elsewhere(session)) {
+            result->reasons |= (uint32_t)EMA_REASON_OTHER_COMMAND;
+            result->verdict = EMA_VERDICT_UNDECIDED;
+        }
     } else {
         result->verdict = EMA_VERDICT_UNDECIDED;
         result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;

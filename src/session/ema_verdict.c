@@ -1,5 +1,6 @@
 #include "ema_verdict.h"
 
+#include "ema_bounds.h"
 #include "ema_math.h"
 
 /* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
@@ -7,12 +8,13 @@
 
 /* Reasons that one parameter's estimate gives; `fault` is set when it is surely beyond its threshold. */
 static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate,
-                                     ema_real healthy, ema_real confidence, bool* fault)
+                                     ema_real healthy, const ema_params_t* params, bool* fault)
 {
     uint32_t reasons = estimate->at_bound ? (uint32_t)EMA_REASON_AT_BOUND : 0U;
-    const ema_real scatter_percent = (confidence * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
-    const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy));
+    const ema_real scatter_percent = (params->confidence_std * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
     const ema_real threshold_percent = identified->min_shift_percent;
+    const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy))
+                                   + ((params->unseen_percent / EMA_R(100.0)) * threshold_percent);
     /* every comparison is written so that NaN never counts as healthy */
     if (!(scatter_percent <= EMA_R(100.0))) {
         reasons |= (uint32_t)EMA_REASON_NOT_SENSITIVE;
@@ -35,10 +37,9 @@ void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_
     uint32_t reasons = determined ? 0U : (uint32_t)EMA_REASON_NOT_SENSITIVE;
     uint32_t near_threshold = 0U;
     for (uint32_t i = 0; i < config->identified_count; ++i) {
-        ema_real healthy = EMA_R(1.0);
-        (void)ema_actuator_get(config->actuator, config->identified[i].id, &healthy);
-        const uint32_t found = ema_estimate_reasons(&config->identified[i], &result->identified[i], healthy,
-                                                    params->confidence_std, &fault);
+        const ema_real healthy = ema_value_of(config->actuator, config->identified[i].id);
+        const uint32_t found =
+            ema_estimate_reasons(&config->identified[i], &result->identified[i], healthy, params, &fault);
         near_threshold |= found & (uint32_t)EMA_REASON_NEAR_THRESHOLD;
         reasons |= found & ~(uint32_t)EMA_REASON_NEAR_THRESHOLD;
     }

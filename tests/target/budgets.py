@@ -32,8 +32,7 @@ RECORD = "size_record_10s_int16"
 
 # Why a target is not met, by its name; a reason for one that is met is wrong too.
 MISSED = {
-    "bare": "no effect is linked, but search and fit (3 KiB), sensitivities and verdict (1.9 KiB), control law, drive and encoder in all their modes (1.3 KiB) "
-    "and memset (0.2 KiB) are",
+    "bare": "no effect is linked, but search and fit (3 KiB), sensitivities and verdict (1.9 KiB), control law, drive and encoder in all their modes (1.3 KiB) are",
     "unit_tick": "its standing effects act in motion, so a step asks for their forces many times; a unit that has none costs what case A does",
     "unit_identify": "likewise; nothing waits for it but the answer, and its slices are as short as one likes",
     "code": "four effects more than when the limit was set, which hold 1.0 KiB with their ranges and their two sites; -DEMA_EFFECTS leaves out what a firmware does not need",
@@ -300,6 +299,7 @@ def document(found: Measured) -> str:
         ("no effect", "case_a"),
         ("stribeck_friction", "stribeck"),
         ("cogging_torque", "cogging"),
+        ("torque_ripple", "torque_ripple"),
         ("inverter_dead_time", "dead_time"),
     ]
     lines += table(

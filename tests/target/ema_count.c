@@ -104,6 +104,10 @@ static void count_effects(void)
     actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.02);
     count_model("cogging", &actuator);
     actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.0);
+    actuator.effects.torque_ripple.ratio = EMA_R(0.02);
+    actuator.effects.torque_ripple.periods = EMA_R(6.0);
+    count_model("torque_ripple", &actuator);
+    actuator.effects.torque_ripple.ratio = EMA_R(0.0);
     actuator.effects.inverter_dead_time.drop_V = EMA_R(0.2);
     count_model("dead_time", &actuator);
 }

@@ -242,6 +242,15 @@ static void test_interval_holds_noise_bias_and_scatter(void)
         const double scatter = 0.01 * (double)(i + 1U) * fmax((double)found->estimate, healthy_value[i]);
         EMA_ASSERT_CLOSE(1.96 * hypot(known, scatter), half_95_of(&result, i), 0.0, 1.0e-5);
     }
+    healthy.params.unseen_percent = EMA_R(300.0);
+    for (uint32_t i = 0; i < 2U; ++i) {
+        const ema_estimate_t* const found = &result.identified[i];
+        const double known = hypot((double)found->std, (double)found->bias);
+        const double scatter = 0.01 * (double)(i + 1U) * fmax((double)found->estimate, healthy_value[i]);
+        /* three thresholds, of 5 and 10 %, are three standard deviations */
+        const double unseen = 0.05 * (double)(i + 1U) * healthy_value[i];
+        EMA_ASSERT_CLOSE(1.96 * hypot(hypot(known, scatter), unseen), half_95_of(&result, i), 0.0, 1.0e-5);
+    }
     /* one value in doubt takes nothing from what is known of the other */
     ema_result_t doubted = result;
     doubted.reasons = (uint32_t)EMA_REASON_NOT_SENSITIVE;
@@ -249,6 +258,7 @@ static void test_interval_holds_noise_bias_and_scatter(void)
     doubted.identified[0].std = EMA_R(0.0);
     EMA_ASSERT_CLOSE(healthy.params.csj_upper_Nm - healthy.params.csj_lower_Nm, half_95_of(&doubted, 0U), 0.0, 1.0e-6);
     config.identified[1].id = EMA_VALUE_ID(resistance_ohm);
+    healthy.params.unseen_percent = EMA_R(0.0);
     const double other = hypot((double)result.identified[1].std, (double)result.identified[1].bias);
     EMA_ASSERT_CLOSE(1.96 * other, half_95_of(&result, 1U), 0.0, 1.0e-5);
 }
@@ -313,6 +323,56 @@ static void test_command_that_is_a_function_needs_no_recorded_one(void)
     const ema_result_t computed = identify(&truth);
     TEST_ASSERT_EQUAL_UINT32(1U, session.record.stride);
     EMA_ASSERT_SAME_BITS(&recorded, &computed, sizeof recorded);
+}
+
+/* Mean speed of the command that was fed. */
+static ema_real asked_mm_s(const truth_t* truth)
+{
+    return session.record.asked_mm / (truth->duration_s - truth->actuator.params.step_s);
+}
+
+/* The thresholds of a unit hold for its ground test. */
+static void test_another_command_than_the_ground_test_decides_nothing(void)
+{
+    const truth_t truth = truth_of(EMA_R(0.3), EMA_R(0.04125));
+    const ema_result_t any = identify(&truth);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_FAULT, any.verdict);
+    const ema_real speed_mm_s = asked_mm_s(&truth);
+    /* amplitude 2 mm, 0.1 to 4 Hz: four amplitudes a turn, and 20.5 turns */
+    EMA_ASSERT_CLOSE((4.0 * 2.0 * 20.5) / 10.0, speed_mm_s, 0.0, 0.01);
+
+    healthy.params.command_speed_mm_s = EMA_R(1.04) * speed_mm_s;
+    const ema_result_t same = identify(&truth);
+    EMA_ASSERT_SAME_BITS(&any, &same, sizeof any);
+
+    healthy.params.command_speed_mm_s = EMA_R(1.06) * speed_mm_s;
+    const ema_result_t slower = identify(&truth);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, slower.verdict);
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_OTHER_COMMAND, slower.reasons);
+    EMA_ASSERT_SAME_BITS(any.identified, slower.identified, sizeof any.identified);
+    healthy.params.command_speed_mm_s = EMA_R(0.94) * speed_mm_s;
+    TEST_ASSERT_EQUAL_HEX32(EMA_REASON_OTHER_COMMAND, identify(&truth).reasons);
+
+    /* a command that is a function is the firmware's own */
+    const ema_command_t chirp = ema_rig_chirp(truth.end_hz, truth.duration_s, truth.actuator.params.step_s);
+    config.record.command = &chirp;
+    TEST_ASSERT_EQUAL_HEX32(0U, identify(&truth).reasons);
+}
+
+/* Counts round every command to a step: the way is that of the steps, and the same but for the turning points. */
+static void test_way_of_the_command_does_not_grow_by_its_rounding(void)
+{
+    const truth_t truth = truth_of(EMA_R(0.3), EMA_R(0.04125));
+    init_and_feed(&truth);
+    const ema_real exact_mm = session.record.asked_mm;
+    config.record.format = EMA_RECORD_INT16;
+    config.record.command_full_scale_mm = EMA_R(100.0);
+    for (uint32_t channel = 0; channel < (uint32_t)EMA_CHANNEL_COUNT; ++channel) {
+        config.record.full_scale[channel] = EMA_R(100.0);
+    }
+    init_and_feed(&truth);
+    /* 41 turning points, each two counts of 3 um off at the most, of 164 mm */
+    EMA_ASSERT_CLOSE(exact_mm, session.record.asked_mm, 41.0 * 2.0 * (100.0 / 32767.0), 0.0);
 }
 
 static void test_one_parameter_alone_is_found(void)
@@ -904,6 +964,8 @@ int main(void)
     RUN_TEST(test_scaled_integers_carry_the_same_answer);
     RUN_TEST(test_rows_at_every_fifth_step_carry_the_same_answer);
     RUN_TEST(test_command_that_is_a_function_needs_no_recorded_one);
+    RUN_TEST(test_another_command_than_the_ground_test_decides_nothing);
+    RUN_TEST(test_way_of_the_command_does_not_grow_by_its_rounding);
     RUN_TEST(test_one_parameter_alone_is_found);
     RUN_TEST(test_four_parameters_are_found_with_the_current_weighted);
     RUN_TEST(test_start_is_the_command_when_the_rod_agrees_with_it);

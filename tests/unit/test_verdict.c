@@ -76,6 +76,22 @@ static void judge_lines(const line_t* lines, size_t count)
 #define FAULT EMA_VERDICT_FAULT, 0U
 #define UNDECIDED(reasons) EMA_VERDICT_UNDECIDED, (uint32_t)(reasons)
 
+/* What the ground test does not show, here 2.5 thresholds, withholds both answers. */
+static void test_what_is_not_seen_is_doubt(void)
+{
+    healthy.params.unseen_percent = EMA_R(250.0);
+    const line_t lines[] = {
+        {0.0, 0.04, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        /* CSJ: 5 % and 12.5 % */
+        {17.3, 0.04, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        {17.7, 0.04, 0.0, 0.8, 5.0, 0.0, FAULT},
+        /* BLK: 10 %, 25 % and 3 x 0.8 % */
+        {0.0, 0.04, 37.3, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        {0.0, 0.04, 37.5, 0.8, 5.0, 0.0, FAULT},
+    };
+    JUDGE(lines);
+}
+
 static void test_shift_against_its_threshold(void)
 {
     const line_t lines[] = {
@@ -320,6 +336,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_shift_against_its_threshold);
+    RUN_TEST(test_what_is_not_seen_is_doubt);
     RUN_TEST(test_negative_shift_is_no_fault);
     RUN_TEST(test_what_is_no_number_is_never_healthy);
     RUN_TEST(test_sure_fault_stands_beside_a_neighbours_doubt);

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ema_tools.base.compiled import HAS_NUMBA
@@ -24,6 +25,7 @@ from ema_tools.tasks.own_machine import OwnMachine, own_machine, repeated
 from support import REFERENCE, chirp_record, run_ema
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
+TRIANGLE = "triangle:amplitude_mm=2,start_hz=0.2,duration_s=10"
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
 
 
@@ -129,10 +131,65 @@ def test_calibrate_writes_it_and_says_so(tmp_path: Path) -> None:
     assert (own["records"], own["standing"]) == (2, {})
     unit = read_actuator(tmp_path / "unit.toml")
     assert unit["search.day_values"] == 1.0 and unit.active_effects == ()
+    asked = chirp_record()
+    path_mm = float(np.sum(np.abs(np.diff(asked.command_mm))))
+    assert unit["verdict.command_speed_mm_s"] == pytest.approx(path_mm / ((asked.rows - 1) * asked.period_s))
     base = run_ema("calibrate", REFERENCE, *files, "--base-only", "-o", tmp_path / "base.toml", "--json", tmp_path / "b.json")
     assert base.code == 0, base.err
     assert json.loads((tmp_path / "b.json").read_text(encoding="utf-8"))["own_machine"] is None
     assert read_actuator(tmp_path / "base.toml")["search.day_values"] == 0.0
+
+
+def rod_alone(record: Record) -> Record:
+    return replace(record, motor_position_mm=None, current_A=None, voltage_V=None)
+
+
+def test_a_slow_ground_test_does_not_tell_friction_from_the_drive_by_the_position_alone() -> None:
+    """A dead time of 0.3 V in the inverter reads as 13 % more friction there, and leaves nothing in the residual."""
+    known = reference_actuator()
+    slow = [chirp_record(known, TRIANGLE).with_noise(NOISE, seed) for seed in range(3)]
+    found = own_machine(known, slow)
+    assert found is not None
+    unit, unseen = found.actuator, found.unseen_percent
+    # at a low speed the winding's voltage is the friction's current times its resistance, and so is what the inverter keeps
+    as_friction = 100.0 * 0.3 * known["motor.torque_constant_Nm_per_A"] / known["motor.resistance_ohm"] / known["screw.csj_Nm"]
+    assert unseen["screw.csj_Nm"] > as_friction
+    # the larger of both, in thresholds
+    shares = {name: value / found.least_percent[name] for name, value in unseen.items()}
+    assert unit["verdict.unseen_percent"] == pytest.approx(100.0 * max(shares.values()))
+    today = chirp_record(known.changed({"effects.inverter_dead_time.drop_V": 0.3}), TRIANGLE).with_noise(NOISE, 7)
+    blind = run(unit.changed({"verdict.unseen_percent": 0.0}), rod_alone(today), SearchSettings(), 32)
+    assert blind.verdict == "fault" and blind.identified[0].shift_percent == pytest.approx(as_friction, abs=1.0)
+    answer = run(unit, rod_alone(today), SearchSettings(), 32)
+    assert answer.verdict == "undecided"
+    at_the_desk = identify(unit, rod_alone(today), guarding=False)
+    for one in answer.identified:
+        low, high = at_the_desk.interval95(one)
+        assert low is not None and high is not None and low <= known[one.name] <= high
+        assert high - low == pytest.approx(2.0 * one.half_95, rel=1e-4)
+    # a wear that nothing else could be
+    worn = chirp_record(known.changed({"screw.csj_Nm": 2.0 * known["screw.csj_Nm"]}), TRIANGLE).with_noise(NOISE, 8)
+    assert run(unit, rod_alone(worn), SearchSettings(), 32).verdict == "fault"
+
+
+def test_the_reference_chirp_tells_them_apart() -> None:
+    known = reference_actuator()
+    found = own_machine(known, [chirp_record(known).with_noise(NOISE, seed) for seed in range(3)])
+    assert found is not None and found.unseen_percent == {} and found.actuator["verdict.unseen_percent"] == 0.0
+
+
+def test_on_another_command_than_the_ground_test_the_position_alone_decides_nothing() -> None:
+    """On a slow triangle a weaker drive reads as friction; with the current, or beside healthy runs of that very command, the module answers."""
+    unit = reference_actuator().changed({"verdict.command_speed_mm_s": 16.4})
+    triangle = chirp_record(unit.changed({"screw.csj_Nm": 1.3 * unit["screw.csj_Nm"]}), TRIANGLE)
+    noisy = [triangle.with_noise(NOISE, seed) for seed in range(3)]
+    alone = [rod_alone(one) for one in noisy]
+    withheld = identify(unit, alone[0])
+    assert withheld.verdict == "undecided" and any("another command than the ground test" in why for why in withheld.answer.reasons)
+    assert identify(unit, noisy[0]).verdict == "fault"
+    sound = chirp_record(unit, TRIANGLE)
+    healthy = [rod_alone(sound.with_noise(NOISE, 10 + seed)) for seed in range(3)]
+    assert identify(unit, alone[0], healthy).answer.verdict == "fault"
 
 
 @pytest.mark.parametrize(

@@ -2183,7 +2183,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 50255506U,
+    .fingerprint = 3889987674U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,

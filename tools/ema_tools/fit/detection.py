@@ -27,6 +27,8 @@ USUAL_WEIGHT = 2.0  # the usual scatter counts as much as this many healthy reco
 FALSE_ALARM = 0.01  # of ground tests of a healthy machine, unless told: what thresholds are made for [judgement]
 POWER = 0.95  # share of shifts that are to be found, unless told [judgement]
 _ALWAYS_ONE_SIDED = 2  # single tests that share the false alarms: CSJ and BLK, each upwards, since wear makes nothing smaller [physics]
+UNSEEN_STDS = 3.0  # of what a machine may be today are stated where nothing shows them, as the module has it [chance]
+_SMALL = 0.25  # of a standard deviation is a machine moved to see what shows it: less drowns in the model's events, more is not linear [precision]
 _BLIND = 1e4  # %, the standard deviation of a value of which a record says nothing [precision]
 _SELDOM = 1e-4  # a rate below this is not told more exactly [chance]
 _QUANTILES = 400  # of the scatter that runs may show [precision]
@@ -183,6 +185,29 @@ def _today(actuator: Actuator, record: Record, follow: Reals) -> Reals:
         return np.asarray(follow @ (there - here))
 
     return np.asarray(np.sqrt(np.sum(np.square(each(moved, spreads.of_today(actuator))), axis=0)), dtype=np.float64)
+
+
+def unseen_by_search(actuator: Actuator, record: Record, names: Sequence[str], shown_mm: float, day_searched: bool) -> Reals:
+    """How far the same search may be off for what the machine may be today, in %, [n], while less of it than `shown_mm` (rms) stays in the rod position."""
+    searched = [name for name in spreads.DAY if day_searched and name not in names and actuator[name] > 0.0]
+    columns, _ = _columns(actuator, record, [*names, *searched], {"position_mm": 1.0})
+    every = np.column_stack([columns[name] for name in (*names, *searched)])
+    start = start_of(actuator, record)
+    here = simulate_channels(actuator, record, ("position_mm",), start)[0]
+
+    def hidden(spread: spreads.Spread) -> Reals:
+        try:
+            there = simulate_channels(actuator.changed(spread.changes(actuator, _SMALL)), record, ("position_mm",), start)[0]
+        except InputError:
+            return np.zeros(len(names))  # it cannot be so
+        moved = (there - here) / _SMALL
+        taken = np.linalg.pinv(every) @ moved
+        left = float(np.sqrt(np.mean(np.square(moved - every @ taken))))
+        deviations = min(UNSEEN_STDS, shown_mm / left) if left > 0.0 else UNSEEN_STDS
+        return np.asarray(deviations * taken[: len(names)], dtype=np.float64)
+
+    rest = [one for one in spreads.of_today(actuator) if one.title not in searched]
+    return np.asarray(np.sqrt(np.sum(np.square(each(hidden, rest)), axis=0)), dtype=np.float64)
 
 
 def scatter_by_signals(

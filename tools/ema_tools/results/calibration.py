@@ -57,6 +57,8 @@ class OwnMachineEntry:
         default_factory=dict
     )  # shifts from which on the onboard module calls 95 % of the faults one, by full name
     doubt: str = ""  # why two runs may not both be healthy, in words
+    # by which a reading of the rod position alone may be off under this command, by full name; empty where it is less than a threshold
+    unseen_percent: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.fit.detection import ShiftTest
+from ema_tools.fit.detection import UNSEEN_STDS, ShiftTest
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
@@ -23,7 +23,18 @@ from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
 from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs, of_another_day
-from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, POSITION_ALONE, SCATTERS, check_record, check_table, identified_of, run
+from ema_tools.tasks.onboard_search import (
+    COMMAND_SPEED,
+    KEYS,
+    MIN_SHIFTS,
+    POSITION_ALONE,
+    SCATTERS,
+    UNSEEN,
+    check_record,
+    check_table,
+    identified_of,
+    run,
+)
 
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
 _BEYOND_CLIMATE = 2.0  # standard deviations of what temperature does to friction: the largest that is known of greases and seals [physics]
@@ -68,7 +79,7 @@ class Identified:
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
         where there are two or more."""
-        bias = one.bias if math.isfinite(one.bias) else 0.0
+        bias = math.hypot(one.bias if math.isfinite(one.bias) else 0.0, self._unseen(one.name))
         stands = self.checked.open.get(one.name) if self.checked is not None else None
         if stands is not None and math.isfinite(stands.beyond):
             bias = math.hypot(bias, stands.beyond)
@@ -95,6 +106,10 @@ class Identified:
     def _stated(self, name: str) -> float:
         """The same as the unit's own model states it; zero where it does not, or healthy records show it."""
         return 0.01 * self.healthy[SCATTERS[name]] * abs(self.healthy[name]) if name in SCATTERS and not self._shown else 0.0
+
+    def _unseen(self, name: str) -> float:
+        """What the unit's own model states of what its ground test does not show, one standard deviation."""
+        return 1e-4 * self.healthy[UNSEEN] * self.least_percent.get(name, 0.0) / UNSEEN_STDS * abs(self.healthy[name])
 
     def _scatters(self, name: str) -> bool:
         """Whether the value itself differs from run to run."""
@@ -252,6 +267,10 @@ def identify(
         if progress is not None:
             progress(evaluation, cost, best, tried)
 
+    # healthy records run today's command, and other signals contradict where the position alone cannot tell
+    drive_told = record.current_A is not None or record.voltage_V is not None
+    if healthy or (beside is not None and drive_told):
+        known = known.changed({COMMAND_SPEED: 0.0, UNSEEN: 0.0})
     begun = time.perf_counter()
     answer = run(known, seen_record, settings, bits, seen, table)
     wall_s = time.perf_counter() - begun

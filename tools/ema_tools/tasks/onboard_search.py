@@ -16,6 +16,9 @@ MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "
 SCATTERS = {"screw.csj_Nm": "verdict.csj_scatter_percent", "screw.blk_mm": "verdict.blk_scatter_percent"}
 DAY_VALUES = "search.day_values"
 POSITION_NOISE = "verdict.position_noise_mm"
+COMMAND_SPEED = "verdict.command_speed_mm_s"
+UNSEEN = "verdict.unseen_percent"
+STRUCTURE = "verdict.structure_ratio"
 POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
 
 

@@ -20,7 +20,7 @@ from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record, simulated
-from ema_tools.fit.detection import ShiftTest, false_alarms, rate_text
+from ema_tools.fit.detection import ShiftTest, false_alarms, rate_text, unseen_by_search
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.library.definitions import load_definitions
@@ -30,7 +30,18 @@ from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.known_machine import live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, channel_errors
 from ema_tools.tasks.healthy_runs import least_shift, scatter_read
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_NOISE, SCATTERS, check_bounds, identified_of, run
+from ema_tools.tasks.onboard_search import (
+    COMMAND_SPEED,
+    DAY_VALUES,
+    MIN_SHIFTS,
+    POSITION_NOISE,
+    SCATTERS,
+    STRUCTURE,
+    UNSEEN,
+    check_bounds,
+    identified_of,
+    run,
+)
 
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
 _DAY_BUDGET = 800.0  # model runs of a search for four values, which takes about 300 [effort]
@@ -40,9 +51,13 @@ _BUDGET = "search.evaluation_budget"
 
 @dataclass(frozen=True)
 class OwnMachine:
-    """The unit's model. `standing`: effects that it always has, with how many times a model step costs with each what it costs without any; `scatter_percent`: of the readings from run to run,
-    standard deviations by name; `least_percent`: the shifts that are called a fault, `exceeded`: by what share of the ground tests of a healthy unit, `found_percent`: from which shift on
-    the onboard module calls a fault one with POWER; `doubt`: why two records may not both be healthy, in words."""
+    """The unit's model.
+
+    `standing`: effects that it always has, with how many times a model step costs with each what it costs without any; `scatter_percent`: of the readings from run to run, standard deviations
+    by name; `least_percent`: the shifts that are called a fault, `exceeded`: by what share of the ground tests of a healthy unit, `found_percent`: from which shift on the onboard module calls
+    a fault one with POWER; `unseen_percent`: how far a reading may be off for what the rod position does not show under this command, where that is more than a threshold; `doubt`: why two
+    records may not both be healthy, in words.
+    """
 
     actuator: Actuator
     standing: Mapping[str, float]
@@ -50,6 +65,7 @@ class OwnMachine:
     least_percent: Mapping[str, float]
     exceeded: Mapping[str, float]
     found_percent: Mapping[str, float]
+    unseen_percent: Mapping[str, float]
     records: int
     doubt: str = ""
 
@@ -96,14 +112,21 @@ def own_machine(
         stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
         scatter[name] = scatter_read(found, name, [one.estimate for one in read], today, stated_or_usual) / found[name]
     runs = len(repeats)
+    asked = float(np.mean([np.mean(np.abs(np.diff(one.command_mm))) / one.period_s for one in repeats]))
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
     exceeded = {name: false_alarms(least[name] / (100.0 * scatter[name]), runs, 1) for name in names}
     test = ShiftTest(runs=runs)
+    shown_mm = found[STRUCTURE] * found[POSITION_NOISE]
+    unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
+    thresholds = max(unseen[name] / least[name] for name in names)
     certain = {name: found["verdict.confidence_std"] * by_noise[name] + test.missed() * scatter[name] for name in names}
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(
         found.changed(
             {
+                COMMAND_SPEED: asked,
+                # less than a threshold makes no sound unit a faulty one
+                UNSEEN: 100.0 * thresholds if thresholds > 1.0 else 0.0,
                 **{MIN_SHIFTS[name]: value for name, value in least.items()},
                 **{SCATTERS[name]: 100.0 * test.spread(name in found.scatter) * scatter[name] for name in names},
             },
@@ -113,7 +136,8 @@ def own_machine(
         {name: 100.0 * value for name, value in scatter.items()},
         least,
         exceeded,
-        {name: least[name] + 100.0 * certain[name] for name in names},
+        {name: least[name] * (1.0 + (thresholds if thresholds > 1.0 else 0.0)) + 100.0 * certain[name] for name in names},
+        unseen if thresholds > 1.0 else {},
         runs,
         doubt,
     )

@@ -36,6 +36,7 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
             dict(own.exceeded),
             dict(own.found_percent),
             own.doubt,
+            dict(own.unseen_percent),
         ),
         provenance=provenance,
     )

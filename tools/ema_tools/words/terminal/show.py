@@ -162,6 +162,18 @@ def own_machine(console: Console, own: OwnMachineEntry) -> None:
             f"{FAULTS[name.partition('.')[2]]}: a healthy unit exceeds that in {rate_text(share)} of ground tests; "
             f"from {number(own.found_percent[name], 2)} % on the onboard module calls 95 % of the shifts a fault.",
         )
+    _unseen(console, own)
+
+
+def _unseen(console: Console, own: OwnMachineEntry) -> None:
+    """That the rod position under this command does not tell wear from what a machine may be today."""
+    if own.unseen_percent:
+        off = ", ".join(f"{FAULTS[name.partition('.')[2]]} by up to {number(value, 2)} %" for name, value in own.unseen_percent.items())
+        say(
+            console,
+            f"Under this command the rod position alone does not tell wear from what drive and controller may be today (it moves {off}): "
+            "the onboard module then stays undecided. Record the healthy runs under a faster command: ema next --detect shows which.",
+        )
 
 
 def identification(console: Console, found: IdentificationResult) -> None:
