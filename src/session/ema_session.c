@@ -189,7 +189,8 @@ ema_phase_t ema_session_phase(const ema_session_t* session)
 static bool ema_session_elsewhere(const ema_session_t* session)
 {
     const ema_actuator_t* const actuator = session->config->actuator;
-    const ema_real steps = (ema_real)(session->record.count - 1U) * (ema_real)actuator->options.record_every_steps;
+    const uint32_t rows = session->record.count - 1U;
+    const ema_real steps = (ema_real)rows * (ema_real)actuator->options.record_every_steps;
     const ema_real usual_mm = actuator->params.command_speed_mm_s * (steps * actuator->params.step_s);
     return (usual_mm > EMA_R(0.0)) && (session->record.command == NULL)
            && !(ema_abs(session->record.asked_mm - usual_mm) <= (EMA_COMMAND_APART * usual_mm));

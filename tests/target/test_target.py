@@ -184,7 +184,11 @@ def measured(**changed: float) -> budgets.Measured:
         budgets.RECORD: 40000,
         "size_ema_actuator_t": 700,
     }
-    counts |= {f"model_step_{name}_{which}": 300 for name in ("case_a", "stribeck", "cogging", "torque_ripple", "dead_time") for which in ("mean", "most")}
+    counts |= {
+        f"model_step_{name}_{which}": 300
+        for name in ("case_a", "stribeck", "cogging", "torque_ripple", "dead_time")
+        for which in ("mean", "most")
+    }
     counts |= {
         f"{name}_{which}": 300
         for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
