@@ -128,12 +128,12 @@ typedef struct {
 typedef struct {
     bool current_mode;
     bool delayed;
+    uint16_t delay_steps;
     ema_real supply_V;
     ema_real current_scale_A;
     ema_real command_scale_V;
     ema_real current_limit_A; /* largest finite number when there is none */
     ema_real loop_s;
-    uint32_t delay_steps;
     ema_real delay_part;
 } ema_drive_t;
 
@@ -171,11 +171,11 @@ typedef struct {
 typedef struct {
     bool at_rod;
     bool plain; /* no delay and no resolution */
+    uint16_t delay_steps;
     ema_real rod_gain;
     ema_real rod_offset_mm;
     ema_real resolution_mm;
     ema_real steps_per_mm;
-    uint32_t delay_steps;
     ema_real delay_part;
 } ema_encoder_t;
 
@@ -251,6 +251,8 @@ typedef struct {
     ema_real start_mm;
     ema_real step_s;
     ema_real substep_s;
+    ema_real warming_ahead_ratio; /* share of a step's change of current by which its mean lies beyond the middle; where
+                                   * something warms */
 } ema_plant_t;
 
 #endif

@@ -116,7 +116,8 @@ typedef struct {
     ema_regime_t regime;
     ema_event_t event; /* the last one of the step */
     ema_segment_t segment;
-    ema_forces_t forces; /* at the point that was asked for last */
+    ema_forces_t forces;  /* at the point that was asked for last */
+    ema_real winding_ohm; /* that the winding has gained since the record began, over the step */
     ema_rod_t rod;
     ema_span_t span;
     ema_series_t series;

@@ -119,7 +119,7 @@ int32_t ema_desk_warmth(const double* values, const int32_t* options, int32_t si
     for (int32_t row = 0; row < rows; ++row) {
         if (row > 0) {
             state.current_A = (ema_real)current_A[row];
-            ema_site_warm_over(&plant, &state, (ema_real)current_A[row - 1], EMA_R(0.0), (ema_real)period_s);
+            ema_site_warm(&plant, &state, (ema_real)current_A[row - 1], EMA_R(0.0), (ema_real)period_s);
         }
         change[row] = (double)((site == (int32_t)EMA_SITE_WINDING) ? ema_site_winding(&plant, state.effect_memory)
                                                                    : ema_site_grease(&plant, state.effect_memory));

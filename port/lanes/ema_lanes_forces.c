@@ -202,7 +202,7 @@ void ema_lanes_warm(ema_lanes_t* lanes, const ema_lane_t start_A)
     EMA_EACH_LANE
     {
         const ema_real square_A2 =
-            ema_mean_square_A2(start_A[l], lanes->now.current_A[l], ema_site_ahead(&lanes->plant[l]));
+            ema_mean_square_A2(start_A[l], lanes->now.current_A[l], lanes->plant[l].warming_ahead_ratio);
         const ema_real resistance_ohm = lanes->constant.resistance_ohm[l] * (EMA_R(1.0) + heat_W[l]);
         heat_W[l] = ema_min(resistance_ohm * square_A2, EMA_HEAT_MAX_W);
     }

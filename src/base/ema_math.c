@@ -237,22 +237,21 @@ static ema_real ema_turn_part(ema_real x)
     return (ema_abs(turns) < EMA_R(4194304.0)) ? (turns - ema_nearest(turns)) : EMA_R(0.0);
 }
 
-/* Sine or cosine, folded at a quarter turn without a branch, which nothing would predict. */
-static ema_real ema_wave(ema_real x, bool cosine)
+/* The sine of at most a quarter turn either way. */
+static ema_real ema_sin_folded(ema_real turn)
 {
-    const ema_real part = ema_turn_part(x);
-    /* folded before the quarter turn comes in: at |part| <= 1/2 nothing of the angle is lost */
-    const ema_real folded =
-        cosine ? (EMA_R(0.25) - ema_abs(part)) : ema_min(ema_max(part, EMA_R(-0.5) - part), EMA_R(0.5) - part);
-    return folded * EMA_POLYNOMIAL(ema_sin_terms, folded * folded);
+    return turn * EMA_POLYNOMIAL(ema_sin_terms, turn * turn);
 }
 
+/* Both are folded at a quarter turn without a branch, which nothing would predict, and before the quarter comes in: at
+ * |part| <= 1/2 nothing of the angle is lost. */
 ema_real ema_sin(ema_real x)
 {
-    return ema_wave(x, false);
+    const ema_real part = ema_turn_part(x);
+    return ema_sin_folded(ema_min(ema_max(part, EMA_R(-0.5) - part), EMA_R(0.5) - part));
 }
 
 ema_real ema_cos(ema_real x)
 {
-    return ema_wave(x, true);
+    return ema_sin_folded(EMA_R(0.25) - ema_abs(ema_turn_part(x)));
 }

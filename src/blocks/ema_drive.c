@@ -13,7 +13,7 @@ void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema
     /* checked already: the bound says so where it is converted */
     const ema_real steps = ema_min(params->output_delay_s / params->step_s, EMA_DELAY_STEPS_MAX);
     drive->delayed = params->output_delay_s > EMA_R(0.0);
-    drive->delay_steps = (uint32_t)steps;
+    drive->delay_steps = (uint16_t)steps;
     drive->delay_part = steps - (ema_real)drive->delay_steps;
 }
 

@@ -11,7 +11,7 @@ void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, con
     encoder->rod_offset_mm = params->rod_offset_mm;
     encoder->resolution_mm = params->resolution_mm;
     encoder->steps_per_mm = (params->resolution_mm > EMA_R(0.0)) ? (EMA_R(1.0) / params->resolution_mm) : EMA_R(0.0);
-    encoder->delay_steps = (uint32_t)steps;
+    encoder->delay_steps = (uint16_t)steps;
     encoder->delay_part = steps - (ema_real)encoder->delay_steps;
     encoder->plain = !(params->delay_s > EMA_R(0.0)) && !(params->resolution_mm > EMA_R(0.0));
 }

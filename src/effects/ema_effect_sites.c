@@ -15,6 +15,10 @@ _Static_assert((uint32_t)EMA_SITE_COUNT <= EMA_TABLES_BIT, "a bit for each site,
     ((EMA_HAS_##name != 0)                                                                                             \
      && ((((words)[(uint32_t)EMA_EFFECT_ID_##name / 32U] >> ((uint32_t)EMA_EFFECT_ID_##name % 32U)) & 1U) != 0U))
 
+/* A copy of these words, since each call would have them read again. */
+#define EMA_PRESENT(plant) {(plant)->active.present[0], (plant)->active.present[EMA_EFFECT_WORDS - 1U]}
+_Static_assert(EMA_EFFECT_WORDS <= 2U, "the copy has two words");
+
 /* A learned table lies where the configuration does. */
 #define EMA_LEARNED(plant, name) (&(plant)->learned->name)
 
@@ -79,13 +83,15 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 
 ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
 {
+    /* no copy: the deepest stack of the module goes through here */
+    const uint32_t* const present = plant->active.present;
     ema_real change_Nm = EMA_R(0.0);
 #define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
-    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
+    if (EMA_RUNS(present, name)) {                                                                                     \
         change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);                                          \
     }
 #define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
-    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
+    if (EMA_RUNS(present, name)) {                                                                                     \
         change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);                                      \
     }
 #include "ema/ema_effects.def"
@@ -94,12 +100,13 @@ ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema
 
 /* Adds what an effect at a site makes of its values. */
 #define EMA_ADD(sum, name, values)                                                                                     \
-    if (EMA_RUNS(plant->active.present, name)) {                                                                       \
+    if (EMA_RUNS(present, name)) {                                                                                     \
         (sum) += ema_effect_##name(values, site);                                                                      \
     }
 
 ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 {
+    const uint32_t present[] = EMA_PRESENT(plant);
     ema_real torque_Nm = EMA_R(0.0);
 #define EMA_EFFECT_AT_TORQUE(name) EMA_ADD(torque_Nm, name, &plant->effects.name)
 #define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ADD(torque_Nm, name, EMA_LEARNED(plant, name))
@@ -109,6 +116,7 @@ ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
 
 ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
 {
+    const uint32_t present[] = EMA_PRESENT(plant);
     ema_real load_Nm = EMA_R(0.0);
 #define EMA_EFFECT_AT_LOAD(name) EMA_ADD(load_Nm, name, &plant->effects.name)
 #include "ema/ema_effects.def"
@@ -117,6 +125,7 @@ ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
 
 ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 {
+    const uint32_t present[] = EMA_PRESENT(plant);
     ema_real voltage_V = EMA_R(0.0);
 #define EMA_EFFECT_AT_VOLTAGE(name) EMA_ADD(voltage_V, name, &plant->effects.name)
 #define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ADD(voltage_V, name, EMA_LEARNED(plant, name))
@@ -126,6 +135,7 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
 
 ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 {
+    const uint32_t present[] = EMA_PRESENT(plant);
     ema_real change = EMA_R(0.0);
 #define EMA_EFFECT_AT_MOTOR(name) EMA_ADD(change, name, &plant->effects.name)
 #include "ema/ema_effects.def"
@@ -134,6 +144,7 @@ ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)
 {
+    const uint32_t present[] = EMA_PRESENT(plant);
     ema_real reading_mm = EMA_R(0.0);
 #define EMA_EFFECT_AT_READING(name) EMA_ADD(reading_mm, name, &plant->effects.name)
 #define EMA_EFFECT_AT_READING_TABLE(name) EMA_ADD(reading_mm, name, EMA_LEARNED(plant, name))
@@ -167,6 +178,9 @@ ema_real ema_site_seen(const ema_plant_t* plant, ema_state_t* state)
                        .position_mm = state->rod_mm,
                        .current_A = state->current_A};
     state->outside_ratio = ema_max(ema_site_outside(plant, state, &site), state->outside_ratio);
+    if (!ema_acts(plant, EMA_SITE_READING)) {
+        return EMA_R(0.0);
+    }
     site.position_mm = state->rod_mm;
     return ema_site_reading(plant, &site);
 }
@@ -229,7 +243,7 @@ ema_real ema_site_ahead(const ema_plant_t* plant)
     return ahead;
 }
 
-void ema_site_warm_over(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s)
+void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s)
 {
     ema_real* const memory = state->effect_memory;
     const ema_real square_A2 = ema_mean_square_A2(start_A, state->current_A, ahead);
@@ -244,11 +258,6 @@ void ema_site_warm_over(const ema_plant_t* plant, ema_state_t* state, ema_real s
 #define EMA_EFFECT_AT_WINDING(name) EMA_WARM(name, heat_W)
 #define EMA_EFFECT_AT_GREASE(name) EMA_WARM(name, EMA_R(0.0))
 #include "ema/ema_effects.def"
-}
-
-void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A)
-{
-    ema_site_warm_over(plant, state, start_A, ema_site_ahead(plant), plant->step_s);
 }
 
 void ema_site_transmission(const ema_plant_t* plant, const ema_transmission_t* step, ema_real* memory, ema_rod_t* rod)

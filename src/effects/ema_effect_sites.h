@@ -61,10 +61,16 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params);
  * at while it runs. */
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects);
 
-/* Whether effects act at a site of this plant; constant where the build has none there. */
+/* Whether effects act at a site of those that they act at; constant where the build has none there. */
+static inline bool ema_acts_among(uint32_t sites, ema_effect_site_t site)
+{
+    return ((((uint32_t)EMA_SITES_HELD & sites) >> (uint32_t)site) & 1U) != 0U;
+}
+
+/* The same of this plant's. */
 static inline bool ema_acts(const ema_plant_t* plant, ema_effect_site_t site)
 {
-    return ((((uint32_t)EMA_SITES_HELD & (uint32_t)plant->active.sites) >> (uint32_t)site) & 1U) != 0U;
+    return ema_acts_among(plant->active.sites, site);
 }
 
 /* Whether any acts on the motion. */
@@ -114,11 +120,9 @@ void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_re
 /* Relative change of the winding's resistance, and of dry and viscous friction together. */
 ema_real ema_site_winding(const ema_plant_t* plant, const ema_real* memory);
 ema_real ema_site_grease(const ema_plant_t* plant, const ema_real* memory);
-/* After a model step in which the current was `start_A` at first. */
-void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A);
-/* After any span; the current's mean lies beyond the middle of its ends by the share `ahead` of its change. */
-void ema_site_warm_over(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead,
-                        ema_real span_s);
+/* After a span in which the current was `start_A` at first; its mean lies beyond the middle of its ends by the share
+ * `ahead` of its change. */
+void ema_site_warm(const ema_plant_t* plant, ema_state_t* state, ema_real start_A, ema_real ahead, ema_real span_s);
 /* That share in a step of a motor at a voltage that is held: the winding's own answer, at first the fastest. */
 ema_real ema_site_ahead(const ema_plant_t* plant);
 /* No winding loses more; a model that runs away stays finite here, until its current tells. */

@@ -64,19 +64,21 @@ ema_real ema_table_value(const ema_real* table, const ema_site_t* site)
     const ema_real* const node = &table[EMA_TABLE_NODES];
     ema_place_t place;
     ema_table_place(table, site, &place);
+    bool last = false;
     if (place.period > EMA_R(0.0)) {
         place.from_first -= EMA_TABLE_ROUND(place);
+        last = place.from_first > (table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST]);
     }
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
     ema_real value = node[EMA_TABLE_SPAN_COUNT];
-    if ((place.period > EMA_R(0.0)) && (place.from_first > range)) {
+    if (last) {
         /* round to the first node */
         const ema_real share = ema_clamp((place.from_first - range) / (place.period - range), EMA_R(0.0), EMA_R(1.0));
         value += share * (node[0] - node[EMA_TABLE_SPAN_COUNT]);
     } else {
         /* written so that NaN lands on the first node */
-        const ema_real spans = ema_clamp(place.from_first * ((ema_real)EMA_TABLE_SPAN_COUNT / range), EMA_R(0.0),
-                                         (ema_real)EMA_TABLE_SPAN_COUNT);
+        const ema_real spans = ema_min(ema_max(place.from_first * ((ema_real)EMA_TABLE_SPAN_COUNT / range), EMA_R(0.0)),
+                                       (ema_real)EMA_TABLE_SPAN_COUNT);
         const uint32_t span = (uint32_t)spans;
         if (span < EMA_TABLE_SPAN_COUNT) {
             value = node[span] + ((spans - (ema_real)span) * (node[span + 1U] - node[span]));
@@ -94,6 +96,9 @@ ema_real ema_table_outside(const ema_real* table, const ema_site_t* site, ema_re
     }
     const ema_real range = table[EMA_TABLE_LAST] - table[EMA_TABLE_FIRST];
     ema_real beyond = ema_max(-place.from_first, place.from_first - range);
+    if (!(beyond > EMA_R(0.0))) {
+        return least;
+    }
     if (place.period > EMA_R(0.0)) {
         /* the nearer edge */
         beyond = ema_min(beyond, place.period - place.from_first);

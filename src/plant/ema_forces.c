@@ -68,28 +68,33 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
                        applied->current_loop ? applied->voltage_V : applied->input,
                        EMA_R(0.0),
                        EMA_R(0.0)};
+    const uint32_t sites = plant->active.sites;
     forces->input = applied->input;
     forces->level_forward_Nm = EMA_R(0.0);
     forces->level_backward_Nm = EMA_R(0.0);
-    if (!applied->current_loop && ema_acts(plant, EMA_SITE_VOLTAGE)) {
+    if (!applied->current_loop && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
         forces->input += ema_site_voltage(plant, &site);
     }
-    if (!applied->current_loop && ema_acts(plant, EMA_SITE_WINDING)) {
-        forces->input -= (ema_site_winding(plant, state->effect_memory) * plant->motor.resistance_ohm) * site.current_A;
+    if (!applied->current_loop && ema_acts_among(sites, EMA_SITE_WINDING)) {
+        /* it warms between steps alone */
+        if (starts) {
+            work->winding_ohm = ema_site_winding(plant, state->effect_memory) * plant->motor.resistance_ohm;
+        }
+        forces->input -= work->winding_ohm * site.current_A;
     }
     ema_real load_Nm = plant->screw.load_torque_Nm;
-    if (ema_acts(plant, EMA_SITE_LOAD)) {
+    if (ema_acts_among(sites, EMA_SITE_LOAD)) {
         load_Nm += ema_site_load(plant, &site);
     }
     forces->torque_Nm = -load_Nm;
-    if (ema_acts(plant, EMA_SITE_TORQUE)) {
+    if (ema_acts_among(sites, EMA_SITE_TORQUE)) {
         forces->torque_Nm += ema_site_torque(plant, &site);
     }
-    if (ema_acts(plant, EMA_SITE_GREASE)) {
+    if (ema_acts_among(sites, EMA_SITE_GREASE)) {
         site.grease = ema_site_grease(plant, state->effect_memory);
         forces->torque_Nm -= (site.grease * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
     }
-    if (ema_acts(plant, EMA_SITE_MOTOR)) {
+    if (ema_acts_among(sites, EMA_SITE_MOTOR)) {
         const ema_real change = ema_site_motor(plant, &site);
         const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
         /* the limit holds for the torque with its change */
@@ -98,7 +103,7 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
         forces->input -=
             applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
     }
-    if ((state->motion != (int32_t)EMA_MOTION_STUCK) || ema_acts(plant, EMA_SITE_PRESLIDING)) {
+    if ((state->motion != (int32_t)EMA_MOTION_STUCK) || ema_acts_among(sites, EMA_SITE_PRESLIDING)) {
         const ema_real friction_Nm = (starts || ema_friction_varies(plant))
                                          ? ema_sliding_friction(plant, state, &site, load_Nm)
                                          : work->segment.forces.level_forward_Nm;
@@ -170,12 +175,14 @@ void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32
     if (motion != (int32_t)EMA_MOTION_STUCK) {
         ema_real speed_rad_s = segment->end.speed_rad_s;
         ema_real turn_rad = segment->turn_rad;
-        for (uint32_t k = from; k < to; ++k) {
+        uint32_t k = from;
+        do {
             const ema_real drive = driven[k];
             current_A += current[k] * drive;
             speed_rad_s += speed[k] * drive;
             turn_rad += angle[k] * drive;
-        }
+            ++k;
+        } while (k < to);
         segment->end.speed_rad_s = speed_rad_s;
         segment->turn_rad = turn_rad;
     } else {

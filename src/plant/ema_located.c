@@ -72,13 +72,11 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, ema_wo
 void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real play_start_mm,
                     ema_real span_s)
 {
-    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
-        ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
-        const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
-        ema_site_transmission(plant, &step, state->effect_memory, &work->rod);
-        state->rod_mm = work->rod.rod_mm;
-        state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
-    }
+    ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
+    const ema_transmission_t step = {play_start_mm, state->play_mm, span_s, plant->gearbox.lead_mm_per_rad};
+    ema_site_transmission(plant, &step, state->effect_memory, &work->rod);
+    state->rod_mm = work->rod.rod_mm;
+    state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
 }
 
 void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
@@ -122,5 +120,7 @@ void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t*
         state->motion = ema_motion_left(plant, EMA_MOTION_STUCK);
         ++state->unlocated_event_steps;
     }
-    ema_motion_rod(plant, state, work, play_start_mm, span_s);
+    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        ema_motion_rod(plant, state, work, play_start_mm, span_s);
+    }
 }

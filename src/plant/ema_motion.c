@@ -59,9 +59,14 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     work->forces.input -= segment->forces.input + (node->at * work->span.input_rise);
 }
 
+static bool ema_segment_torque_within(const ema_work_t* work, ema_real torque_Nm, ema_real share)
+{
+    return ema_abs(torque_Nm) <= (share * work->segment.working_Nm);
+}
+
 static bool ema_segment_within(const ema_work_t* work, ema_real input, ema_real torque_Nm, ema_real share)
 {
-    return (ema_abs(torque_Nm) <= (share * work->segment.working_Nm))
+    return ema_segment_torque_within(work, torque_Nm, share)
            && (ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(work->applied.input)));
 }
 
@@ -73,7 +78,7 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
     const ema_forces_t* const here = &work->forces;
     const ema_real twists_Nm = here->torque_Nm - span->torque_bend_Nm;
     uint32_t nodes = 4U;
-    if (ema_segment_within(work, EMA_R(0.0), twists_Nm, EMA_TAME)) {
+    if (ema_segment_torque_within(work, twists_Nm, EMA_TAME)) {
         nodes = 3U;
         if ((state->motion != (int32_t)EMA_MOTION_ELASTIC)
             && (ema_abs(here->torque_Nm) <= (EMA_GENTLE * ema_abs(span->torque_rise_Nm)))
@@ -113,7 +118,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
             span->input_bend = here->input;
             span->torque_bend_Nm = here->torque_Nm;
             if (ema_segment_within(work, here->input, here->torque_Nm, EMA_UNEVEN)
-                && ema_segment_within(work, EMA_R(0.0), span->torque_rise_Nm, EMA_TAME)) {
+                && ema_segment_torque_within(work, span->torque_rise_Nm, EMA_TAME)) {
                 nodes = 1U;
             }
         } else if (k == 1U) {
@@ -140,7 +145,8 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
     ema_segment_respond(state->motion, work, 0U, 4U);
     if (ema_acts_on_motion(plant)) {
         ema_segment_correct(plant, state, work);
-        ema_segment_respond(state->motion, work, 3U, EMA_RESPONSES_EVEN);
+        /* of a torque from the start on there is that of a mass behind the play, or none */
+        ema_segment_respond(state->motion, work, ema_acts(plant, EMA_SITE_TRANSMISSION) ? 3U : 4U, EMA_RESPONSES_EVEN);
         if (whole && !ema_segment_resolve(plant, state, work)) {
             return false;
         }
@@ -173,14 +179,14 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
 static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
                            const ema_responses_t* responses, ema_real span_s, bool whole)
 {
-    const ema_real play_start_mm = state->play_mm;
     work->circuit = ema_circuit_of(plant, &work->applied);
     work->responses = responses;
     work->span_s = span_s;
     const bool done = (responses != NULL) && (work->applied.current_loop == plant->drive.current_mode)
                       && ema_motion_smooth(plant, state, work, whole);
-    if (done) {
-        ema_motion_rod(plant, state, work, play_start_mm, span_s);
+    if (done && ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        /* the play is as it was */
+        ema_motion_rod(plant, state, work, state->play_mm, work->span_s);
     }
     return done;
 }

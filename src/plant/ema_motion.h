@@ -17,7 +17,7 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t
 /* The same with its events alone, over the work's span: ema_located.c. */
 void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
 
-/* Moves the rod behind the play over `span_s`, in which the play came from `play_start_mm`: ema_located.c. */
+/* Moves a rod whose transmission yields over `span_s`, in which the play came from `play_start_mm`: ema_located.c. */
 void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real play_start_mm,
                     ema_real span_s);
 

@@ -104,6 +104,7 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad,
                     EMA_R(1.0) / params->resistance_ohm);
     ema_circuit_set(&plant->current_loop, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
+    plant->warming_ahead_ratio = ema_acts_by_warmth(plant) ? ema_site_ahead(plant) : EMA_R(0.0);
 }
 
 ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm)

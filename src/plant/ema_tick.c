@@ -33,7 +33,7 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, em
             ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s);
         }
         if (ema_acts_by_warmth(plant)) {
-            ema_site_warm(plant, state, row->current_A);
+            ema_site_warm(plant, state, row->current_A, plant->warming_ahead_ratio, plant->step_s);
         }
     }
     ema_motion_arrive(plant, state);

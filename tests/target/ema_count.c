@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ace_actuator.h"
 #include "ace_signatures.h"
@@ -76,7 +77,7 @@ static void fail(const char* what, ema_status_t status)
 static void count_model(const char* name, const ema_actuator_t* actuator)
 {
     ticks_t step = {0};
-    char label[64];
+    char label[80];
     ema_sample_t sample;
     ema_status_t status = ema_model_init(&model, actuator, EMA_R(0.0));
     for (uint32_t row = 0; (status == EMA_OK) && ema_recorded_row('a', row, &sample); ++row) {
@@ -91,25 +92,34 @@ static void count_model(const char* name, const ema_actuator_t* actuator)
     print_mean(label, &step);
 }
 
+typedef struct {
+    const char* effect;
+    ema_value_id_t id;
+    ema_real value;
+} costed_t;
+
+static const costed_t costed[] = {
+#define EMA_COSTED(effect, field, value) {#effect, EMA_EFFECT_VALUE_ID(effect, field), value},
+#include "ema_costed.def"
+};
+
+#define COSTED (sizeof costed / sizeof costed[0])
+
 static void count_effects(void)
 {
-    ema_actuator_t actuator;
-    (void)ema_actuator_defaults(&actuator);
-    actuator.params.csj_Nm = EMA_R(0.3);
-    actuator.params.blk_mm = EMA_R(0.04125);
-    count_model("case_a", &actuator);
-    actuator.effects.stribeck_friction.rise = EMA_R(0.3);
-    count_model("stribeck", &actuator);
-    actuator.effects.stribeck_friction.rise = EMA_R(0.0);
-    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.02);
-    count_model("cogging", &actuator);
-    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.0);
-    actuator.effects.torque_ripple.ratio = EMA_R(0.02);
-    actuator.effects.torque_ripple.periods = EMA_R(6.0);
-    count_model("torque_ripple", &actuator);
-    actuator.effects.torque_ripple.ratio = EMA_R(0.0);
-    actuator.effects.inverter_dead_time.drop_V = EMA_R(0.2);
-    count_model("dead_time", &actuator);
+    ema_actuator_t healthy;
+    (void)ema_actuator_defaults(&healthy);
+    count_model("healthy", &healthy);
+    for (size_t k = 0; k < COSTED;) {
+        const char* const name = costed[k].effect;
+        ema_actuator_t actuator = healthy;
+        for (; (k < COSTED) && (strcmp(costed[k].effect, name) == 0); ++k) {
+            (void)ema_actuator_set(&actuator, costed[k].id, costed[k].value);
+        }
+        char label[64];
+        (void)snprintf(label, sizeof label, "effect_%s", name);
+        count_model(label, &actuator);
+    }
 }
 
 /* A whole identification of case A. The sum is read every few slices, so that reading costs nothing; the most from

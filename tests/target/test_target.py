@@ -186,7 +186,7 @@ def measured(**changed: float) -> budgets.Measured:
     }
     counts |= {
         f"model_step_{name}_{which}": 300
-        for name in ("case_a", "stribeck", "cogging", "torque_ripple", "dead_time")
+        for name in ("healthy", "effect_stribeck_friction", "effect_torque_ripple")
         for which in ("mean", "most")
     }
     counts |= {

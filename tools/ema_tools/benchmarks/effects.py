@@ -2,7 +2,8 @@
 
 Run `python -m ema_tools.benchmarks.effects`. Every effect stands alone in the healthy reference actuator, at the lower end of its usual size, on the reference
 chirp; the float32 module's error is that against the reference model at a hundredth of the step with located events. Times are the shortest of several runs, and
-runs without an effect are measured in between, so that the ratio is one of the same minutes.
+runs without an effect are measured in between, so that the ratio is one of the same minutes. With `--header FILE` the same sizes are written for the program that
+counts instructions on the target instead.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
@@ -96,8 +99,33 @@ def measure() -> tuple[float, list[Cost]]:
     return per_step * plain_s, sorted(costs, key=lambda cost: -cost.ratio)
 
 
-def main() -> None:
-    """Print the table."""
+def header() -> str:
+    """The values under which every effect is counted on the target, one row each: effect, its value, size."""
+    rows = [
+        f"EMA_COSTED({effect}, {name.rpartition('.')[2]}, EMA_R({float(value)!r}))"
+        for effect, values in costed_changes().items()
+        for name, value in values.items()
+    ]
+    return "\n".join(
+        [
+            "/* Every effect at the lower end of its usual size: EMA_COSTED(effect, value, size), rows of one effect side by side.",
+            " * Written by python -m ema_tools.benchmarks.effects --header; do not edit. */",
+            *rows,
+            "#undef EMA_COSTED",
+            "",
+        ]
+    )
+
+
+@click.command()
+@click.option(
+    "--header", "file", type=click.Path(path_type=Path, dir_okay=False), help="Write the sizes for the target here, and measure nothing."
+)
+def main(file: Path | None) -> None:
+    """Print what each effect costs and how exact it is."""
+    if file is not None:
+        file.write_text(header(), encoding="utf-8")
+        return
     plain_ns, costs = measure()
     table = Table(title=f"float32, {plain_ns:.1f} ns per model step without effects; goal: at most {GOAL_RATIO:g} times as long")
     for heading in ("effect", "ns per step", "times", "rod position, um rms", "current, mA rms", "meets the goal"):
