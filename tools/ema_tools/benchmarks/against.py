@@ -63,7 +63,7 @@ timed = next(one for one in FULL.trials() if one.kind == "time" and one.effects 
 print(min(perform(timed)["run_s"] for _ in range(2)))
 """
 _DIAGNOSE = "import sys; from ema_tools.cli import main; sys.argv[0] = 'ema'; main()"
-_INSTRUCTIONS = re.compile(r"^\| (no effect|\w+) \| ([\d ]+) \| ([\d ]+) \|$", re.MULTILINE)
+_INSTRUCTIONS = re.compile(r"^\| (no effect|\w+) \| ([\d ]+) \|", re.MULTILINE)
 
 
 def _environment(state: Path) -> dict[str, str]:
@@ -116,7 +116,7 @@ def steps_ns(states: Sequence[Path]) -> dict[str, list[float]]:
 
 def _instructions(budgets: str) -> dict[str, str]:
     section = budgets.partition("## One model step")[2].partition("\n## ")[0]
-    return {name: mean for name, mean, _ in _INSTRUCTIONS.findall(section)}
+    return dict(_INSTRUCTIONS.findall(section))
 
 
 def _row(name: str, *cells: str) -> str:

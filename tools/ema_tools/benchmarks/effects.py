@@ -63,9 +63,16 @@ def _table(effect: str) -> dict[str, float]:
 
 
 def costed_changes() -> dict[str, dict[str, float]]:
-    """Per effect the changed values of the reference actuator under which its cost is measured."""
+    """Per effect the changed values of the reference actuator under which its cost is measured; an effect whose usual size nobody has told is left out."""
     reference = reference_actuator()
-    return {effect.name: typical_change(reference, effect.name, _PEAK_A) or _table(effect.name) for effect in load_definitions().effects}
+    found = {}
+    for effect in load_definitions().effects:
+        values = typical_change(reference, effect.name, _PEAK_A)
+        if values is not None:
+            found[effect.name] = values
+        elif effect.name in _TABLES:
+            found[effect.name] = _table(effect.name)
+    return found
 
 
 def _run(values: Mapping[str, float], command_mm: Reals, runs: int) -> tuple[float, Simulation]:

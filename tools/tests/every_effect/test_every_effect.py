@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from ema_tools.base.arrays import Reals
+from ema_tools.benchmarks.effects import header
 from ema_tools.data.actuator import reference_actuator, row_of
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record
@@ -175,3 +176,8 @@ def test_words_exist(effect: str) -> None:
     told = json.loads(json.dumps(to_json(written([load_definitions().effect(effect)])), allow_nan=False))["effects"][0]
     assert told["signature"] == record_of(effect).shows
     assert all(told[key] for key in ("equation", "source", "acts_on"))
+
+
+def test_the_target_counts_every_effect_at_its_typical_size() -> None:
+    """The sizes that the program for the target compiles in; `cmake --build build --target written` writes them."""
+    assert (ROOT / "tests" / "target" / "ema_costed.def").read_text(encoding="utf-8") == header()
