@@ -53,6 +53,7 @@ ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample
 /* As ema_session_run, with the runs beside the table. Errors: those of ema_session_run and ema_model_init. */
 ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps);
 
+/* EMA_GUARDED_FEEDING of none. */
 ema_guarded_phase_t ema_guarded_phase(const ema_guarded_t* guarded);
 
 /* As ema_session_result, and `finding` (may be NULL): what the table says, EMA_FINDING_NONE until the end and without a

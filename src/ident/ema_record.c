@@ -42,7 +42,8 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
     }
     const size_t value_bytes = (config->format == EMA_RECORD_INT16) ? sizeof(int16_t) : sizeof(ema_real);
     const size_t rows = config->buffer_bytes / (value_bytes * made.stride);
-    if ((rows < 1U) || ((config->format == EMA_RECORD_INT16) && !scales)) {
+    const bool known = (config->format == EMA_RECORD_INT16) || (config->format == EMA_RECORD_REAL);
+    if ((rows < 1U) || !known || ((config->format == EMA_RECORD_INT16) && !scales)) {
         return EMA_ERR_RANGE;
     }
     made.capacity = (rows < (size_t)INT32_MAX) ? (uint32_t)rows : (uint32_t)INT32_MAX;
@@ -127,10 +128,11 @@ ema_real ema_record_asked(const ema_record_t* record, uint32_t row, uint32_t ste
 bool ema_record_weights(const ema_record_t* record, const ema_real* weight)
 {
     bool valid = true;
+    bool any = false;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        valid =
-            valid
-            && ((weight[channel] == EMA_R(0.0)) || ((weight[channel] > EMA_R(0.0)) && (record->place[channel] >= 0)));
+        const bool weighs = weight[channel] > EMA_R(0.0);
+        valid = valid && ((weight[channel] == EMA_R(0.0)) || (weighs && (record->place[channel] >= 0)));
+        any = any || weighs;
     }
-    return valid;
+    return valid && any;
 }

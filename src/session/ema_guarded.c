@@ -130,7 +130,7 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
 
 ema_guarded_phase_t ema_guarded_phase(const ema_guarded_t* guarded)
 {
-    return guarded->phase;
+    return (guarded == NULL) ? EMA_GUARDED_FEEDING : guarded->phase;
 }
 
 ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* result, ema_finding_t* finding)

@@ -6,6 +6,7 @@
 #include "ema_bounds.h"
 #include "ema_copy.h"
 #include "ema_math.h"
+#include "ema_record_row.h"
 #include "ema_runs.h"
 #include "ema_verdict.h"
 
@@ -80,6 +81,11 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
             || !(identified->min_shift_percent >= EMA_R(0.0))) {
             return EMA_ERR_RANGE;
         }
+        for (uint32_t k = 0; k < i; ++k) {
+            if (config->identified[k].id == identified->id) {
+                return EMA_ERR_RANGE;
+            }
+        }
         if (config->start_at_healthy) {
             annealer->start[i] = ema_clamp((healthy - identified->lower) / (identified->upper - identified->lower),
                                            EMA_R(0.0), EMA_R(1.0));
@@ -103,6 +109,9 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
     if (status == EMA_OK) {
         status = ema_record_init(&record, &config->record);
     }
+    if ((status == EMA_OK) && !ema_record_weights(&record, config->weight)) {
+        status = EMA_ERR_RANGE;
+    }
     if (status == EMA_OK) {
         /* the annealer refuses before anything has changed */
         status = ema_annealer_init(&session->annealer, &annealer);
@@ -118,6 +127,12 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
     return status;
 }
 
+/* How many values are searched was settled at the start: another number now would be read past the end. */
+static bool ema_session_unchanged(const ema_session_t* session)
+{
+    return session->config->identified_count == session->annealer.config.dimension;
+}
+
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample)
 {
     if ((session == NULL) || (sample == NULL)) {
@@ -130,6 +145,9 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
 {
     if (session == NULL) {
         return EMA_ERR_NULL;
+    }
+    if (!ema_session_unchanged(session)) {
+        return EMA_ERR_RANGE;
     }
     ema_status_t status = EMA_OK;
     /* a copy of a session reads its own record, not the original's */
@@ -182,7 +200,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
 
 ema_phase_t ema_session_phase(const ema_session_t* session)
 {
-    return session->phase;
+    return (session == NULL) ? EMA_PHASE_FEEDING : session->phase;
 }
 
 /* Whether the record runs another command than the unit's ground test. */
@@ -203,6 +221,9 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     }
     if (session->phase == EMA_PHASE_FEEDING) {
         return EMA_ERR_ORDER;
+    }
+    if (!ema_session_unchanged(session)) {
+        return EMA_ERR_RANGE;
     }
     const ema_session_config_t* const config = session->config;
     ema_clear(result, sizeof *result);

@@ -303,6 +303,11 @@ static void order_and_refusals(void)
 }
 
 /* A call that is refused changes nothing: what has been fed stays, and feeding may go on, with a table and without. */
+static void no_session_has_the_phase_of_one_that_was_not_fed(void)
+{
+    TEST_ASSERT_EQUAL_INT(EMA_GUARDED_FEEDING, ema_guarded_phase(NULL));
+}
+
 static void refused_calls_lose_nothing(void)
 {
     static ema_guarded_t before;
@@ -374,6 +379,7 @@ int main(void)
     RUN_TEST(rod_beyond_the_travel);
     RUN_TEST(order_and_refusals);
     RUN_TEST(refused_calls_lose_nothing);
+    RUN_TEST(no_session_has_the_phase_of_one_that_was_not_fed);
     RUN_TEST(result_while_it_searches);
     return UNITY_END();
 }

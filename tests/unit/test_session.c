@@ -915,13 +915,49 @@ static void test_too_short_a_record_is_refused_and_may_be_fed_on(void)
     TEST_ASSERT_EQUAL_INT(EMA_PHASE_SEARCHING, ema_session_phase(&session));
 }
 
-static void test_first_run_refuses_a_weight_on_a_channel_that_is_not_recorded(void)
+static void test_init_refuses_weights_that_weigh_nothing_or_what_is_not_recorded(void)
+{
+    config.weight[EMA_CHANNEL_VOLTAGE] = EMA_R(1.0);
+    ASSERT_REFUSED(EMA_ERR_RANGE);
+    config.weight[EMA_CHANNEL_VOLTAGE] = EMA_R(-1.0);
+    ASSERT_REFUSED(EMA_ERR_RANGE);
+    config.weight[EMA_CHANNEL_VOLTAGE] = (ema_real)NAN;
+    ASSERT_REFUSED(EMA_ERR_RANGE);
+    config.weight[EMA_CHANNEL_VOLTAGE] = EMA_R(0.0);
+    config.weight[EMA_CHANNEL_POSITION] = EMA_R(0.0);
+    ASSERT_REFUSED(EMA_ERR_RANGE);
+}
+
+static void test_init_refuses_the_same_parameter_twice(void)
+{
+    config.identified[1] = config.identified[0];
+    ASSERT_REFUSED(EMA_ERR_RANGE);
+}
+
+static void test_init_refuses_an_unknown_format_of_the_record(void)
+{
+    config.record.format = (ema_record_format_t)7;
+    ASSERT_REFUSED(EMA_ERR_RANGE);
+}
+
+static void test_another_number_of_parameters_between_slices_is_refused(void)
 {
     const truth_t truth = short_truth(EMA_R(0.25), EMA_R(0.05));
-    config.weight[EMA_CHANNEL_VOLTAGE] = EMA_R(1.0);
+    ema_result_t result;
     init_and_feed(&truth);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 1U));
+    const uint32_t count = config.identified_count;
+    config.identified_count = EMA_IDENTIFIED_MAX + 1U;
     EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_run(&session, 1U));
-    TEST_ASSERT_EQUAL_INT(EMA_PHASE_FEEDING, ema_session_phase(&session));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_result(&session, &result));
+    config.identified_count = count;
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 1U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
+}
+
+static void test_no_session_has_the_phase_of_one_that_was_not_fed(void)
+{
+    TEST_ASSERT_EQUAL_INT(EMA_PHASE_FEEDING, ema_session_phase(NULL));
 }
 
 static void test_first_run_refuses_a_rod_outside_the_travel(void)
@@ -1006,7 +1042,11 @@ int main(void)
     RUN_TEST(test_feeding_passes_the_records_refusals_on);
     RUN_TEST(test_no_result_before_the_first_run);
     RUN_TEST(test_too_short_a_record_is_refused_and_may_be_fed_on);
-    RUN_TEST(test_first_run_refuses_a_weight_on_a_channel_that_is_not_recorded);
+    RUN_TEST(test_init_refuses_weights_that_weigh_nothing_or_what_is_not_recorded);
+    RUN_TEST(test_init_refuses_the_same_parameter_twice);
+    RUN_TEST(test_init_refuses_an_unknown_format_of_the_record);
+    RUN_TEST(test_another_number_of_parameters_between_slices_is_refused);
+    RUN_TEST(test_no_session_has_the_phase_of_one_that_was_not_fed);
     RUN_TEST(test_first_run_refuses_a_rod_outside_the_travel);
     RUN_TEST(test_session_writes_inside_itself_alone);
     return UNITY_END();

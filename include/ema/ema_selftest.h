@@ -1,0 +1,49 @@
+/* A known answer, to be asked for at power-up before a session is trusted: does this library, on this processor as it
+ * is set now, work out the very bits that every other one does?
+ *
+ *     static ema_selftest_t memory; (may lie where a session will lie afterwards)
+ *     if (ema_selftest(&memory, EMA_SELFTEST_BUILD) != EMA_SELFTEST_PASSED) { no verdict }
+ *
+ * It does not replace a test of RAM, flash or the processor's own; it looks at what this module needs of them.
+ * Not looked at: values of effects and what they do, which differ between builds; the configuration that is exported,
+ * which ema_actuator_check looks at.
+ */
+#ifndef EMA_SELFTEST_H
+#define EMA_SELFTEST_H
+
+#include "ema/ema_session.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum {
+    EMA_SELFTEST_PASSED = 0,
+    EMA_SELFTEST_NULL = 1,       /* no memory was given */
+    EMA_SELFTEST_LIBRARY = 2,    /* the caller was compiled with other headers or another EMA_REAL64 than the library */
+    EMA_SELFTEST_ARITHMETIC = 3, /* small numbers are flushed to zero, results are not rounded to nearest, or a product
+                                  * and a sum are contracted: -ffp-contract=off, FPSCR or MXCSR at their reset values */
+    EMA_SELFTEST_CONSTANTS = 4,  /* nominal values, ranges, random numbers or elementary functions are not as built */
+    EMA_SELFTEST_MODEL = 5       /* a model run gives other bits than on any sound machine */
+} ema_selftest_outcome_t;
+
+/* The model that is run. Means nothing before and after. */
+typedef struct {
+    ema_actuator_t actuator;
+    ema_model_t model;
+} ema_selftest_t;
+
+/* What the caller's headers say of the library: widths of the structures and how many values there are. */
+#define EMA_SELFTEST_BUILD                                                                                             \
+    ((((uint32_t)sizeof(ema_session_t) * 31U) + (uint32_t)sizeof(ema_session_config_t)) * 31U                          \
+     + ((uint32_t)sizeof(ema_selftest_t) * 31U) + (uint32_t)EMA_VALUE_COUNT + ((uint32_t)EMA_REAL64 << 31U))
+
+/* Runs the test; `build` is EMA_SELFTEST_BUILD. What is found first is told. Cost: 700 model steps, some of them with
+ * reversals, a saturated drive and both ends of the play: docs/BUDGETS.md. */
+ema_selftest_outcome_t ema_selftest(ema_selftest_t* memory, uint32_t build);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

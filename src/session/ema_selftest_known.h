@@ -1,0 +1,21 @@
+/* What the self-test finds on every sound machine. After a change of a parameter, its nominal value or its range, or of
+ * the model's arithmetic, tests/unit/test_selftest.c says the new values: take them when the change was meant. */
+#ifndef EMA_SELFTEST_KNOWN_H
+#define EMA_SELFTEST_KNOWN_H
+
+#include "ema/ema_selftest.h"
+
+#if EMA_REAL64
+#define EMA_CONSTANTS_KNOWN 0x530FB5A2U
+#define EMA_MODEL_KNOWN 0x5135207DU
+#else
+#define EMA_CONSTANTS_KNOWN 0x1103F2E2U
+#define EMA_MODEL_KNOWN 0x43AA122BU
+#endif
+
+/* What there is to compare with them. */
+uint32_t ema_selftest_constants(ema_actuator_t* actuator);
+/* The memory's actuator is the one that the constants were read from. */
+uint32_t ema_selftest_model(ema_selftest_t* memory);
+
+#endif
