@@ -320,6 +320,7 @@ def document(found: Measured) -> str:
         "",
     ]
     calls = [
+        ("ema_selftest", "selftest"),
         ("ema_session_init", "session_init"),
         ("ema_session_feed", "session_feed"),
         ("ema_session_run, 1 step", "slice_1"),

@@ -13,6 +13,7 @@
 #include "ace_signatures.h"
 #include "ema/ema_guarded.h"
 #include "ema/ema_least_squares.h"
+#include "ema/ema_selftest.h"
 #include "ema/ema_sensitivity.h"
 #include "ema_counter.h"
 #include "ema_recorded.h"
@@ -170,6 +171,16 @@ static void count_slices(uint32_t slice)
 }
 
 /* The calls outside the search. */
+static void count_selftest(void)
+{
+    static ema_selftest_t memory;
+    ticks_t once = {0};
+    const uint32_t from = ema_counter_now();
+    const ema_selftest_outcome_t outcome = ema_selftest(&memory, EMA_SELFTEST_BUILD);
+    take(&once, from, ema_counter_now());
+    print_mean((outcome == EMA_SELFTEST_PASSED) ? "selftest" : "selftest_failed", &once);
+}
+
 static void count_calls(void)
 {
     ticks_t feed = {0};
@@ -527,6 +538,7 @@ int main(void)
     ema_counter_start();
     calibrate();
     print_sizes();
+    count_selftest();
     count_calls();
     measure_stack();
     count_effects();

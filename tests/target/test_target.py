@@ -191,7 +191,7 @@ def measured(**changed: float) -> budgets.Measured:
     }
     counts |= {
         f"{name}_{which}": 300
-        for name in ("session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
+        for name in ("selftest", "session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
         for which in ("mean", "most")
     }
     counts |= {

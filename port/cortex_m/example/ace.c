@@ -39,7 +39,10 @@ static struct {
     volatile uint32_t spent; /* in interrupts, modulo 2^32 */
     volatile bool recorded;
     volatile ema_status_t fed;
-    ema_guarded_t guarded;
+    union { /* one after the other */
+        ema_selftest_t selftest;
+        ema_guarded_t guarded;
+    };
     ema_session_config_t config;
     _Alignas(ema_real) int16_t record[2U * ACE_ROWS];
 } ace;
@@ -159,6 +162,11 @@ void ace_run(const ace_limits_t* limits, ace_report_t* report)
 {
     const ace_report_t fresh = {0};
     *report = fresh;
+    report->selftest = ema_selftest(&ace.selftest, EMA_SELFTEST_BUILD);
+    if (report->selftest != EMA_SELFTEST_PASSED) {
+        report->status = ACE_UNSOUND;
+        return;
+    }
     report->session = prepare(limits);
     if (report->session == EMA_OK) {
         ace.start = ace_board_start(ace.period, ace_tick);

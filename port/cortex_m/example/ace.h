@@ -10,6 +10,7 @@
 #define ACE_H
 
 #include "ema/ema_guarded.h"
+#include "ema/ema_selftest.h"
 
 #define ACE_TICK_HZ 1000U
 #define ACE_ROWS 10000U
@@ -18,7 +19,8 @@ typedef enum {
     ACE_OK = 0,
     ACE_LATE = 1,    /* a control tick came late: something held the interrupt up */
     ACE_OVERRUN = 2, /* a slice took longer than allowed: make it shorter */
-    ACE_REFUSED = 3  /* the session refused a call */
+    ACE_REFUSED = 3, /* the session refused a call */
+    ACE_UNSOUND = 4  /* the module's self-test failed: nothing was recorded */
 } ace_status_t;
 
 /* What is allowed, in microseconds, and the length of a slice. */
@@ -29,7 +31,8 @@ typedef struct {
 } ace_limits_t;
 
 typedef struct {
-    ace_status_t status;      /* refused before late before overrun */
+    ace_status_t status;      /* unsound before refused before late before overrun */
+    ema_selftest_outcome_t selftest;
     ema_status_t session;     /* what the session answered last */
     uint32_t ticks;           /* control ticks made */
     uint32_t ticks_searching; /* those while the search ran */
@@ -40,12 +43,12 @@ typedef struct {
     uint32_t overruns;
     uint32_t slice_us; /* what the longest took, interrupts not counted */
     uint32_t allowed_us;
-    ema_result_t result;                  /* when status is not ACE_REFUSED; its verdict is the guarded one */
+    ema_result_t result;                  /* when status is less than ACE_REFUSED; its verdict is the guarded one */
     ema_real half_95[EMA_IDENTIFIED_MAX]; /* of the 95 % intervals about its estimates */
     ema_finding_t finding;                /* likewise: the effect that the model lacks, and its size */
 } ace_report_t;
 
-/* The whole ground test: chirp, record, identification. */
+/* The whole ground test: self-test, chirp, record, identification. */
 void ace_run(const ace_limits_t* limits, ace_report_t* report);
 
 #endif

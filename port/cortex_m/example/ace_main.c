@@ -51,19 +51,20 @@ static uint32_t number(int argc, char* argv[], int place, uint32_t otherwise)
 
 int main(int argc, char* argv[])
 {
-    static const char* const names[] = {"ok", "late", "overrun", "refused"};
+    static const char* const names[] = {"ok", "late", "overrun", "refused", "unsound"};
     static ace_report_t report;
     const ace_limits_t limits = {.slice_steps = number(argc, argv, 1, 200U),
                                  .slice_us = number(argc, argv, 2, 2000U),
                                  .tick_late_us = number(argc, argv, 3, 20U)};
     ace_run(&limits, &report);
-    (void)printf("status %s\nsession %s\n", names[report.status], ema_status_text(report.session));
+    (void)printf("status %s\nselftest %d\nsession %s\n", names[report.status], (int)report.selftest,
+                 ema_status_text(report.session));
     (void)printf("ticks %" PRIu32 "\nticks_searching %" PRIu32 "\nlate_ticks %" PRIu32 "\nlatest_us %" PRIu32
                  "\ntick_us %" PRIu32 "\n",
                  report.ticks, report.ticks_searching, report.late_ticks, report.latest_us, report.tick_us);
     (void)printf("slices %" PRIu32 "\noverruns %" PRIu32 "\nslice_us %" PRIu32 "\nallowed_us %" PRIu32 "\n",
                  report.slices, report.overruns, report.slice_us, report.allowed_us);
-    if (report.status != ACE_REFUSED) {
+    if (report.status < ACE_REFUSED) {
         print_result(&report.result, report.half_95);
         print_finding(&report.finding);
     }
