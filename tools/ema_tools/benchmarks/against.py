@@ -147,6 +147,7 @@ def document(revision: str, earlier: Path) -> str:
         "## A diagnosis",
         "",
         f"Seconds on the clock of the whole command on {os.cpu_count()} cores, or without its start where that is said; the shortest of {_TURNS} turns, both states in turn.",
+        "What a second is worth differs between machines and between days; the last column does not.",
         "",
         "| 10 s of chirp at 1 kHz | before | after | before / after |",
         "|---|---:|---:|---:|",

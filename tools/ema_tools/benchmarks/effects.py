@@ -1,8 +1,8 @@
 """What each effect costs and how exact it is: a model run with it beside one without, and beside the reference model.
 
 Run `python -m ema_tools.benchmarks.effects`. Every effect stands alone in the healthy reference actuator, at the lower end of its usual size, on the reference
-chirp; the float32 module's error is that against the reference model at a hundredth of the step with located events. Times are the shortest of several runs, and
-runs without an effect are measured in between, so that the ratio is one of the same minutes. With `--header FILE` the same sizes are written for the program that
+chirp; the float32 module's error is that against the reference model at a hundredth of the step with located events. Times are the shortest of several
+runs, all effects and none by turns, so that what slows the machine for a while slows none alone. With `--header FILE` the same sizes are written for the program that
 counts instructions on the target instead.
 """
 
@@ -23,7 +23,7 @@ from rich.table import Table
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.design.typical import typical_change
 from ema_tools.library.definitions import load_definitions
-from ema_tools.plant.native import Simulation, library
+from ema_tools.plant.native import library
 from ema_tools.reference import simulate
 
 Reals = NDArray[np.float64]
@@ -32,7 +32,8 @@ STEP_S = 1e-3
 ROWS = 10_000
 CHIRP = {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}
 GOAL_RATIO = 6.0
-RUNS = 12
+RUNS = 60
+_PLAIN = "no effect"
 _PEAK_A = 7.4  # of the healthy run
 _SECTION = "effects."
 # Tables have no usual size: a wave over the range of its axis, of the size of the effect that acts there too.
@@ -75,16 +76,17 @@ def costed_changes() -> dict[str, dict[str, float]]:
     return found
 
 
-def _run(values: Mapping[str, float], command_mm: Reals, runs: int) -> tuple[float, Simulation]:
-    """Shortest time of a model run in seconds, and the run."""
-    actuator, options = reference_actuator().changed(values).arrays()
+def _seconds(changes: Mapping[str, Mapping[str, float]], command_mm: Reals) -> dict[str, float]:
+    """Shortest time of a model run in seconds, by the name of its changes; all of them in turn, so that what slows the machine for a while slows none alone."""
+    given = {name: reference_actuator().changed(values).arrays() for name, values in changes.items()}
     module = library(32)
-    shortest_s = math.inf
-    for _ in range(runs):
-        start_s = time.perf_counter()
-        run = module.simulate(actuator, options, command_mm)
-        shortest_s = min(shortest_s, time.perf_counter() - start_s)
-    return shortest_s, run
+    found = dict.fromkeys(given, math.inf)
+    for _ in range(RUNS):
+        for name, (actuator, options) in given.items():
+            start_s = time.perf_counter()
+            module.simulate(actuator, options, command_mm)
+            found[name] = min(found[name], time.perf_counter() - start_s)
+    return found
 
 
 def _rms(error: Reals) -> float:
@@ -94,15 +96,16 @@ def _rms(error: Reals) -> float:
 def measure() -> tuple[float, list[Cost]]:
     """Time of a model step without effects in ns, and what each effect costs, the dearest first."""
     command_mm = library(64).command("chirp", CHIRP, STEP_S, ROWS)
-    plain_s, _ = _run({}, command_mm, RUNS)
-    found: list[tuple[str, float, float, float]] = []
-    for effect, values in costed_changes().items():
-        truth = simulate({name.removeprefix(_SECTION): value for name, value in values.items()}, command_mm)
-        with_s, run = _run(values, command_mm, RUNS)
-        plain_s = min(plain_s, _run({}, command_mm, RUNS)[0])
-        found.append((effect, with_s, 1e3 * _rms(run.position_mm - truth.position_mm), 1e3 * _rms(run.current_A - truth.current_A)))
+    changes = costed_changes()
+    seconds = _seconds({_PLAIN: {}, **changes}, command_mm)
+    plain_s = seconds.pop(_PLAIN)
     per_step = 1e9 / ROWS
-    costs = [Cost(name, per_step * with_s, with_s / plain_s, position_um, current_mA) for name, with_s, position_um, current_mA in found]
+    costs = []
+    for effect, values in changes.items():
+        truth = simulate({name.removeprefix(_SECTION): value for name, value in values.items()}, command_mm)
+        run = library(32).simulate(*reference_actuator().changed(values).arrays(), command_mm)
+        position_um, current_mA = (1e3 * _rms(one) for one in (run.position_mm - truth.position_mm, run.current_A - truth.current_A))
+        costs.append(Cost(effect, per_step * seconds[effect], seconds[effect] / plain_s, position_um, current_mA))
     return per_step * plain_s, sorted(costs, key=lambda cost: -cost.ratio)
 
 
