@@ -64,8 +64,8 @@ typedef struct {
 #define EMA_RECORD_INT16_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(int16_t))
 #define EMA_RECORD_REAL_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(ema_real))
 
-/* Makes an empty record. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a format that is none, a full scale outside 1e-30..1e30,
- * or a buffer without room for one row. */
+/* Makes an empty record. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a format that is none, a full scale outside
+ * 1e-30..1e30, or a buffer without room for one row. */
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config);
 
 /* Adds a row. Errors, the record unchanged: EMA_ERR_NULL; EMA_ERR_FULL; EMA_ERR_NOT_FINITE; EMA_ERR_SCALE. Cost:

@@ -147,8 +147,8 @@ uint32_t ema_session_check(const ema_session_config_t* config);
 
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init;
  * EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of parameters, an id (a value of a learned table, or of an effect that the
- * build leaves out, is none) or the same one twice, bounds wider than the parameter's own range, a healthy value outside
- * its bounds, a weight that is negative or on a channel that is not kept, or no weight at all. */
+ * build leaves out, is none) or the same one twice, bounds wider than the parameter's own range, a healthy value
+ * outside its bounds, a weight that is negative or on a channel that is not kept, or no weight at all. */
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
 /* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of

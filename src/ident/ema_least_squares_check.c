@@ -60,7 +60,7 @@ ema_status_t ema_least_squares_check(const ema_least_squares_config_t* config, c
         }
         valid = ema_searched_valid(&config->searched[k], config->actuator);
     }
-    if (!valid || (channels < 1U)) {
+    if (!valid) {
         return EMA_ERR_RANGE;
     }
     return ((record->count * channels) > config->count) ? EMA_OK : EMA_ERR_SHORT;

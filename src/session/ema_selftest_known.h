@@ -18,4 +18,7 @@ uint32_t ema_selftest_constants(ema_actuator_t* actuator);
 /* The memory's actuator is the one that the constants were read from. */
 uint32_t ema_selftest_model(ema_selftest_t* memory);
 
+/* ema_selftest with other expected values. */
+ema_selftest_outcome_t ema_selftest_against(ema_selftest_t* memory, uint32_t build, uint32_t constants, uint32_t model);
+
 #endif

@@ -51,7 +51,7 @@ def place_in_file(image: bytes, address: int) -> int:
     for place in range(count):
         kind, offset, begin, _, stored, _, _, _ = PROGRAM_HEADER.unpack_from(image, first + place * size)
         if kind == 1 and begin <= address < begin + stored:
-            return offset + address - begin
+            return int(offset + address - begin)
     raise SelftestError(f"nothing is loaded at {address:#x}")
 
 

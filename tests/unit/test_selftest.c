@@ -92,6 +92,21 @@ static void test_another_actuator_gives_another_model(void)
     TEST_ASSERT_TRUE(ema_selftest_model(&memory) != EMA_MODEL_KNOWN);
 }
 
+static void test_other_values_than_the_expected_are_told(void)
+{
+    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_CONSTANTS,
+                          ema_selftest_against(&memory, EMA_SELFTEST_BUILD, EMA_CONSTANTS_KNOWN ^ 1U, EMA_MODEL_KNOWN));
+    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_MODEL,
+                          ema_selftest_against(&memory, EMA_SELFTEST_BUILD, EMA_CONSTANTS_KNOWN, EMA_MODEL_KNOWN ^ 1U));
+}
+
+static void test_a_model_that_cannot_be_made_is_another(void)
+{
+    (void)ema_selftest_constants(&memory.actuator);
+    memory.actuator.params.lead_mm = EMA_R(-1.0);
+    TEST_ASSERT_TRUE(ema_selftest_model(&memory) != EMA_MODEL_KNOWN);
+}
+
 static void test_a_caller_of_another_build_is_told(void)
 {
     TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_LIBRARY, ema_selftest(&memory, EMA_SELFTEST_BUILD + 1U));
@@ -133,6 +148,8 @@ int main(void)
     RUN_TEST(test_zero_is_success);
     RUN_TEST(test_expected_values_are_those_of_today);
     RUN_TEST(test_another_actuator_gives_another_model);
+    RUN_TEST(test_other_values_than_the_expected_are_told);
+    RUN_TEST(test_a_model_that_cannot_be_made_is_another);
     RUN_TEST(test_a_caller_of_another_build_is_told);
     RUN_TEST(test_no_memory_is_told);
     RUN_TEST(test_a_processor_that_rounds_another_way_is_told);

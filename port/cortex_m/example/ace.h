@@ -31,7 +31,7 @@ typedef struct {
 } ace_limits_t;
 
 typedef struct {
-    ace_status_t status;      /* unsound before refused before late before overrun */
+    ace_status_t status; /* unsound before refused before late before overrun */
     ema_selftest_outcome_t selftest;
     ema_status_t session;     /* what the session answered last */
     uint32_t ticks;           /* control ticks made */
