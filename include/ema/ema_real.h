@@ -5,6 +5,9 @@
 #ifdef __FAST_MATH__
 #error "EMA needs IEEE arithmetic: without it NaN passes every check. Build without -ffast-math."
 #endif
+#if defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0)
+#error "EMA needs NaN and infinity to be seen. Build without -ffinite-math-only."
+#endif
 
 /* EMA_REAL64 = 1 builds the same sources in double precision. Both builds of a program must agree: it is set for the
  * whole library and its users by the build, never per file. */

@@ -4,9 +4,10 @@
  *     static ema_selftest_t memory; (may lie where a session will lie afterwards)
  *     if (ema_selftest(&memory, EMA_SELFTEST_BUILD) != EMA_SELFTEST_PASSED) { no verdict }
  *
- * It does not replace a test of RAM, flash or the processor's own; it looks at what this module needs of them.
- * Not looked at: values of effects and what they do, which differ between builds; the configuration that is exported,
- * which ema_actuator_check looks at.
+ * It does not replace a test of RAM, flash or the processor's own. It sees what a whole build or the processor's
+ * settings change, and damage to the model's constants. Not looked at: constants of search, fit and command, and single
+ * files that were compiled otherwise than the rest; effects, which differ between builds; the order of values in a
+ * list whose length is the same; the configuration that is exported, which ema_actuator_check looks at.
  */
 #ifndef EMA_SELFTEST_H
 #define EMA_SELFTEST_H
@@ -19,12 +20,15 @@ extern "C" {
 
 typedef enum {
     EMA_SELFTEST_PASSED = 0,
-    EMA_SELFTEST_NULL = 1,       /* no memory was given */
-    EMA_SELFTEST_LIBRARY = 2,    /* the caller was compiled with other headers or another EMA_REAL64 than the library */
-    EMA_SELFTEST_ARITHMETIC = 3, /* small numbers are flushed to zero, results are not rounded to nearest, or a product
-                                  * and a sum are contracted: -ffp-contract=off, FPSCR or MXCSR at their reset values */
-    EMA_SELFTEST_CONSTANTS = 4,  /* nominal values, ranges, random numbers or elementary functions are not as built */
-    EMA_SELFTEST_MODEL = 5       /* a model run gives other bits than on any sound machine */
+    EMA_SELFTEST_NULL = 1,    /* no memory was given */
+    EMA_SELFTEST_LIBRARY = 2, /* the caller was compiled with other headers, another EMA_REAL64, or other widths of
+                               * enums and structures than the library: build both by the same flags */
+    EMA_SELFTEST_ARITHMETIC =
+        3,                      /* small numbers are flushed to zero, results are not rounded to nearest, or a product
+                                 * and a sum are contracted: -ffp-contract=off, no part of -ffast-math, FPSCR or MXCSR at reset */
+    EMA_SELFTEST_CONSTANTS = 4, /* nominal values, ranges, random numbers or elementary functions are not as built:
+                                 * flash it again; after a change of the list see ema_selftest_known.h */
+    EMA_SELFTEST_MODEL = 5 /* a model run gives other bits than on any sound machine: likewise, and look at the flags */
 } ema_selftest_outcome_t;
 
 /* The model that is run. Means nothing before and after. */

@@ -148,20 +148,22 @@ uint32_t ema_session_check(const ema_session_config_t* config);
 /* Starts an empty session. Errors: EMA_ERR_NULL; those of ema_actuator_check, ema_record_init and ema_annealer_init;
  * EMA_ERR_BOUNDS; EMA_ERR_RANGE for a number of parameters, an id (a value of a learned table, or of an effect that the
  * build leaves out, is none) or the same one twice, bounds wider than the parameter's own range, a healthy value
- * outside its bounds, a weight that is negative or on a channel that is not kept, or no weight at all. */
+ * outside its bounds, a weight that is negative, not finite or on a channel that is not kept, no weight at all, or a
+ * least shift that is negative (one so large that nothing exceeds it makes a value that is never a fault). */
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
-/* Takes one recorded row. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs; those of
+/* Takes one recorded row: what was commanded from that instant on, and what the sensors said at it. Errors, nothing
+ * changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs, and for zeroed memory that was never started; those of
  * ema_record_append. */
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample);
 
-/* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_RANGE when the
- * configuration has another number of parameters than at the start; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows
- * (feeding may go on); those of ema_objective_start at the first call, which can then be repeated.
- * Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst. Cost: `steps` model steps.
- * Ending a model run and preparing the next counts as 160 of them, about what it takes, and is not divided: a slice
- * that has less left leaves it to the next one, so that only a slice of fewer steps than that takes longer than they
- * do. Once done, a call does nothing. */
+/* Runs at most `steps` model steps; the first call ends the feeding. Errors: EMA_ERR_NULL; EMA_ERR_ORDER for zeroed
+ * memory that was never started; EMA_ERR_RANGE when the configuration has another number of parameters than at the
+ * start; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go on); those of ema_objective_start at the first
+ * call, which can then be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the
+ * worst. Cost: `steps` model steps. Ending a model run and preparing the next counts as 160 of them, about what it
+ * takes, and is not divided: a slice that has less left leaves it to the next one, so that only a slice of fewer steps
+ * than that takes longer than they do. Once done, a call does nothing. */
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
 
 /* EMA_PHASE_FEEDING of none. */

@@ -130,7 +130,7 @@ bool ema_record_weights(const ema_record_t* record, const ema_real* weight)
     bool valid = true;
     bool any = false;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
-        const bool weighs = weight[channel] > EMA_R(0.0);
+        const bool weighs = (weight[channel] > EMA_R(0.0)) && ema_is_finite(weight[channel]);
         valid = valid && ((weight[channel] == EMA_R(0.0)) || (weighs && (record->place[channel] >= 0)));
         any = any || weighs;
     }

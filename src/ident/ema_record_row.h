@@ -13,8 +13,8 @@ static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row
                                                 : ((const ema_real*)record->buffer)[at];
 }
 
-/* Whether the weights of the channels, by ema_channel_t, are none negative, one of them positive, and those on recorded
- * channels alone. */
+/* Whether the weights of the channels, by ema_channel_t, are finite, none negative, one of them positive, and those on
+ * recorded channels alone. */
 bool ema_record_weights(const ema_record_t* record, const ema_real* weight);
 
 _Static_assert(((size_t)offsetof(ema_output_t, position_mm) == ((size_t)EMA_CHANNEL_POSITION * sizeof(ema_real)))

@@ -138,13 +138,18 @@ ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample
     if ((session == NULL) || (sample == NULL)) {
         return EMA_ERR_NULL;
     }
-    return (session->phase == EMA_PHASE_FEEDING) ? ema_record_append(&session->record, sample) : EMA_ERR_ORDER;
+    return ((session->config != NULL) && (session->phase == EMA_PHASE_FEEDING))
+               ? ema_record_append(&session->record, sample)
+               : EMA_ERR_ORDER;
 }
 
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
 {
     if (session == NULL) {
         return EMA_ERR_NULL;
+    }
+    if (session->config == NULL) {
+        return EMA_ERR_ORDER;
     }
     if (!ema_session_unchanged(session)) {
         return EMA_ERR_RANGE;

@@ -926,6 +926,8 @@ static void test_init_refuses_weights_that_weigh_nothing_or_what_is_not_recorded
     config.weight[EMA_CHANNEL_VOLTAGE] = EMA_R(0.0);
     config.weight[EMA_CHANNEL_POSITION] = EMA_R(0.0);
     ASSERT_REFUSED(EMA_ERR_RANGE);
+    config.weight[EMA_CHANNEL_POSITION] = (ema_real)INFINITY;
+    ASSERT_REFUSED(EMA_ERR_RANGE);
 }
 
 static void test_init_refuses_the_same_parameter_twice(void)
@@ -953,6 +955,16 @@ static void test_another_number_of_parameters_between_slices_is_refused(void)
     config.identified_count = count;
     EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 1U));
     EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
+}
+
+static void test_a_session_that_was_never_started_is_out_of_order(void)
+{
+    const ema_sample_t sample = {0};
+    ema_result_t result;
+    (void)memset(&session, 0, sizeof session);
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_feed(&session, &sample));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_run(&session, 1U));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_result(&session, &result));
 }
 
 static void test_no_session_has_the_phase_of_one_that_was_not_fed(void)
@@ -1046,6 +1058,7 @@ int main(void)
     RUN_TEST(test_init_refuses_the_same_parameter_twice);
     RUN_TEST(test_init_refuses_an_unknown_format_of_the_record);
     RUN_TEST(test_another_number_of_parameters_between_slices_is_refused);
+    RUN_TEST(test_a_session_that_was_never_started_is_out_of_order);
     RUN_TEST(test_no_session_has_the_phase_of_one_that_was_not_fed);
     RUN_TEST(test_first_run_refuses_a_rod_outside_the_travel);
     RUN_TEST(test_session_writes_inside_itself_alone);
