@@ -43,7 +43,7 @@ typedef struct {
      + ((uint32_t)sizeof(ema_selftest_t) * 31U) + (uint32_t)EMA_VALUE_COUNT + ((uint32_t)EMA_REAL64 << 31U))
 
 /* Runs the test; `build` is EMA_SELFTEST_BUILD. What is found first is told. Cost: 700 model steps, some of them with
- * reversals, a saturated drive and both ends of the play: docs/BUDGETS.md. */
+ * reversals and both ends of the play; the drive stays within its limits: docs/BUDGETS.md. */
 ema_selftest_outcome_t ema_selftest(ema_selftest_t* memory, uint32_t build);
 
 #ifdef __cplusplus

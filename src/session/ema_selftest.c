@@ -13,7 +13,7 @@
 #include "ema_selftest_known.h"
 
 #define EMA_SELFTEST_STEPS 700U
-/* Steps from one end of the motion to the other, and how far apart they are: the drive saturates at each turn. */
+/* Steps from one end of the motion to the other, and how far apart they are. */
 #define EMA_SELFTEST_TURN 150U
 #define EMA_SELFTEST_STEP_MM EMA_R(0.03125)
 #define EMA_SELFTEST_POINTS 16U

@@ -170,7 +170,6 @@ static void count_slices(uint32_t slice)
     print_mean(label, &run);
 }
 
-/* The calls outside the search. */
 static void count_selftest(void)
 {
     static ema_selftest_t memory;
@@ -181,6 +180,7 @@ static void count_selftest(void)
     print_mean((outcome == EMA_SELFTEST_PASSED) ? "selftest" : "selftest_failed", &once);
 }
 
+/* The calls outside the search. */
 static void count_calls(void)
 {
     ticks_t feed = {0};
