@@ -49,3 +49,9 @@ void ema_solve_upper(const ema_real* factor, uint32_t size, ema_real* b)
         b[i - 1U] /= factor[EMA_TRIANGLE(i - 1U) + (i - 1U)];
     }
 }
+
+void ema_solve(const ema_real* factor, uint32_t size, ema_real* b)
+{
+    ema_solve_lower(factor, size, b);
+    ema_solve_upper(factor, size, b);
+}

@@ -21,4 +21,7 @@ bool ema_cholesky(ema_real* matrix, uint32_t size);
 void ema_solve_lower(const ema_real* factor, uint32_t size, ema_real* b);
 void ema_solve_upper(const ema_real* factor, uint32_t size, ema_real* b);
 
+/* Both, one after the other: solves A x = b by the factor of A. */
+void ema_solve(const ema_real* factor, uint32_t size, ema_real* b);
+
 #endif

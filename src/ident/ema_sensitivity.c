@@ -144,8 +144,7 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
         result->bias[i] = EMA_R(0.0);
         if (result->determined) {
             column[i] = EMA_R(1.0);
-            ema_solve_lower(factor, count, column);
-            ema_solve_upper(factor, count, column);
+            ema_solve(factor, count, column);
             result->std[i] = ema_sqrt(column[i] * variance) / length[i];
             result->bias[i] = (EMA_BIAS_SHARE * ema_sqrt(column[i] * shared_square)) / length[i];
         }

@@ -44,8 +44,7 @@ static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, u
     }
     const bool solved = ema_cholesky(memory->matrix, count);
     if (solved) {
-        ema_solve_lower(memory->matrix, count, memory->right);
-        ema_solve_upper(memory->matrix, count, memory->right);
+        ema_solve(memory->matrix, count, memory->right);
     }
     for (uint32_t k = 0; k < count; ++k) {
         const uint32_t i = memory->place[k];

@@ -111,8 +111,7 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     if (!ema_cholesky(normal, unknowns)) {
         return false;
     }
-    ema_solve_lower(normal, unknowns, right);
-    ema_solve_upper(normal, unknowns, right);
+    ema_solve(normal, unknowns, right);
 
     /* curvature in units of the cost */
     uint32_t at = 1U + dimension;
@@ -129,8 +128,7 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     for (uint32_t i = 0; i < dimension; ++i) {
         quadratic->lowest[i] = -right[1U + i] * spread;
     }
-    ema_solve_lower(quadratic->factor, dimension, quadratic->lowest);
-    ema_solve_upper(quadratic->factor, dimension, quadratic->lowest);
+    ema_solve(quadratic->factor, dimension, quadratic->lowest);
     /* a minimum beyond the reach is approached along its direction */
     ema_real far = EMA_REACH;
     for (uint32_t i = 0; i < dimension; ++i) {
