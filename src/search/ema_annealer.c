@@ -93,7 +93,6 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
     }
     if (!scouting && (source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(quadratic, annealer)) {
         ema_quadratic_draw(quadratic, annealer, random, annealer->candidate.x);
-        /* cut off at a bound it would be wrong in the other coordinates: there the walk goes on */
         proposed = ema_start_valid(annealer->candidate.x, dimension);
         annealer->info.from_quadratic += proposed ? 1U : 0U;
     }

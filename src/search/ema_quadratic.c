@@ -9,6 +9,9 @@
 /* Tries to bend a saddle into a bowl: none, then 1 % of the largest curvature times 5 each time. */
 #define EMA_LIFTS 5U
 
+/* Rounds over the coordinates in which a point outside the box finds its place in it: two coordinates need one. */
+#define EMA_FOLDS 4U
+
 /* How far from the best point, in spreads of the points, a minimum is believed. */
 #define EMA_REACH EMA_R(3.0)
 
@@ -140,6 +143,45 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     return true;
 }
 
+/* Of the points in the box and within reach that which is least above `z` by the quadratic's curvature alone, into `z`:
+ * a coordinate that is held at its bound moves the others along. */
+static void ema_quadratic_fold(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_real* z)
+{
+    const uint32_t dimension = annealer->config.dimension;
+    ema_real away[EMA_ANNEALER_DIMENSION_MAX]; /* from z */
+    ema_real pull[EMA_ANNEALER_DIMENSION_MAX]; /* the factor's transpose times it */
+    for (uint32_t i = 0; i < dimension; ++i) {
+        away[i] = EMA_R(0.0);
+        pull[i] = EMA_R(0.0);
+    }
+    for (uint32_t k = 0; k < EMA_FOLDS; ++k) {
+        const ema_real* row = quadratic->factor;
+        for (uint32_t i = 0; i < dimension; ++i) {
+            ema_real slope = EMA_R(0.0);
+            ema_real curvature = EMA_R(0.0);
+            for (uint32_t j = 0; j <= i; ++j) {
+                slope += row[j] * pull[j];
+                curvature += row[j] * row[j];
+            }
+            /* the best point, at zero, is inside and within reach */
+            const ema_real lowest = quadratic->lowest[i];
+            const ema_real lower = ema_max(-annealer->best.x[i] / quadratic->scale[i], lowest - EMA_REACH);
+            const ema_real upper =
+                ema_min((EMA_R(1.0) - annealer->best.x[i]) / quadratic->scale[i], lowest + EMA_REACH);
+            const ema_real to = ema_clamp((z[i] + away[i]) - (slope / curvature), lower, upper);
+            const ema_real moved = (to - z[i]) - away[i];
+            away[i] += moved;
+            for (uint32_t j = 0; j <= i; ++j) {
+                pull[j] += row[j] * moved;
+            }
+            row = &row[i + 1U];
+        }
+    }
+    for (uint32_t i = 0; i < dimension; ++i) {
+        z[i] += away[i];
+    }
+}
+
 void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random,
                         ema_real* x)
 {
@@ -150,9 +192,17 @@ void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* 
         z[i] = width * ema_random_normal(random);
     }
     ema_solve_upper(quadratic->factor, dimension, z);
+    bool inside = true;
     for (uint32_t i = 0; i < dimension; ++i) {
         /* a draw wider than the points themselves would leave the region where the quadratic holds */
-        const ema_real away = quadratic->lowest[i] + ema_clamp(z[i], -EMA_REACH, EMA_REACH);
-        x[i] = annealer->best.x[i] + (quadratic->scale[i] * away);
+        z[i] = quadratic->lowest[i] + ema_clamp(z[i], -EMA_REACH, EMA_REACH);
+        x[i] = annealer->best.x[i] + (quadratic->scale[i] * z[i]);
+        inside = inside && (x[i] >= EMA_R(0.0)) && (x[i] <= EMA_R(1.0));
+    }
+    if (!inside) {
+        ema_quadratic_fold(quadratic, annealer, z);
+        for (uint32_t i = 0; i < dimension; ++i) {
+            x[i] = ema_clamp(annealer->best.x[i] + (quadratic->scale[i] * z[i]), EMA_R(0.0), EMA_R(1.0));
+        }
     }
 }

@@ -11,8 +11,9 @@ uint32_t ema_quadratic_unknowns(uint32_t dimension);
  * them. Cost: one Cholesky solution. */
 bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* annealer);
 
-/* Draws from exp(-quadratic / temperature): normal around the minimum. Writes `dimension` numbers, not yet inside the
- * box. */
+/* Draws from exp(-quadratic / temperature): normal around the minimum. A draw outside the box is moved into it, to
+ * where the quadratic rises least above it. Writes `dimension` numbers in [0, 1]. Cost: dimension^2, four times that
+ * outside. */
 void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_random_t* random,
                         ema_real* x);
 

@@ -374,6 +374,72 @@ static void test_cold_draw_is_the_minimum_itself(void)
     }
 }
 
+/* A valley across the box whose lowest point lies outside: the draw is the lowest point of the box by an even grid,
+ * with the other coordinates where the held one moves them. */
+static void test_a_minimum_outside_is_sought_in_the_box(void)
+{
+    const double lowest[4][2] = {{-0.12, 0.35}, {1.08, 0.6}, {0.45, -0.1}, {1.05, 1.1}};
+    for (uint32_t k = 0; k < 4U; ++k) {
+        setUp();
+        shape_t shape = {.dimension = 2U, .lowest = {lowest[k][0], lowest[k][1]}};
+        shape.curvature[0][0] = 4.0;
+        shape.curvature[1][1] = 3.0;
+        shape.curvature[0][1] = 3.0;
+        shape.curvature[1][0] = 3.0;
+        scatter(&shape, 0.5, 0.45, 36U);
+        TEST_ASSERT_TRUE(ema_quadratic_fit(&quadratic, &annealer));
+        annealer.temperature = EMA_R(0.0);
+        ema_random_t random;
+        ema_random_init(&random, UINT64_C(9), UINT64_C(54));
+        ema_real x[N_MAX];
+        ema_quadratic_draw(&quadratic, &annealer, &random, x);
+        double least = (double)INFINITY;
+        double there[2] = {0.0};
+        for (uint32_t n = 0; n <= 400U; ++n) {
+            for (uint32_t m = 0; m <= 400U; ++m) {
+                const ema_real at[2] = {(ema_real)n / EMA_R(400.0), (ema_real)m / EMA_R(400.0)};
+                const double cost = cost_of(&shape, at);
+                if (cost < least) {
+                    least = cost;
+                    there[0] = (double)at[0];
+                    there[1] = (double)at[1];
+                }
+            }
+        }
+        for (uint32_t i = 0; i < 2U; ++i) {
+            TEST_ASSERT_TRUE((x[i] >= EMA_R(0.0)) && (x[i] <= EMA_R(1.0)));
+            /* the grid is this wide, and the fit in float32 as far off as on bowls */
+            EMA_ASSERT_CLOSE(there[i], x[i], 1.0 / 400.0 + 1.0e-3, 0.0);
+        }
+    }
+}
+
+static void test_draws_outside_come_into_the_box(void)
+{
+    for (uint32_t dimension = 1; dimension <= N_MAX; ++dimension) {
+        setUp();
+        shape_t shape = bowl(dimension);
+        for (uint32_t i = 0; i < dimension; ++i) {
+            shape.lowest[i] = ((i % 2U) == 0U) ? 0.02 : 0.97;
+        }
+        scatter(&shape, 0.5, 0.45, 36U);
+        TEST_ASSERT_TRUE(ema_quadratic_fit(&quadratic, &annealer));
+        annealer.temperature = EMA_R(0.1);
+        ema_random_t random;
+        ema_random_init(&random, UINT64_C(9), UINT64_C(54));
+        uint32_t held = 0U;
+        for (uint32_t n = 0; n < 500U; ++n) {
+            ema_real x[N_MAX];
+            ema_quadratic_draw(&quadratic, &annealer, &random, x);
+            for (uint32_t i = 0; i < dimension; ++i) {
+                TEST_ASSERT_TRUE((x[i] >= EMA_R(0.0)) && (x[i] <= EMA_R(1.0)));
+                held += ((x[i] < EMA_R(1.0e-6)) || (x[i] > EMA_R(0.999999))) ? 1U : 0U;
+            }
+        }
+        TEST_ASSERT_TRUE(held > 50U);
+    }
+}
+
 static void test_draw_takes_one_normal_per_dimension(void)
 {
     const shape_t shape = bowl(4U);
@@ -410,6 +476,8 @@ int main(void)
     RUN_TEST(test_draws_are_boltzmanns);
     RUN_TEST(test_draws_stay_where_the_quadratic_holds);
     RUN_TEST(test_cold_draw_is_the_minimum_itself);
+    RUN_TEST(test_a_minimum_outside_is_sought_in_the_box);
+    RUN_TEST(test_draws_outside_come_into_the_box);
     RUN_TEST(test_draw_takes_one_normal_per_dimension);
     return UNITY_END();
 }

@@ -7,28 +7,28 @@
 
 static const ema_pattern_t ema_exported_patterns[] = {
     {0, 5, 1, true, {EMA_R(0x1.9a03f8d203150p-10), EMA_R(0.0), EMA_R(0x1.8868374be3f9fp-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {0, 6, 1, true, {EMA_R(0x1.8456be8927bccp-10), EMA_R(0.0), EMA_R(0x1.669029a62ebf0p-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
+    {0, 6, 1, true, {EMA_R(0x1.8456be8927bcbp-10), EMA_R(0.0), EMA_R(0x1.669029a62ebefp-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {0, 7, 1, true, {EMA_R(0x1.ef57fe8f902c3p-11), EMA_R(0.0), EMA_R(0x1.d7f7a3fee3e09p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {0, 8, 1, true, {EMA_R(0x1.884b17ef49435p-11), EMA_R(0.0), EMA_R(0x1.77b3c0852c6c3p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {0, 9, 1, true, {EMA_R(0x1.a51a5a8c3d987p-11), EMA_R(0.0), EMA_R(0x1.8cc9bbd127917p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {0, 10, 1, true, {EMA_R(0x1.3d005c77d87cap-11), EMA_R(0.0), EMA_R(0x1.29ff664ae691cp-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {1, 11, 2, false, {EMA_R(0x1.28ecbd421c43fp-13), EMA_R(-0x1.8419316f283b1p-15), EMA_R(0x1.75c7cfff820c0p-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 13, 2, false, {EMA_R(0x1.f4b894877c66ep-14), EMA_R(-0x1.fc82ec2394c3fp-17), EMA_R(0x1.e63a1fa7807e6p-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 11, 2, false, {EMA_R(0x1.28ecbd421c43ep-13), EMA_R(-0x1.8419316f283afp-15), EMA_R(0x1.75c7cfff820c0p-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 13, 2, false, {EMA_R(0x1.f4b894877c66dp-14), EMA_R(-0x1.fc82ec2394c40p-17), EMA_R(0x1.e63a1fa7807e6p-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 15, 2, false, {EMA_R(0x1.d3d479798b17bp-14), EMA_R(0x1.1f8cbaa2426aap-14), EMA_R(0x1.2afa1b4374b45p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 17, 2, false, {EMA_R(0x1.3f44342848cf8p-13), EMA_R(-0x1.341db249a78afp-14), EMA_R(0x1.2d91ecea7029ep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 19, 2, false, {EMA_R(0x1.48bf5a53f0180p-13), EMA_R(0x1.650b70edd5108p-17), EMA_R(0x1.b2b109cea61e7p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 21, 2, false, {EMA_R(0x1.4838d65460da2p-13), EMA_R(-0x1.f5c065d5f9b79p-14), EMA_R(0x1.5214234e564aap-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 23, 2, false, {EMA_R(0x1.d7d225dfda078p-13), EMA_R(-0x1.906692c0fe64cp-16), EMA_R(0x1.6424b30c7d764p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 25, 2, false, {EMA_R(0x1.3de41f634d6e9p-13), EMA_R(-0x1.695151582c6b8p-14), EMA_R(0x1.c46afac0540aep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 27, 2, false, {EMA_R(0x1.5ba279b180b63p-13), EMA_R(0x1.03f829c42e5acp-14), EMA_R(0x1.c41d2c058a048p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 19, 2, false, {EMA_R(0x1.48bf5a53f0182p-13), EMA_R(0x1.650b70edd510ap-17), EMA_R(0x1.b2b109cea61e7p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 21, 2, false, {EMA_R(0x1.4838d65460da2p-13), EMA_R(-0x1.f5c065d5f9b7ap-14), EMA_R(0x1.5214234e564aap-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 23, 2, false, {EMA_R(0x1.d7d225dfda078p-13), EMA_R(-0x1.906692c0fe64bp-16), EMA_R(0x1.6424b30c7d764p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 25, 2, false, {EMA_R(0x1.3de41f634d6e9p-13), EMA_R(-0x1.695151582c6b6p-14), EMA_R(0x1.c46afac0540aep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 27, 2, false, {EMA_R(0x1.5ba279b180b63p-13), EMA_R(0x1.03f829c42e5abp-14), EMA_R(0x1.c41d2c058a048p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 29, 2, false, {EMA_R(0x1.41e1e5e9ef396p-13), EMA_R(-0x1.178e2348d3977p-13), EMA_R(0x1.163272732252dp-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 31, 2, false, {EMA_R(0x1.4d8d564e3b5fbp-12), EMA_R(-0x1.26e97794b50d8p-15), EMA_R(0x1.0970f18121323p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 33, 2, false, {EMA_R(0x1.a8a666080be89p-13), EMA_R(-0x1.96957a6fa68cap-13), EMA_R(0x1.08f3e832c2415p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 35, 2, false, {EMA_R(0x1.549f1430db683p-12), EMA_R(-0x1.ecb7b099700e5p-16), EMA_R(0x1.6f935acf27c1cp-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 37, 2, false, {EMA_R(0x1.d0a4c1f717a5cp-13), EMA_R(-0x1.118f4fb86afa6p-12), EMA_R(0x1.679fb96c504e9p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 37, 2, false, {EMA_R(0x1.d0a4c1f717a5cp-13), EMA_R(-0x1.118f4fb86afa7p-12), EMA_R(0x1.679fb96c504e9p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 39, 2, false, {EMA_R(0x1.604f2dd111589p-12), EMA_R(-0x1.632c6f433f76dp-13), EMA_R(0x1.2af305dc26777p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 41, 2, false, {EMA_R(0x1.c8dec53e2cf0cp-13), EMA_R(-0x1.1a83bca64acb2p-12), EMA_R(0x1.6635de1da0001p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {2, 43, 1, false, {EMA_R(0x1.559ad686dd368p-16), EMA_R(0.0), EMA_R(0x1.4153de3186ee3p-10)}, EMA_R(0.0)}, /* constant_load */
+    {2, 43, 1, false, {EMA_R(0x1.559ad686dd367p-16), EMA_R(0.0), EMA_R(0x1.4153de3186ee2p-10)}, EMA_R(0.0)}, /* constant_load */
     {3, 44, 1, false, {EMA_R(0x1.4a817082fd21bp-1), EMA_R(0.0), EMA_R(0x1.41ae612557b1ep+5)}, EMA_R(0.0)}, /* winding_heating */
     {4, 45, 1, true, {EMA_R(0x1.dc1b6b21760bbp-11), EMA_R(0.0), EMA_R(0x1.bfaddbab1b74ap-5)}, EMA_R(0.0)}, /* inverter_dead_time */
     {5, 46, 1, true, {EMA_R(0x1.2c0e508da6017p-11), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-7)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
@@ -43,12 +43,12 @@ static const ema_pattern_t ema_exported_patterns[] = {
     {9, 55, 1, false, {EMA_R(0x1.45803286015ddp-13), EMA_R(0.0), EMA_R(0x1.31272746be816p-7)}, EMA_R(0.0)}, /* coulomb_asymmetry */
     {10, 56, 1, false, {EMA_R(0x1.d3470689c173fp-10), EMA_R(0.0), EMA_R(0x1.b6110af54c226p-4)}, EMA_R(0.0)}, /* viscous_asymmetry */
     {11, 57, 1, true, {EMA_R(0x1.978c967b42e41p-13), EMA_R(0.0), EMA_R(0x1.8327c8d3f9e28p-7)}, EMA_R(0.0)}, /* load_dependent_friction */
-    {12, 58, 2, false, {EMA_R(0x1.efc692761f975p-14), EMA_R(-0x1.c6fe153e306b4p-19), EMA_R(0x1.220733e577bdbp-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
-    {13, 60, 2, false, {EMA_R(0x1.26113a3d62543p-11), EMA_R(-0x1.3fc2c57a990d3p-16), EMA_R(0x1.f98c63521e99dp-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {12, 58, 2, false, {EMA_R(0x1.efc692761f973p-14), EMA_R(-0x1.c6fe153e306b4p-19), EMA_R(0x1.220733e577bdbp-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
+    {13, 60, 2, false, {EMA_R(0x1.26113a3d62543p-11), EMA_R(-0x1.3fc2c57a990d2p-16), EMA_R(0x1.f98c63521e99dp-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 62, 2, false, {EMA_R(0x1.5ab0b4fc08a5fp-11), EMA_R(0x1.af6320025c2efp-13), EMA_R(0x1.d0d457305c2ebp-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 64, 2, false, {EMA_R(0x1.e5d901df7c701p-11), EMA_R(-0x1.395569073602ap-13), EMA_R(0x1.30791311c99b2p-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 66, 2, false, {EMA_R(0x1.7118f43508038p-10), EMA_R(0x1.1bda82a5c5c8bp-14), EMA_R(0x1.1a57129de684bp-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 68, 2, false, {EMA_R(0x1.0ffe96d4c6f38p-10), EMA_R(0x1.1690cf09b4b3dp-13), EMA_R(0x1.2bd945451ea7fp-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 66, 2, false, {EMA_R(0x1.7118f43508038p-10), EMA_R(0x1.1bda82a5c5c89p-14), EMA_R(0x1.1a57129de684bp-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 68, 2, false, {EMA_R(0x1.0ffe96d4c6f38p-10), EMA_R(0x1.1690cf09b4b3ep-13), EMA_R(0x1.2bd945451ea7fp-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {14, 70, 1, true, {EMA_R(0x1.40e5ebd2d3810p-14), EMA_R(0.0), EMA_R(0x1.2dbb16e2a05c1p-8)}, EMA_R(0.0)}, /* magnet_weakening */
     {15, 71, 1, true, {EMA_R(0x1.ea4cfa9b7abfcp-14), EMA_R(0.0), EMA_R(0x1.d022813eeb27bp-8)}, EMA_R(0.0)}, /* supply_sag */
     {16, 72, 1, true, {EMA_R(0x1.d2437b4564094p-11), EMA_R(0.0), EMA_R(0x1.b8d9d472bbb4ap-5)}, EMA_R(0.0)}, /* source_resistance */
@@ -57,19 +57,19 @@ static const ema_pattern_t ema_exported_patterns[] = {
     {18, 75, 1, false, {EMA_R(0x1.5b89bb2b26714p-15), EMA_R(0.0), EMA_R(0x1.45c3bf1928b91p-9)}, EMA_R(0.0)}, /* sensor_gain */
     {19, 76, 1, false, {EMA_R(0x1.39a98b3b4bcdap-15), EMA_R(0.0), EMA_R(0x1.0624dd2f1a9fcp-9)}, EMA_R(0.0)}, /* sensor_offset */
     {20, 77, 1, true, {EMA_R(0x1.a826ce05f7a9fp-19), EMA_R(0.0), EMA_R(0x1.7c1253a9521c3p-13)}, EMA_R(0.0)}, /* actuation_delay */
-    {21, 78, 1, false, {EMA_R(0x1.445384fb22bf6p-5), EMA_R(0.0), EMA_R(0x1.8a1f26d2b487ep+1)}, EMA_R(0.0)}, /* viscous_rise */
-    {22, 79, 1, false, {EMA_R(0x1.86fae7c63ff5dp-16), EMA_R(0.0), EMA_R(0x1.7c9ffe449e126p-10)}, EMA_R(0.0)}, /* concave_viscous */
+    {21, 78, 1, false, {EMA_R(0x1.445384fb22bf5p-5), EMA_R(0.0), EMA_R(0x1.8a1f26d2b487dp+1)}, EMA_R(0.0)}, /* viscous_rise */
+    {22, 79, 1, false, {EMA_R(0x1.86fae7c63ff5cp-16), EMA_R(0.0), EMA_R(0x1.7c9ffe449e126p-10)}, EMA_R(0.0)}, /* concave_viscous */
     {23, 80, 1, false, {EMA_R(0x1.8711039507051p-28), EMA_R(0.0), EMA_R(0x1.adf86602c6169p-22)}, EMA_R(0.0)}, /* quadratic_viscous */
-    {24, 81, 1, true, {EMA_R(0x1.dc9a9a7f044e7p-15), EMA_R(0.0), EMA_R(0x1.b346fa18327a4p-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
+    {24, 81, 1, true, {EMA_R(0x1.dc9a9a7f044e8p-15), EMA_R(0.0), EMA_R(0x1.b346fa18327a5p-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 82, 1, true, {EMA_R(0x1.6576ea368cf81p-14), EMA_R(0.0), EMA_R(0x1.49e579f19e2e0p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 83, 1, true, {EMA_R(0x1.bfdfc1521cb60p-14), EMA_R(0.0), EMA_R(0x1.9e292463db307p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 84, 1, true, {EMA_R(0x1.8123c43fcb8f9p-14), EMA_R(0.0), EMA_R(0x1.64530f71861b3p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 85, 1, true, {EMA_R(0x1.60db91b28f4a6p-14), EMA_R(0.0), EMA_R(0x1.46d9bed928759p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 86, 1, true, {EMA_R(0x1.3d68903ab2278p-14), EMA_R(0.0), EMA_R(0x1.2539cd14de0c3p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 87, 1, true, {EMA_R(0x1.d0954d3e88156p-15), EMA_R(0.0), EMA_R(0x1.aa4524f573232p-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
-    {25, 88, 1, false, {EMA_R(0x1.4b6712088758bp-13), EMA_R(0.0), EMA_R(0x1.371d29c0f4c49p-7)}, EMA_R(0.0)}, /* inertia_change */
-    {26, 89, 1, false, {EMA_R(0x1.f7acf00f45777p-14), EMA_R(0.0), EMA_R(0x1.da146ec2d2233p-8)}, EMA_R(0.0)}, /* gain_drift */
-    {31, 90, 1, true, {EMA_R(0x1.05f768919509ap-10), EMA_R(0.0), EMA_R(0x1.f971c1260866ep-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
+    {25, 88, 1, false, {EMA_R(0x1.4b6712088758ap-13), EMA_R(0.0), EMA_R(0x1.371d29c0f4c48p-7)}, EMA_R(0.0)}, /* inertia_change */
+    {26, 89, 1, false, {EMA_R(0x1.f7acf00f45775p-14), EMA_R(0.0), EMA_R(0x1.da146ec2d2233p-8)}, EMA_R(0.0)}, /* gain_drift */
+    {31, 90, 1, true, {EMA_R(0x1.05f768919509bp-10), EMA_R(0.0), EMA_R(0x1.f971c12608670p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
     {31, 91, 1, true, {EMA_R(0x1.2b055c33f7b0dp-11), EMA_R(0.0), EMA_R(0x1.1b9ff377af168p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
     {32, 92, 1, true, {EMA_R(0x1.86dc304f22803p-10), EMA_R(0.0), EMA_R(0x1.766fe9982595fp-4)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
     {32, 93, 1, true, {EMA_R(0x1.8aaf7c7c22569p-11), EMA_R(0.0), EMA_R(0x1.82dd36329da44p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
@@ -80,29 +80,29 @@ static const ema_pattern_t ema_exported_patterns[] = {
 static const ema_real ema_exported_units[] = {
     EMA_R(0x1.29562a1ff95e5p-19), EMA_R(0x1.8a4e9d0b686a7p-17), EMA_R(0x1.4fc7a7b616309p-19), EMA_R(0x1.dde92a1f8de13p-19),
     EMA_R(0x1.20dda74898033p-18), EMA_R(0x1.310efebf733bdp-17), EMA_R(0x1.40ae528ef58ecp-17), EMA_R(0x1.eb4e9a1da1554p-18),
-    EMA_R(0x1.0500a0468a5c8p-17), EMA_R(0x1.5f34e9d3d0acdp-18), EMA_R(0x1.39b7f1dba493cp-18), EMA_R(0x1.168f1ac5c3f42p-17),
+    EMA_R(0x1.0500a0468a5c8p-17), EMA_R(0x1.5f34e9d3d0acep-18), EMA_R(0x1.39b7f1dba493cp-18), EMA_R(0x1.168f1ac5c3f42p-17),
     EMA_R(0x1.efcce5194379cp-18), EMA_R(0x1.5925b0d29e6e5p-17), EMA_R(0x1.7ca07dd4cc8e7p-18), EMA_R(0x1.01c260817e328p-17),
     EMA_R(0x1.3dd771936826bp-17), EMA_R(0x1.a8ce131db9f27p-18), EMA_R(0x1.e018342f03a06p-18), EMA_R(0x1.17a27953aa907p-17),
-    EMA_R(0x1.07a3b4609c0d9p-17), EMA_R(0x1.e6d48fa46e305p-18), EMA_R(0x1.b844de95c97c8p-18), EMA_R(0x1.ff23b2ce537eap-18),
-    EMA_R(0x1.fd3a412cfb59cp-18), EMA_R(0x1.d3dda12529142p-18), EMA_R(0x1.2f7fb56591aaep-17), EMA_R(0x1.0c0106d1977b6p-17),
+    EMA_R(0x1.07a3b4609c0d9p-17), EMA_R(0x1.e6d48fa46e306p-18), EMA_R(0x1.b844de95c97c8p-18), EMA_R(0x1.ff23b2ce537eap-18),
+    EMA_R(0x1.fd3a412cfb59cp-18), EMA_R(0x1.d3dda12529142p-18), EMA_R(0x1.2f7fb56591aadp-17), EMA_R(0x1.0c0106d1977b6p-17),
     EMA_R(0x1.01cfe40b6a700p-17), EMA_R(0x1.e7e5dc5ded913p-18), EMA_R(0x1.6efb0a28255f6p-17), EMA_R(0x1.0ac2118b8304ap-17),
     EMA_R(0x1.66369e34f5905p-17), EMA_R(0x1.661405d982e22p-17), EMA_R(0x1.1fdba208db17ap-17), EMA_R(0x1.49dfc38cba1abp-17),
     EMA_R(0x1.e543c98eb1fdap-17), EMA_R(0x1.acda1562c32c5p-17), EMA_R(0x1.18ca78439f22dp-17), EMA_R(0x1.09663a3eab1bcp-17),
     EMA_R(0x1.4812b8f44dd17p-17), EMA_R(0x1.a2b1e7b9d0389p-17), EMA_R(0x1.1bf9d04b50fd5p-17), EMA_R(0x1.28e29f54bf244p-19),
-    EMA_R(0x1.3e69cf6c8696fp-17), EMA_R(0x1.953f9e62044fcp-18), EMA_R(0x1.4145b3efc0113p-18), EMA_R(0x1.367d6d4ee9ce8p-18),
-    EMA_R(0x1.3ea62a550672fp-18), EMA_R(0x1.372bb4b82b81ap-18), EMA_R(0x1.359029592eae8p-18), EMA_R(0x1.3a38a4a022866p-18),
-    EMA_R(0x1.c4a08425bf787p-19), EMA_R(0x1.eedbc33ef7961p-19), EMA_R(0x1.ab50257c222e2p-18), EMA_R(0x1.2a10e9def12d8p-19),
+    EMA_R(0x1.3e69cf6c86971p-17), EMA_R(0x1.953f9e62044fcp-18), EMA_R(0x1.4145b3efc0113p-18), EMA_R(0x1.367d6d4ee9ce8p-18),
+    EMA_R(0x1.3ea62a550672fp-18), EMA_R(0x1.372bb4b82b81ap-18), EMA_R(0x1.359029592eae7p-18), EMA_R(0x1.3a38a4a022866p-18),
+    EMA_R(0x1.c4a08425bf788p-19), EMA_R(0x1.eedbc33ef7961p-19), EMA_R(0x1.ab50257c222e2p-18), EMA_R(0x1.2a10e9def12d8p-19),
     EMA_R(0x1.1883b3260312cp-18), EMA_R(0x1.37279901d844ap-18), EMA_R(0x1.6c25db3a88f94p-19), EMA_R(0x1.60116ddb0bd7ep-18),
     EMA_R(0x1.a0872858d700fp-18), EMA_R(0x1.93c67438a4c2fp-18), EMA_R(0x1.b03cfeb97ed3fp-18), EMA_R(0x1.048089113554bp-17),
-    EMA_R(0x1.12f3d9b96fef0p-17), EMA_R(0x1.f6be1367344bap-18), EMA_R(0x1.ed98b19215842p-18), EMA_R(0x1.ff86d2cf9b55dp-18),
+    EMA_R(0x1.12f3d9b96fef0p-17), EMA_R(0x1.f6be1367344b9p-18), EMA_R(0x1.ed98b19215842p-18), EMA_R(0x1.ff86d2cf9b55dp-18),
     EMA_R(0x1.f6e6f1cd50d42p-18), EMA_R(0x1.01676f4c6fe79p-17), EMA_R(0x1.0b0db6d4a4b65p-18), EMA_R(0x1.bf9469b73ef25p-19),
-    EMA_R(0x1.0dad9898ffe2ap-18), EMA_R(0x1.1e52026123606p-16), EMA_R(0x1.4bc31d5013a79p-17), EMA_R(0x1.37e73491529acp-18),
-    EMA_R(0x1.35106ddad3ebfp-19), EMA_R(0x1.2cd7caa032ca8p-18), EMA_R(0x1.77ff7837dfba8p-18), EMA_R(0x1.47a30ea4c0604p-18),
+    EMA_R(0x1.0dad9898ffe2ap-18), EMA_R(0x1.1e52026123606p-16), EMA_R(0x1.4bc31d5013a79p-17), EMA_R(0x1.37e73491529abp-18),
+    EMA_R(0x1.35106ddad3ebfp-19), EMA_R(0x1.2cd7caa032ca7p-18), EMA_R(0x1.77ff7837dfbadp-18), EMA_R(0x1.47a30ea4c0602p-18),
     EMA_R(0x1.3b1a4518b3564p-18), EMA_R(0x1.30343e919f240p-18), EMA_R(0x1.01dd9930f7e9ap-17), EMA_R(0x1.2c097c8ff0730p-17),
-    EMA_R(0x1.427b17c30e7a2p-17), EMA_R(0x1.fd631c6088335p-18), EMA_R(0x1.b1afb85049676p-18), EMA_R(0x1.08c458a508994p-18),
+    EMA_R(0x1.427b17c30e7a2p-17), EMA_R(0x1.fd631c6088335p-18), EMA_R(0x1.b1afb85049677p-18), EMA_R(0x1.08c458a508994p-18),
     EMA_R(0x1.4c8c03e8bbb90p-18), EMA_R(0x1.a2f5b97e4146cp-19), EMA_R(0x1.1fdb4fca13cc3p-17), EMA_R(0x1.100602b1bdab9p-17),
-    EMA_R(0x1.237e7377732bfp-17), EMA_R(0x1.77db6080b18f7p-18), EMA_R(0x1.d272bc17bba51p-18), EMA_R(0x1.11487fb4dddd9p-18),
-    EMA_R(0x1.89fa25206800bp-17), EMA_R(0x1.0948751955e2fp-18),
+    EMA_R(0x1.237e7377732bfp-17), EMA_R(0x1.77db6080b18f7p-18), EMA_R(0x1.d272bc17bba51p-18), EMA_R(0x1.11487fb4dddd6p-18),
+    EMA_R(0x1.89fa25206800dp-17), EMA_R(0x1.0948751955e2fp-18),
 };
 
 static const int16_t ema_exported_values[] = {
@@ -2198,9 +2198,9 @@ static const ema_signatures_t EMA_SIGNATURES = {
     .reference = {EMA_R(0x1.8a9d229b9e374p-26), EMA_R(0x1.284ef5b72da66p-21)},
     .weight = {EMA_R(0x1.a9337d72ec05dp+10), EMA_R(0x1.791778607f0b5p+7)},
     .limit = EMA_R(30.0),
-    .energy = EMA_R(0x1.ca17ec163e402p+8),
+    .energy = EMA_R(0x1.ca17ec163e40cp+8),
     .fault = {
-        {25, 96, EMA_R(0x1.0d1c67f35a369p-3), EMA_R(0x1.a8a3ea9ac5e23p-12), EMA_R(0x1.f9d05387f4e16p+15)}, /* screw.csj_Nm */
+        {25, 96, EMA_R(0x1.0d1c67f35a369p-3), EMA_R(0x1.a8a3ea9ac5e25p-12), EMA_R(0x1.f9d05387f4e16p+15)}, /* screw.csj_Nm */
         {29, 97, EMA_R(0x1.03127c66c92a1p-5), EMA_R(0x1.23adbf043a7f7p-13), EMA_R(0x1.89e02cb75b66fp+13)}, /* screw.blk_mm */
     },
     .pattern = ema_exported_patterns,
