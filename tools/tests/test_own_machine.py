@@ -18,7 +18,7 @@ from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, write_record
 from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.calibrate import calibrate
-from ema_tools.tasks.healthy_runs import of_another_day, scatter_read
+from ema_tools.tasks.healthy_runs import scatter_read
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.onboard_search import SCATTERS, run
 from ema_tools.tasks.own_machine import OwnMachine, own_machine, repeated
@@ -190,26 +190,3 @@ def test_on_another_command_than_the_ground_test_the_position_alone_decides_noth
     sound = chirp_record(unit, TRIANGLE)
     healthy = [rod_alone(sound.with_noise(NOISE, 10 + seed)) for seed in range(3)]
     assert identify(unit, alone[0], healthy).answer.verdict == "fault"
-
-
-@pytest.mark.parametrize(
-    ("winding", "grease", "widens"),
-    [
-        (-0.05, 0.4, True),
-        (0.05, -0.25, True),
-        # a hot winding alone, a grease that has aged, or both to one side are no temperature
-        (0.2, 0.0, False),
-        (0.0, 0.4, False),
-        (0.05, 0.1, False),
-        (-0.05, 0.01, False),
-    ],
-)
-def test_another_temperature_is_told_by_winding_and_grease_together(winding: float, grease: float, widens: bool) -> None:
-    healthy = reference_actuator()
-    resistance, viscous = "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
-    today = {resistance: healthy[resistance] * (1.0 + winding), viscous: healthy[viscous] * (1.0 + grease)}
-    found = of_another_day(healthy, today)
-    # friction scatters by 0.4 % where the winding does by 0.3 %
-    assert found == (pytest.approx({"screw.csj_Nm": abs(winding) * 4.0 / 3.0}) if widens else {})
-    # and an actuator that states its winding not to scatter is not asked
-    assert of_another_day(replace(healthy, scatter={resistance: 0.0}), today) == {}

@@ -34,6 +34,11 @@ _SELDOM = 1e-4  # a rate below this is not told more exactly [chance]
 _QUANTILES = 400  # of the scatter that runs may show [precision]
 
 
+def beyond(false_alarm: float) -> float:
+    """Share of the readings of one healthy value that lie below its threshold, where the single tests share the false alarms."""
+    return 1.0 - false_alarm / _ALWAYS_ONE_SIDED
+
+
 @dataclass(frozen=True)
 class ShiftTest:
     """A test at `false_alarm`, that finds a shift with `power`, by the scatter that `runs` healthy runs show; None where the scatter is known without."""

@@ -12,10 +12,11 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.data.records import Record
-from ema_tools.fit.detection import USUAL_WEIGHT, ShiftTest
+from ema_tools.fit.detection import FALSE_ALARM, USUAL_WEIGHT, ShiftTest, beyond
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
-from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
+from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
+from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, IdentifiedValue, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared
 from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, identified_of, run
@@ -23,12 +24,11 @@ from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALON
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
 _AT_MOST = (
-    2.0  # of the stated thresholds, beyond which none is set unless it is asked for: a machine that scatters more is undecided [judgement]
+    2.0  # of the stated thresholds, beyond which none is set unless it is asked for: what scatters more is undecided between [judgement]
 )
 # Friction differs from day to day by the temperature as the winding does: where that scatters more than usual, so will friction, though few records may not show it [physics]
 _ALSO_SHOWN = {"screw.csj_Nm": "motor.resistance_ohm"}
-# And where that of today is another than theirs, so may friction be; grease says whether it is the temperature or the winding alone [physics]
-_THINNER = "screw.viscous_Nm_s_per_rad"
+_DRY, _WINDING, _GREASE = "screw.csj_Nm", "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
 # Signals that tell play and friction and hardly anything else: current and voltage follow grease and winding, which differ from day to day [physics]
 _WEIGHED = ("position_mm", "motor_position_mm")
 
@@ -86,12 +86,21 @@ def _stated(actuator: Actuator, record: Record, names: Sequence[str], search: Se
 @dataclass(frozen=True)
 class HealthyRuns:
     """What two or more healthy records of today's command say. `known`: the machine as they show it, with the sensor noise that they show; `search`: the settings by which it is
-    searched: weights of the signals and the least shifts that are called a fault; `doubt`: why two records may not both be healthy, in words."""
+    searched: weights of the signals and the least shifts that are called a fault; `doubt`: why two records may not both be healthy, in words; `friction`: how dry friction goes with
+    temperature, where the runs can tell; `means`: of winding and grease, by name."""
 
     known: Actuator
     baseline: Baseline
     search: SearchSettings
     doubt: str = ""
+    friction: HealthyFriction | None = None
+    means: Mapping[str, float] = field(default_factory=dict)
+
+    def foretold(self, today: Mapping[str, float]) -> Foretold | None:
+        """Dry friction as it should be `today`, by winding and grease of that name, over that of the healthy runs."""
+        if self.friction is None:
+            return None
+        return self.friction.today(today[_WINDING] / self.means[_WINDING] - 1.0, today[_GREASE] / self.means[_GREASE] - 1.0)
 
 
 def scatter_shown(apart: Sequence[float], usual: float, means: int = 1) -> float:
@@ -112,19 +121,21 @@ def scatter_read(known: Actuator, name: str, read: Sequence[float], today: Seque
     return scatter_shown([*shown, *beside], usual, 2 if beside else 1)
 
 
-def of_another_day(healthy: Actuator, today: Mapping[str, float]) -> dict[str, float]:
-    """Share by which values may differ since today's temperature is another than on the healthy runs, one standard deviation by name; `today`: what scatters, as it is today.
-
-    A warmer winding resists more and a warmer grease less, and grease changes by more: where the two do not agree, it is no temperature.
-    """
-    found = {}
-    for name, other in _ALSO_SHOWN.items():
-        if other in today and _THINNER in today and healthy[_THINNER] > 0.0:
-            winding, grease = today[other] / healthy[other] - 1.0, today[_THINNER] / healthy[_THINNER] - 1.0
-            share = share_from_run_to_run(healthy, other)
-            if winding * grease < 0.0 and abs(grease) > abs(winding) and share > 0.0:
-                found[name] = abs(winding) / share * share_from_run_to_run(healthy, name)
-    return found
+def _friction(
+    known: Actuator, read: Sequence[IdentifiedValue], noise: float, today: Sequence[Mapping[str, float]]
+) -> HealthyFriction | None:
+    """How dry friction goes with temperature, by what was `read` of it on each of several runs and by their winding and grease; None where they are not there, or what the actuator states is
+    known of it already."""
+    names = (_DRY, _WINDING, _GREASE)
+    if (
+        not all(name in one for one in today for name in names[1:])
+        or set(names) & set(known.scatter)
+        or not all(known[name] > 0.0 for name in names)
+    ):
+        return None
+    winding, grease = ([one[name] for one in today] for name in names[1:])
+    usual = tuple(share_from_run_to_run(known, name) for name in names)
+    return of_runs([one.estimate for one in read], winding, grease, (usual[0], usual[1], usual[2]), noise / known[_DRY])
 
 
 def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:
@@ -134,7 +145,12 @@ def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_
     """
     if false_alarm is not None:
         return ShiftTest(false_alarm, runs=runs).threshold() * scatter_percent
-    return float(np.clip(ShiftTest(runs=runs).threshold() * scatter_percent, stated_percent, _AT_MOST * stated_percent))
+    return clipped(stated_percent, ShiftTest(runs=runs).threshold() * scatter_percent)
+
+
+def clipped(stated_percent: float, asked_percent: float) -> float:
+    """The shift that is called a fault, in %, by what is stated and what scatter asks for: a machine that scatters more is not called healthy with what is a fault of another."""
+    return float(np.clip(asked_percent, stated_percent, _AT_MOST * stated_percent))
 
 
 def weights_of(beside: Compared) -> tuple[float, float, float, float]:
@@ -161,16 +177,29 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     days = [known.changed(beside.known.today(base)) for base in bases]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)
-    today = [{other: base.values[other] for other in _ALSO_SHOWN.values() if other in beside.known.scatter} for base in bases]
+    today = [{other: base.values[other] for other in (_WINDING, _GREASE) if other in beside.known.scatter} for base in bases]
     std: dict[str, float] = {}
+    friction: HealthyFriction | None = None
     for place, estimate in enumerate(answers[0].identified):
         name = estimate.name
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
         usual = math.hypot(share_from_run_to_run(known, name) * known[name], noise if math.isfinite(noise) else 0.0)
         std[name] = scatter_read(known, name, [one.estimate for one in read], today, usual)
+        if name == _DRY and math.isfinite(noise):
+            friction = _friction(known, read, noise, today)
     least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name], count) for name in names)
+    means = {other: float(np.mean([one[other] for one in today])) for other in today[0]}
+    runs = HealthyRuns(known, Baseline({}, {}, count), weighed, doubt, friction, means)
+    if friction is not None:
+        of_these = friction.today(0.0, 0.0)
+        std[_DRY] = of_these.std * known[_DRY] / math.sqrt(1.0 + 1.0 / count)
+        shifts = dict(zip(names, least, strict=True))
+        least = tuple(
+            {**shifts, _DRY: clipped(known[MIN_SHIFTS[_DRY]], 100.0 * of_these.within(beyond(FALSE_ALARM)))}[name] for name in names
+        )
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
     values = {name: known[name] for name in std}
-    return HealthyRuns(known, Baseline(values, {name: one / math.sqrt(count) for name, one in std.items()}, count, std), weighed, doubt)
+    baseline = Baseline(values, {name: one / math.sqrt(count) for name, one in std.items()}, count, std)
+    return replace(runs, baseline=baseline, search=weighed)

@@ -15,14 +15,15 @@ from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.fit.detection import UNSEEN_STDS, ShiftTest
+from ema_tools.fit.detection import FALSE_ALARM, UNSEEN_STDS, ShiftTest, beyond
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
+from ema_tools.fit.temperature import Foretold
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs, of_another_day
+from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
     KEYS,
@@ -37,9 +38,9 @@ from ema_tools.tasks.onboard_search import (
 )
 
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
-_BEYOND_CLIMATE = 2.0  # standard deviations of what temperature does to friction: the largest that is known of greases and seals [physics]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 NOT_ADEQUATE = REASONS[2]
+_DRY = "screw.csj_Nm"
 
 
 # Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today;
@@ -54,7 +55,7 @@ class Identified:
     `scatter`: how far the estimates move from run to run with what scatters on a healthy machine, standard deviations by name.
     `seen`: the record as it was searched, `settings`: how; `tried`: the values of every model run, in the order of `costs`, none where they are not known.
     `least_percent`: the shifts that are called a fault, by name; `doubt`: why two healthy records may not both be, in words; `checked`: what all signals say of the
-    estimates; None where it was not wanted; `climate`: share by which values may differ since today's temperature is another than on the healthy records.
+    estimates; None where it was not wanted; `foretold`: what dry friction should be today beside that of the healthy records, where they can tell; the healthy value is that of today.
     """
 
     actuator: Actuator
@@ -74,7 +75,7 @@ class Identified:
     checked: CrossCheck | None = None
     doubt: str = ""
     scatter: Mapping[str, float] = field(default_factory=dict)
-    climate: Mapping[str, float] = field(default_factory=dict)
+    foretold: Foretold | None = None
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
@@ -94,10 +95,12 @@ class Identified:
         # what scatters does so by a share of itself
         shares = (self._scatters(name) and self._shown) or self._stated(name) > 0.0
         grown = max(1.0, self.actuator[name] / self.healthy[name]) if shares else 1.0
-        return math.hypot(grown * self.healthy_std(name), self.climate.get(name, 0.0) * abs(self.actuator[name]))
+        return grown * self.healthy_std(name)
 
     def healthy_std(self, name: str) -> float:
         """The same of a healthy machine."""
+        if self.foretold is not None and name == _DRY:
+            return self.foretold.std * abs(self.healthy[name])
         if self.baseline is None or not self._shown:
             return self._stated(name) or self.scatter.get(name, 0.0)
         is_stated = not self._scatters(name) or name in self.healthy.scatter
@@ -159,17 +162,17 @@ class Identified:
 
     def _threshold(self, name: str) -> float:
         """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter or by today's temperature, relative."""
-        return max(self._least(name), math.hypot(self._most_by_scatter(name), self._most_by_climate(name)))
+        return max(self._least(name), self._most_by_scatter(name))
 
     def _most_by_scatter(self, name: str) -> float:
+        if self.foretold is not None and name == _DRY:
+            return self.foretold.within(beyond(FALSE_ALARM))
         return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
 
-    def _most_by_climate(self, name: str) -> float:
-        return _BEYOND_CLIMATE * self.climate.get(name, 0.0)
-
     def within_climate(self) -> bool:
-        """Whether today's temperature makes a fault no more than what a healthy machine may do."""
-        return self.within_scatter() and any(self._most_by_climate(name) >= self._most_by_scatter(name) for name in self.climate)
+        """Whether today's temperature is most of what makes a fault no more than what a healthy machine may do."""
+        foretold = self.foretold
+        return foretold is not None and self.within_scatter() and foretold.by_temperature > math.sqrt(0.5) * foretold.std
 
     def within_scatter(self) -> bool:
         """Whether a fault is no more than what healthy records of the machine differ by."""
@@ -213,6 +216,12 @@ def _holds(actuator: Actuator, values: Mapping[str, float]) -> bool:
     return abs(value - held) < _SAME_SIZE * abs(held)
 
 
+def _of_today(shift: Mapping[str, float], foretold: Foretold | None) -> dict[str, float]:
+    """Shifts from the healthy records as shifts from what should be today."""
+    should_be = {_DRY: 1.0 + foretold.shift} if foretold is not None else {}
+    return {name: (1.0 + one) / should_be.get(name, 1.0) - 1.0 for name, one in shift.items()}
+
+
 def identify(
     actuator: Actuator,
     record: Record,
@@ -242,14 +251,16 @@ def identify(
     repeats = compared(actuator, record, same) if same else None
     baseline: Baseline | None = None
     doubt = ""
-    climate: dict[str, float] = {}
+    foretold: Foretold | None = None
     if repeats is not None:
         runs = healthy_runs(repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
         today = repeats.known.today(repeats.known.base({}))
-        climate = of_another_day(runs.known, today)
+        foretold = runs.foretold(today)
         known = runs.known.changed(today)
+        if foretold is not None:
+            known = known.changed({_DRY: known[_DRY] * (1.0 + foretold.shift)})
     elif healthy:
         baseline = baseline_of(actuator, healthy, settings, bits)
         known = actuator.changed(baseline.values)
@@ -291,7 +302,7 @@ def identify(
     if guarding and beside is not None and estimates:
         least = {name: 0.01 * percent for name, percent in least_percent.items()}
         checked = cross_check(known, record, beside, estimates, least, not answer.adequate)
-        checked = replace(checked, as_given=_holds(actuator, checked.values))
+        checked = replace(checked, as_given=_holds(actuator, checked.values), shift=_of_today(checked.shift, foretold))
     weighted = search is not None and search.weight is not None
     scatter = scatter_of(found, record, searched, dict(zip(CHANNELS, settings.weight or POSITION_ALONE, strict=True)))
     return Identified(
@@ -312,5 +323,5 @@ def identify(
         checked,
         doubt,
         scatter,
-        climate,
+        foretold,
     )

@@ -8,10 +8,14 @@ from typing import Any
 import numpy as np
 
 from ema_tools.benchmarks.hidden.documents import table
+from ema_tools.benchmarks.verdicts.bounds import allowed_rms, half_widths
+from ema_tools.benchmarks.verdicts.trials import units
 
 Row = Mapping[str, Any]
 _VERDICTS = ("healthy", "fault", "undecided", "refused")
 _TITLES = {"csj": "CSJ", "blk": "BLK"}
+_SAMPLED = 6  # units of which the narrowest intervals are worked out: they differ by a tenth [precision]
+_WIDER = 1.5  # times what is possible
 
 
 def written(rows: Sequence[Row], command: str) -> str:
@@ -44,7 +48,8 @@ that the library does not have (Stribeck after Gauss, a smooth dead time, a wind
 setting "scatter" by four times that and by +-8 degC. A worn day has CSJ +20 %, BLK +50 %, or CSJ +40 % and BLK +100 %.
 
 An answer is surely wrong that calls a unit healthy with CSJ +10 % or BLK +20 % and beyond, calls a unit faulty with neither above its threshold (5 and 10 %), or states for a fault a size outside
-whose 95 % interval the truth lies by far (5 % of CSJ, 15 % of BLK). Undecided, with its reason, is honest but of no use: its share is stated.
+whose 95 % interval the truth lies by far (5 % of CSJ, 15 % of BLK). An interval is as narrow as possible that reaches the Cramer-Rao bound by the truth plant's own sensitivities, where all of
+the scatter, its size and what a degree does to friction are known beforehand; a unit's three or five healthy runs have to tell that. Undecided, with its reason, is honest but of no use: its share is stated.
 """
 
 
@@ -69,6 +74,28 @@ def _held(rows: Sequence[Row], name: str) -> float:
     return _share(_sizes(rows, name), lambda one: bool(one["held"]))
 
 
+def _allowed(rows: Sequence[Row]) -> float:
+    """The rms error of CSJ that the scatter of these answers' units allows, in %."""
+    by_setting = {one.setting: one.unit for one in units("unit", 1, 1)}
+    some = [row for row in rows if row["sizes"] and row["verdict"] != "undecided"]
+    found = [allowed_rms(by_setting[row["setting"]], row["healthy"], row["wear"].get("csj", 0.0)) for row in some]
+    return float(np.sqrt(np.mean(np.square(found)))) if found else float("nan")
+
+
+def _widened(sound: Sequence[Row], name: str) -> float:
+    """Half intervals of sound units over the narrowest possible: the median of answers over that of a sample of units, the larger of the numbers of healthy records."""
+    found = []
+    for given in sorted({row["healthy"] for row in sound}):
+        some = [row for row in sound if row["healthy"] == given]
+        widths = [one["half"] for one in _sizes(some, name)]
+        if widths:
+            kind, setting = some[0]["kind"], some[0]["setting"]
+            sample = [one for one in units(kind, _SAMPLED, 1, (given,), (setting,)) if not one.wear]
+            narrowest = [half_widths(one, kind == "flight")[name] for one in sample]
+            found.append(float(np.median(widths) / np.median(narrowest)))
+    return max(found, default=float("nan"))
+
+
 def _goals(rows: Sequence[Row]) -> str:
     of = {
         (kind, setting): [row for row in rows if (row["kind"], row["setting"]) == (kind, setting)]
@@ -88,10 +115,19 @@ def _goals(rows: Sequence[Row]) -> str:
         goal(f"{title}: sound units called faulty", "<= 0.5 %", value := _of(sound, "fault"), value <= 0.5)
         goal(f"{title}: worn units called faulty", ">= 95 %", value := _of(worn, "fault"), value >= 95.0)
         for name, most in (("csj", 1.0), ("blk", 5.0)):
-            limit = "stated" if setting else f"<= {most:g} %"
-            goal(f"{title}: rms error of {_TITLES[name]}", limit, value := _error(some, name), value <= most or bool(setting))
+            # friction scatters and play does not
+            allowed = max(most, _WIDER * _allowed(some)) if name == "csj" and setting else most
+            goal(f"{title}: rms error of {_TITLES[name]}", f"<= {allowed:.3g} %", value := _error(some, name), value <= allowed)
             held = _held(some, name)
             goal(f"{title}: intervals of {_TITLES[name]} that hold the truth", "92 .. 98 %", held, 92.0 <= held <= 98.0)
+            wide = _widened(sound, name)
+            goal(
+                f"{title}: intervals of {_TITLES[name]}, median, beside the narrowest possible",
+                f"<= {_WIDER:g} x",
+                wide,
+                wide <= _WIDER,
+                " x",
+            )
     count = sum(bool(row["wrong"]) for row in rows)
     goal(f"surely wrong, of {len(rows)} answers", "0", float(count), count == 0, "")
     return "## Goals\n\n" + table(("", "goal", "met", "reached"), found, 2)

@@ -16,6 +16,7 @@ from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.sizes import size_text
 
 _MORE = "record motor position, current and voltage too"
+_NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
@@ -60,8 +61,8 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         return found.doubt
     if found.objection == "signals":
         return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
-    if found.objection == "open" and found.within_climate():
-        warmth = ", ".join(f"{TITLES[name]} by {100.0 * share:.2g} %" for name, share in found.climate.items())
+    if found.objection == "open" and found.foretold is not None and found.within_climate():
+        warmth = f"CSJ by {100.0 * found.foretold.by_temperature:.2g} %"
         return f"today's winding and grease are those of another temperature than on the healthy records, and with it values may differ ({warmth}): healthy records at today's temperature would tell"
     if found.objection == "open" and found.within_scatter():
         scatter = ", ".join(
@@ -99,7 +100,15 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{few}"
+    return f"{_verdict(found)}{_warmth(found)}{few}"
+
+
+def _warmth(found: Identified) -> str:
+    """That friction is held against what it should be at today's temperature, where that is not what the healthy records had."""
+    if found.foretold is None or abs(found.foretold.shift) < _NOTED:
+        return ""
+    value = found.healthy["screw.csj_Nm"]
+    return f" At today's temperature CSJ is held against {value:.4g} Nm, {100.0 * found.foretold.shift:+.1f} % from that of the healthy records, as they show."
 
 
 def _verdict(found: Identified) -> str:
