@@ -90,8 +90,13 @@ class VerdictTrial:
 
     @property
     def group(self) -> str:
-        """Trials of one unit."""
-        return f"{self.kind}_{self.number}_{self.setting}_{self.healthy}"
+        """Trials of one unit, of which desk and flight code get the same records."""
+        return f"{self.recorded.kind}_{self.number}_{self.setting}_{self.healthy}"
+
+    @property
+    def recorded(self) -> VerdictTrial:
+        """The trial whose record this one gets."""
+        return replace(self, kind="unit") if self.kind == "flight" else self
 
     @property
     def unit(self) -> Machine:
@@ -189,9 +194,9 @@ def known_by(trial: VerdictTrial) -> VerdictTrial:
     return VerdictTrial(kind, trial.number, trial.setting, trial.command, trial.healthy, 0, build=trial.build)
 
 
+@lru_cache(maxsize=16)
 def _record(trial: VerdictTrial) -> Recording:
-    # the flight code gets the records that the desk gets
-    seed = seed_of("verdicts", replace(trial, kind="unit").key if trial.kind == "flight" else trial.key)
+    seed = seed_of("verdicts", trial.key)
     if trial.build == TRUTH_PLANT:
         sheet = reference_actuator()
         differs = [*_VALUE.values(), *(name for name, _ in DISTURBANCES.values())]
@@ -220,7 +225,7 @@ def calibrated(known: VerdictTrial) -> Actuator:
 def _flown(trial: VerdictTrial) -> dict[str, Any]:
     """The flight code's own verdict, by the rod position alone."""
     actuator = calibrated(known_by(trial))
-    answer = run(actuator, record_of(_record(trial), 99, ("position_mm",)), SearchSettings(), 32)
+    answer = run(actuator, record_of(_record(trial.recorded), 99, ("position_mm",)), SearchSettings(), 32)
     found: dict[str, Any] = {"verdict": answer.verdict, "reasons": list(answer.reasons), "guard": None}
     for one in answer.identified:
         known = math.isfinite(one.half_95)
