@@ -36,8 +36,8 @@ def test_intervals_hold_the_friction_of_a_healthy_machine(factor: float, reach_d
     random = np.random.default_rng([41, runs])
     found = [foretold(draws(random, runs + 1, factor, reach_degC, per_degC)) for _ in range(TRIALS)]
     held = np.mean([abs(true - one.shift) <= 1.96 * one.std for one, true in found])
-    # 95 % is wanted; so few runs of a machine that scatters four times as usual show it by a little too little, and 300 trials are 1.3 % uncertain
-    assert 0.875 <= held <= 0.995
+    # 95 % is wanted; three runs of a machine that scatters four times as usual show a little too little of it, 91 % over many trials, and 300 are 1.7 % uncertain
+    assert 0.86 <= held <= 0.995
     # a healthy machine exceeds a threshold of half a percent hardly ever
     above = np.mean([true - one.shift > one.within(0.995) for one, true in found])
     assert above <= 0.04
@@ -67,7 +67,8 @@ def test_a_hot_winding_or_an_aged_grease_alone_is_no_temperature(winding: float,
     found, plain = runs.today(winding, grease), runs.today(0.0, 0.0)
     assert found.shift == 0.0
     assert found.by_temperature == 0.0
-    assert found.std == pytest.approx(plain.std)
+    # today's thermometers err a little on a plain day, and are not asked here
+    assert found.std == pytest.approx(plain.std, rel=0.05)
 
 
 def test_two_runs_are_enough_and_one_is_none() -> None:
@@ -76,3 +77,16 @@ def test_two_runs_are_enough_and_one_is_none() -> None:
         of_runs([0.14], [1.0], [1.0], USUAL, NOISE)
     with pytest.raises(ValueError, match="scatter"):
         HealthyFriction(np.zeros(3), np.zeros(3), np.zeros(3), (0.0, 0.003, 0.01), NOISE)
+
+
+def test_a_day_of_unknown_temperature_has_it_in_its_scatter() -> None:
+    random = np.random.default_rng(43)
+    held = []
+    for _ in range(TRIALS):
+        friction, winding, grease = draws(random, 5, 2.0, 8.0, 0.005)
+        found = of_runs(friction[:-1], winding[:-1], grease[:-1], USUAL, NOISE).any_day()
+        held.append(abs(friction[-1] / np.mean(friction[:-1]) - 1.0) <= 1.96 * found.std)
+        assert found.shift == 0.0
+        assert found.beyond(found.within(0.99)) == pytest.approx(0.01, rel=1e-6)
+    # three standard errors of 300 trials about 95 %
+    assert 0.91 <= np.mean(held) <= 0.99

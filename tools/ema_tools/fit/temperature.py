@@ -24,6 +24,8 @@ FRICTION_PER_DEGC = 0.005  # of dry friction, one standard deviation about none:
 _FACTOR_SPREAD = 1.2  # of the logarithm of how many times the usual a machine scatters: four times it is no surprise [judgement]
 _FACTORS = np.exp(np.linspace(math.log(0.3), math.log(15.0), 40))  # that are tried [precision]
 _AGREE = 3.0  # standard deviations by which winding and grease may disagree of a temperature: farther apart, one of them is changed by something else [chance]
+_USUAL_DAY_DEGC = 1.5  # one standard deviation between ground tests in a hangar, as the usual scatter has it [judgement]
+_DAYS_DEGC = np.exp(np.linspace(math.log(0.2), math.log(20.0), 24))  # that are tried [precision]
 _NORMAL_95 = 1.96
 
 
@@ -44,14 +46,17 @@ class Foretold:
         """What is to be expected."""
         return float(self.weights @ self.means)
 
+    def beyond(self, far: float) -> float:
+        """The chance that a healthy machine lies more than that above what is to be expected."""
+        return float(self.weights @ special.ndtr((self.means - self.shift - far) / self.stds))
+
     def within(self, share: float) -> float:
         """How far above what is to be expected a healthy machine lies with a chance of no more than 1 - `share`."""
 
-        def above(far: float) -> float:
-            return float(self.weights @ special.ndtr((self.shift + far - self.means) / self.stds)) - share
+        def missing(far: float) -> float:
+            return 1.0 - share - self.beyond(far)
 
-        most = 20.0 * float(np.max(self.stds))
-        return float(optimize.brentq(above, 0.0, most)) if above(0.0) < 0.0 < above(most) else 0.0
+        return float(optimize.brentq(missing, 0.0, 20.0 * float(np.max(self.stds)))) if missing(0.0) < 0.0 else 0.0
 
     @cached_property
     def std(self) -> float:
@@ -78,29 +83,67 @@ class HealthyFriction:
 
     def today(self, winding: float, grease: float) -> Foretold:
         """What friction should be on a day whose winding and grease are these, over the means of the healthy runs, less 1."""
-        runs = self.friction.size
-        warmth, disagree = self._temperature(self.winding, self.grease)
-        warmth, disagree = warmth - np.mean(warmth), disagree - np.mean(disagree)
+        weights, slope, slope_variance = self._told
         warmer, apart = (float(one) for one in self._temperature(winding, grease))
+        warmer -= self._mean_warmth
+        if abs(apart - self._mean_apart) > _AGREE * math.sqrt(float(weights @ _FACTORS**2) * self._widened):
+            warmer = 0.0
+        read = _FACTORS**2 * self._widened * self._reading_variance
+        by_slope = warmer**2 * slope_variance + (slope**2 * read if warmer else 0.0)
+        stds = np.sqrt(self._own * self._widened + by_slope)
+        return Foretold(weights, slope * warmer, stds, math.sqrt(float(weights @ (warmer**2 * slope_variance))))
+
+    def any_day(self) -> Foretold:
+        """The same on a day of which no thermometer tells: temperature is part of the scatter, as much as the healthy runs show of it."""
+        weights, slope, slope_variance = self._told
+        warmth = self._warmth
+        # how far days differ in temperature: every size counts by how well it fits, [factors, sizes]
+        variance = _FACTORS[:, None] ** 2 * self._reading_variance + _DAYS_DEGC**2
+        fits = -0.5 * (warmth.size - 1) * np.log(variance) - 0.5 * float(warmth @ warmth) / variance
+        fits -= 0.5 * (np.log(_DAYS_DEGC / _USUAL_DAY_DEGC) / _FACTOR_SPREAD) ** 2
+        shares = np.exp(fits - np.max(fits))
+        each = weights[:, None] * shares / np.sum(weights[:, None] * shares)
+        own = self._own[:, None] + (slope**2 + slope_variance)[:, None] * _DAYS_DEGC**2
+        return Foretold(each.ravel(), np.zeros(each.size), np.sqrt(own * self._widened).ravel(), 0.0)
+
+    @cached_property
+    def _told(self) -> tuple[Reals, Reals, Reals]:
+        """How much each factor counts, and what a degree does to friction with it: mean and variance that the runs leave, [factors] each."""
+        runs, warmth, disagree = self.friction.size, self._warmth, self._apart
         off = self.friction - np.mean(self.friction)
-        factors = _FACTORS**2
-        own = factors * self.usual[0] ** 2 + self.noise**2
-        # what a degree does to friction, for each factor: the mean and the variance that the runs leave
-        slope_variance = 1.0 / (FRICTION_PER_DEGC**-2.0 + float(warmth @ warmth) / own)
-        slope = slope_variance * float(warmth @ off) / own
-        fits = -0.5 * (runs - 1) * np.log(own) - 0.5 * (float(off @ off) / own - slope**2 / slope_variance) + 0.5 * np.log(slope_variance)
-        fits += -0.5 * (runs - 1) * np.log(factors) - 0.5 * float(disagree @ disagree) / factors
+        slope_variance = 1.0 / (FRICTION_PER_DEGC**-2.0 + float(warmth @ warmth) / self._own)
+        slope = slope_variance * float(warmth @ off) / self._own
+        fits = -0.5 * (runs - 1) * np.log(self._own) - 0.5 * (float(off @ off) / self._own - slope**2 / slope_variance)
+        fits += 0.5 * np.log(slope_variance) - (runs - 1) * np.log(_FACTORS) - 0.5 * float(disagree @ disagree) / _FACTORS**2
         fits -= 0.5 * (np.log(_FACTORS) / _FACTOR_SPREAD) ** 2
         weights = np.exp(fits - np.max(fits))
-        weights /= np.sum(weights)
-        widened = 1.0 + 1.0 / runs
-        if abs(apart) > _AGREE * math.sqrt(float(weights @ factors) * widened):
-            warmer = 0.0
-        read = factors * widened * self._reading_variance
-        by_slope = warmer**2 * slope_variance + (slope**2 * read if warmer else 0.0)
-        return Foretold(
-            weights, slope * warmer, np.sqrt(own * widened + by_slope), math.sqrt(float(weights @ (warmer**2 * slope_variance)))
-        )
+        return weights / np.sum(weights), slope, slope_variance
+
+    @property
+    def _own(self) -> Reals:
+        """Variance of what is read of friction at one temperature, [factors]."""
+        return np.asarray((self.usual[0] * _FACTORS) ** 2 + self.noise**2)
+
+    @property
+    def _widened(self) -> float:
+        """By how much the variance of a reading is larger against the mean of the runs than about the truth."""
+        return 1.0 + 1.0 / self.friction.size
+
+    @property
+    def _mean_warmth(self) -> float:
+        return float(np.mean(self._temperature(self.winding, self.grease)[0]))
+
+    @property
+    def _mean_apart(self) -> float:
+        return float(np.mean(self._temperature(self.winding, self.grease)[1]))
+
+    @property
+    def _warmth(self) -> Reals:
+        return np.asarray(self._temperature(self.winding, self.grease)[0] - self._mean_warmth)
+
+    @property
+    def _apart(self) -> Reals:
+        return np.asarray(self._temperature(self.winding, self.grease)[1] - self._mean_apart)
 
     @property
     def _thermometers(self) -> tuple[float, float]:
@@ -125,8 +168,8 @@ def of_runs(
     friction: Sequence[float], winding: Sequence[float], grease: Sequence[float], usual: tuple[float, float, float], noise: float
 ) -> HealthyFriction:
     """The same of readings in their own units, all above zero; `usual` and `noise` relative."""
+    return HealthyFriction(_shares(friction), _shares(winding), _shares(grease), usual, noise)
 
-    def shares(values: Sequence[float]) -> Reals:
-        return np.asarray(values, dtype=np.float64) / float(np.mean(values)) - 1.0
 
-    return HealthyFriction(shares(friction), shares(winding), shares(grease), usual, noise)
+def _shares(values: Sequence[float]) -> Reals:
+    return np.asarray(values, dtype=np.float64) / float(np.mean(values)) - 1.0

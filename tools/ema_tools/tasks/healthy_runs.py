@@ -18,7 +18,7 @@ from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, IdentifiedValue, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
-from ema_tools.select.known_machine import Compared
+from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
 from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, identified_of, run
 
 # Reasons that make the values read on a healthy record worthless.
@@ -28,7 +28,8 @@ _AT_MOST = (
 )
 # Friction differs from day to day by the temperature as the winding does: where that scatters more than usual, so will friction, though few records may not show it [physics]
 _ALSO_SHOWN = {"screw.csj_Nm": "motor.resistance_ohm"}
-_DRY, _WINDING, _GREASE = "screw.csj_Nm", "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
+_BETTER = 0.5  # of the usual scatter: a reading that errs by less tells it [judgement]
+DRY, _WINDING, _GREASE = "screw.csj_Nm", "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
 # Signals that tell play and friction and hardly anything else: current and voltage follow grease and winding, which differ from day to day [physics]
 _WEIGHED = ("position_mm", "motor_position_mm")
 
@@ -121,12 +122,24 @@ def scatter_read(known: Actuator, name: str, read: Sequence[float], today: Seque
     return scatter_shown([*shown, *beside], usual, 2 if beside else 1)
 
 
-def _friction(
+def thermometers(known: KnownMachine, bases: Sequence[MachineFit]) -> list[dict[str, float]]:
+    """Winding and grease as all signals say that they were on each run, by name: those that scatter and that the signals tell."""
+    names = [name for name in (_WINDING, _GREASE) if name in known.scatter and all(_told(known, base, name) for base in bases)]
+    return [{name: base.values[name] for name in names} for base in bases]
+
+
+def _told(known: KnownMachine, base: MachineFit, name: str) -> bool:
+    """Whether a record tells a value better than its usual scatter does: what it does not tell is found at its healthy value, and would be taken for steady."""
+    usual = share_from_run_to_run(known.actuator, name) * known.actuator[name]
+    return base.std.get(name, math.inf) < _BETTER * usual
+
+
+def friction_of(
     known: Actuator, read: Sequence[IdentifiedValue], noise: float, today: Sequence[Mapping[str, float]]
 ) -> HealthyFriction | None:
     """How dry friction goes with temperature, by what was `read` of it on each of several runs and by their winding and grease; None where they are not there, or what the actuator states is
     known of it already."""
-    names = (_DRY, _WINDING, _GREASE)
+    names = (DRY, _WINDING, _GREASE)
     if (
         not all(name in one for one in today for name in names[1:])
         or set(names) & set(known.scatter)
@@ -135,7 +148,7 @@ def _friction(
         return None
     winding, grease = ([one[name] for one in today] for name in names[1:])
     usual = tuple(share_from_run_to_run(known, name) for name in names)
-    return of_runs([one.estimate for one in read], winding, grease, (usual[0], usual[1], usual[2]), noise / known[_DRY])
+    return of_runs([one.estimate for one in read], winding, grease, (usual[0], usual[1], usual[2]), noise / known[DRY])
 
 
 def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:
@@ -177,7 +190,7 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     days = [known.changed(beside.known.today(base)) for base in bases]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)
-    today = [{other: base.values[other] for other in (_WINDING, _GREASE) if other in beside.known.scatter} for base in bases]
+    today = thermometers(beside.known, bases)
     std: dict[str, float] = {}
     friction: HealthyFriction | None = None
     for place, estimate in enumerate(answers[0].identified):
@@ -186,17 +199,17 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
         noise = float(np.mean([one.std for one in read]))
         usual = math.hypot(share_from_run_to_run(known, name) * known[name], noise if math.isfinite(noise) else 0.0)
         std[name] = scatter_read(known, name, [one.estimate for one in read], today, usual)
-        if name == _DRY and math.isfinite(noise):
-            friction = _friction(known, read, noise, today)
+        if name == DRY and math.isfinite(noise):
+            friction = friction_of(known, read, noise, today)
     least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name], count) for name in names)
     means = {other: float(np.mean([one[other] for one in today])) for other in today[0]}
     runs = HealthyRuns(known, Baseline({}, {}, count), weighed, doubt, friction, means)
     if friction is not None:
         of_these = friction.today(0.0, 0.0)
-        std[_DRY] = of_these.std * known[_DRY] / math.sqrt(1.0 + 1.0 / count)
+        std[DRY] = of_these.std * known[DRY] / math.sqrt(1.0 + 1.0 / count)
         shifts = dict(zip(names, least, strict=True))
         least = tuple(
-            {**shifts, _DRY: clipped(known[MIN_SHIFTS[_DRY]], 100.0 * of_these.within(beyond(FALSE_ALARM)))}[name] for name in names
+            {**shifts, DRY: clipped(known[MIN_SHIFTS[DRY]], 100.0 * of_these.within(beyond(FALSE_ALARM)))}[name] for name in names
         )
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)

@@ -23,7 +23,7 @@ from ema_tools.plant.native import CHANNELS, REASONS, Identification, Identified
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.tasks.healthy_runs import Baseline, baseline_of, healthy_runs
+from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
     KEYS,
@@ -40,7 +40,6 @@ from ema_tools.tasks.onboard_search import (
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 NOT_ADEQUATE = REASONS[2]
-_DRY = "screw.csj_Nm"
 
 
 # Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today;
@@ -99,7 +98,7 @@ class Identified:
 
     def healthy_std(self, name: str) -> float:
         """The same of a healthy machine."""
-        if self.foretold is not None and name == _DRY:
+        if self.foretold is not None and name == DRY:
             return self.foretold.std * abs(self.healthy[name])
         if self.baseline is None or not self._shown:
             return self._stated(name) or self.scatter.get(name, 0.0)
@@ -165,7 +164,7 @@ class Identified:
         return max(self._least(name), self._most_by_scatter(name))
 
     def _most_by_scatter(self, name: str) -> float:
-        if self.foretold is not None and name == _DRY:
+        if self.foretold is not None and name == DRY:
             return self.foretold.within(beyond(FALSE_ALARM))
         return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
 
@@ -218,7 +217,7 @@ def _holds(actuator: Actuator, values: Mapping[str, float]) -> bool:
 
 def _of_today(shift: Mapping[str, float], foretold: Foretold | None) -> dict[str, float]:
     """Shifts from the healthy records as shifts from what should be today."""
-    should_be = {_DRY: 1.0 + foretold.shift} if foretold is not None else {}
+    should_be = {DRY: 1.0 + foretold.shift} if foretold is not None else {}
     return {name: (1.0 + one) / should_be.get(name, 1.0) - 1.0 for name, one in shift.items()}
 
 
@@ -260,7 +259,7 @@ def identify(
         foretold = runs.foretold(today)
         known = runs.known.changed(today)
         if foretold is not None:
-            known = known.changed({_DRY: known[_DRY] * (1.0 + foretold.shift)})
+            known = known.changed({DRY: known[DRY] * (1.0 + foretold.shift)})
     elif healthy:
         baseline = baseline_of(actuator, healthy, settings, bits)
         known = actuator.changed(baseline.values)

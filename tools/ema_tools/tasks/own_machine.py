@@ -20,16 +20,17 @@ from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record, simulated
-from ema_tools.fit.detection import ShiftTest, false_alarms, rate_text, unseen_by_search
+from ema_tools.fit.detection import FALSE_ALARM, ShiftTest, beyond, false_alarms, rate_text, unseen_by_search
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
+from ema_tools.fit.temperature import Foretold
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather
 from ema_tools.select.healthy_groups import state_doubt
-from ema_tools.select.known_machine import live, repeats_of
+from ema_tools.select.known_machine import Compared, live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, channel_errors
-from ema_tools.tasks.healthy_runs import least_shift, scatter_read
+from ema_tools.tasks.healthy_runs import DRY, clipped, friction_of, least_shift, scatter_read, thermometers
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
     DAY_VALUES,
@@ -86,7 +87,8 @@ def own_machine(
     repeats = repeated(records)
     if not repeats or not identified_of(actuator):
         return None
-    evidence = gather(actuator, repeats[0], repeats, live(*repeats), report)
+    signals = live(*repeats)
+    evidence = gather(actuator, repeats[0], repeats, signals, report)
     doubt = state_doubt(evidence, repeats)
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
     found = found.changed({}, actuator.about)
@@ -99,6 +101,9 @@ def own_machine(
     found, answers = _searched(found, repeats)
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
     today = [{one.name: one.estimate for one in answer.day} for answer in answers]
+    known = Compared(evidence, repeats, signals)
+    warmth = thermometers(known.known, [one.base({}) for one in known.known_repeats])
+    foretold: dict[str, Foretold] = {}
     scatter: dict[str, float] = {}
     by_noise: dict[str, float] = {}
     for place, name in enumerate(names):
@@ -111,10 +116,22 @@ def own_machine(
         by_noise[name] = noise / found[name]
         stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
         scatter[name] = scatter_read(found, name, [one.estimate for one in read], today, stated_or_usual) / found[name]
+        friction = friction_of(found, read, noise, warmth) if name == DRY else None
+        if friction is not None:
+            foretold[name] = friction.any_day()
+            scatter[name] = foretold[name].std / ShiftTest(runs=len(repeats)).spread()
     runs = len(repeats)
     asked = float(np.mean([np.mean(np.abs(np.diff(one.command_mm))) / one.period_s for one in repeats]))
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
-    exceeded = {name: false_alarms(least[name] / (100.0 * scatter[name]), runs, 1) for name in names}
+    for name, one in foretold.items():
+        wanted = 100.0 * one.within(beyond(FALSE_ALARM if false_alarm is None else false_alarm))
+        least[name] = clipped(found[MIN_SHIFTS[name]], wanted) if false_alarm is None else wanted
+    exceeded = {
+        name: foretold[name].beyond(0.01 * least[name])
+        if name in foretold
+        else false_alarms(least[name] / (100.0 * scatter[name]), runs, 1)
+        for name in names
+    }
     test = ShiftTest(runs=runs)
     shown_mm = found[STRUCTURE] * found[POSITION_NOISE]
     unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))

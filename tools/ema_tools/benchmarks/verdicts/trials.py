@@ -46,7 +46,8 @@ STANDING_FORMS: Sequence[Mapping[str, float]] = (
 _FIRST_UNIT, _FIRST_DRAWN = 2_000, 3_000
 # Shares of the healthy value from which on a wear is one, and up to which it is none: between them either answer serves.
 _IS_WORN, _IS_SOUND = {"csj": 0.1, "blk": 0.2}, {"csj": 0.05, "blk": 0.1}
-# A stated size is surely wrong that lies outside its interval and this far from the truth.
+# A stated size is surely wrong that lies this far from the truth and half an interval outside of its own: three standard errors, where one in twenty misses two.
+_FAR_OUTSIDE = 1.5
 _SIZE_OFF = {"csj": 0.05, "blk": 0.15}
 _SLOW = ("slow chirp", "triangle")
 # What may differ on the day from when the unit was made known, each in one of four drawn records.
@@ -287,6 +288,7 @@ def _wrong(trial: VerdictTrial, verdict: str, sizes: Mapping[str, Mapping[str, A
         return "fault on a sound unit"
     if verdict == "fault":
         for name, one in sizes.items():
-            if one["held"] is False and abs(one["shift"] - one["true"]) > 100.0 * _SIZE_OFF[name]:
+            off = abs(one["shift"] - one["true"])
+            if one["half"] is not None and off > max(100.0 * _SIZE_OFF[name], _FAR_OUTSIDE * one["half"]):
                 return f"size of {name}"
     return ""
