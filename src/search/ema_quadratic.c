@@ -143,17 +143,12 @@ bool ema_quadratic_fit(ema_quadratic_t* quadratic, const ema_annealer_t* anneale
     return true;
 }
 
-/* Of the points in the box and within reach that which is least above `z` by the quadratic's curvature alone, into `z`:
- * a coordinate that is held at its bound moves the others along. */
-static void ema_quadratic_fold(const ema_quadratic_t* quadratic, const ema_annealer_t* annealer, ema_real* z)
+/* Moves `z` into the box, within reach, to where the quadratic's curvature alone rises least: a coordinate that is held
+ * at its bound moves the others along. One inside stays. */
+static void ema_quadratic_fold(const ema_quadratic_t* quadratic, const ema_real* best, uint32_t dimension, ema_real* z)
 {
-    const uint32_t dimension = annealer->config.dimension;
-    ema_real away[EMA_ANNEALER_DIMENSION_MAX]; /* from z */
-    ema_real pull[EMA_ANNEALER_DIMENSION_MAX]; /* the factor's transpose times it */
-    for (uint32_t i = 0; i < dimension; ++i) {
-        away[i] = EMA_R(0.0);
-        pull[i] = EMA_R(0.0);
-    }
+    ema_real pull[EMA_ANNEALER_DIMENSION_MAX]; /* the factor's transpose times how far z was moved */
+    ema_clear(pull, sizeof pull);
     for (uint32_t k = 0; k < EMA_FOLDS; ++k) {
         const ema_real* row = quadratic->factor;
         for (uint32_t i = 0; i < dimension; ++i) {
@@ -164,21 +159,16 @@ static void ema_quadratic_fold(const ema_quadratic_t* quadratic, const ema_annea
                 curvature += row[j] * row[j];
             }
             /* the best point, at zero, is inside and within reach */
-            const ema_real lowest = quadratic->lowest[i];
-            const ema_real lower = ema_max(-annealer->best.x[i] / quadratic->scale[i], lowest - EMA_REACH);
+            const ema_real lower = ema_max(-best[i] / quadratic->scale[i], quadratic->lowest[i] - EMA_REACH);
             const ema_real upper =
-                ema_min((EMA_R(1.0) - annealer->best.x[i]) / quadratic->scale[i], lowest + EMA_REACH);
-            const ema_real to = ema_clamp((z[i] + away[i]) - (slope / curvature), lower, upper);
-            const ema_real moved = (to - z[i]) - away[i];
-            away[i] += moved;
+                ema_min((EMA_R(1.0) - best[i]) / quadratic->scale[i], quadratic->lowest[i] + EMA_REACH);
+            const ema_real moved = ema_clamp(z[i] - (slope / curvature), lower, upper) - z[i];
+            z[i] += moved;
             for (uint32_t j = 0; j <= i; ++j) {
                 pull[j] += row[j] * moved;
             }
             row = &row[i + 1U];
         }
-    }
-    for (uint32_t i = 0; i < dimension; ++i) {
-        z[i] += away[i];
     }
 }
 
@@ -192,17 +182,12 @@ void ema_quadratic_draw(const ema_quadratic_t* quadratic, const ema_annealer_t* 
         z[i] = width * ema_random_normal(random);
     }
     ema_solve_upper(quadratic->factor, dimension, z);
-    bool inside = true;
     for (uint32_t i = 0; i < dimension; ++i) {
         /* a draw wider than the points themselves would leave the region where the quadratic holds */
         z[i] = quadratic->lowest[i] + ema_clamp(z[i], -EMA_REACH, EMA_REACH);
-        x[i] = annealer->best.x[i] + (quadratic->scale[i] * z[i]);
-        inside = inside && (x[i] >= EMA_R(0.0)) && (x[i] <= EMA_R(1.0));
     }
-    if (!inside) {
-        ema_quadratic_fold(quadratic, annealer, z);
-        for (uint32_t i = 0; i < dimension; ++i) {
-            x[i] = ema_clamp(annealer->best.x[i] + (quadratic->scale[i] * z[i]), EMA_R(0.0), EMA_R(1.0));
-        }
+    ema_quadratic_fold(quadratic, annealer->best.x, dimension, z);
+    for (uint32_t i = 0; i < dimension; ++i) {
+        x[i] = ema_clamp(annealer->best.x[i] + (quadratic->scale[i] * z[i]), EMA_R(0.0), EMA_R(1.0));
     }
 }

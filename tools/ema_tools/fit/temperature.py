@@ -26,7 +26,7 @@ _FACTORS = np.exp(np.linspace(math.log(0.3), math.log(15.0), 40))  # that are tr
 _AGREE = 3.0  # standard deviations by which winding and grease may disagree of a temperature: farther apart, one of them is changed by something else [chance]
 _USUAL_DAY_DEGC = 1.5  # one standard deviation between ground tests in a hangar, as the usual scatter has it [judgement]
 _DAYS_DEGC = np.exp(np.linspace(math.log(0.2), math.log(20.0), 24))  # that are tried [precision]
-_NORMAL_95 = 1.96
+_NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution lie [chance]
 
 
 @dataclass(frozen=True)
