@@ -93,8 +93,8 @@ static void ema_annealer_propose(ema_annealer_t* annealer)
     }
     if (!scouting && (source < EMA_QUADRATIC_SHARE) && ema_quadratic_fit(quadratic, annealer)) {
         ema_quadratic_draw(quadratic, annealer, random, annealer->candidate.x);
-        proposed = ema_start_valid(annealer->candidate.x, dimension);
-        annealer->info.from_quadratic += proposed ? 1U : 0U;
+        proposed = true;
+        ++annealer->info.from_quadratic;
     }
     if (!proposed) {
         const uint32_t i = annealer->coordinate;

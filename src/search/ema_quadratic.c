@@ -158,11 +158,11 @@ static void ema_quadratic_fold(const ema_quadratic_t* quadratic, const ema_real*
                 slope += row[j] * pull[j];
                 curvature += row[j] * row[j];
             }
-            /* the best point, at zero, is inside and within reach */
-            const ema_real lower = ema_max(-best[i] / quadratic->scale[i], quadratic->lowest[i] - EMA_REACH);
-            const ema_real upper =
-                ema_min((EMA_R(1.0) - best[i]) / quadratic->scale[i], quadratic->lowest[i] + EMA_REACH);
-            const ema_real moved = ema_clamp(z[i] - (slope / curvature), lower, upper) - z[i];
+            /* the best point, at zero, is within reach and inside: what is cut to both in turn is in both */
+            const ema_real lowest = quadratic->lowest[i];
+            const ema_real near = ema_clamp(z[i] - (slope / curvature), lowest - EMA_REACH, lowest + EMA_REACH);
+            const ema_real scale = quadratic->scale[i];
+            const ema_real moved = ema_clamp(near, -best[i] / scale, (EMA_R(1.0) - best[i]) / scale) - z[i];
             z[i] += moved;
             for (uint32_t j = 0; j <= i; ++j) {
                 pull[j] += row[j] * moved;
