@@ -36,7 +36,8 @@ MISSED = {
     "bare": "no effect is linked, but search and fit (3 KiB), sensitivities and verdict (1.9 KiB), control law, drive and encoder in all their modes (1.3 KiB) are",
     "unit_tick": "its standing effects act in motion, so a step asks for their forces many times; a unit that has none costs what case A does",
     "unit_identify": "likewise; nothing waits for it but the answer, and its slices are as short as one likes",
-    "code": "since the limit was set four effects have come (0.9 KiB), intervals and a unit's ground test (0.3 KiB), optima on a bound (0.3 KiB); -flto meets it, and -DEMA_EFFECTS leaves out what is not needed",
+    "code": "since the limit was set four effects have come (0.9 KiB), intervals and a unit's ground test (0.3 KiB), optima on a bound (0.3 KiB); "
+    "-flto meets it, and -DEMA_EFFECTS leaves out what is not needed",
     "guarded_tick_function": "the chirp's sine is computed anew in every step; record the command where 20 kB more are to be had",
 }
 
@@ -120,7 +121,13 @@ class Measured:
         ram = self.number("size_ema_session_t") + self.number("size_ema_session_config_t") + self.number(RECORD)
         return [
             Target("code", "code and constants with all effects", 24 * 1024, self.code, "bytes"),
-            Target("whole", "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns`: no bit of an answer moves", 24 * 1024, self.whole, "bytes"),
+            Target(
+                "whole",
+                "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns`: no bit of an answer moves",
+                24 * 1024,
+                self.whole,
+                "bytes",
+            ),
             Target("bare", "the first without effects: friction and backlash alone", 12 * 1024, self.bare, "bytes"),
             Target("ram", "memory: session, its configuration and a record of 10 s at 1 kHz", 48 * 1024, ram, "bytes"),
             Target("stack", "stack of the deepest public function", 512, worst, "bytes"),
