@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.constants import sweep as sweep_program
 from ema_tools.benchmarks.constants.changing import scaled
-from ema_tools.benchmarks.constants.document import written
+from ema_tools.benchmarks.constants.document import effects_of, written
 from ema_tools.benchmarks.constants.listing import Constant, constants, constants_in, unused, without_reason
 from ema_tools.benchmarks.constants.replay import Job, outline
 from ema_tools.benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, renewed, sources_of, words, write_swept
@@ -170,6 +171,25 @@ def test_rows_are_kept_for_the_same_value_and_the_same_sources(tmp_path: Path) -
 
 
 @pytest.mark.slow
+def test_a_document_keeps_what_an_earlier_one_measured_of_the_same_value() -> None:
+    other = replace(ONE, name="_OTHER", text="{'a|b': 3.0}")
+    swept, whole = swept_rows(), swept_rows()
+    for name in ("a", "b", "c"):
+        swept.cases[name]["read"] = whole.cases[name]["read"] = [ONE.key, other.key]
+        for factor in (0.5, 2.0):
+            swept.keep(ONE, factor, name, answer("adequate", 1.0))
+            whole.keep(ONE, factor, name, answer("adequate", 1.0))
+            whole.keep(other, factor, name, answer("unknown", 1.0))
+    earlier = written([ONE, other], whole)
+    said = effects_of(earlier)
+    assert said["fit.here", "_OTHER", other.text] == ("3 verdicts, 1 first name, 1 accepted set of 3",) * 2
+    assert effects_of(written([ONE, other], swept, earlier)) == said
+    # another value was never measured, and without the earlier document nothing is known
+    changed = replace(other, text="4.0")
+    assert effects_of(written([ONE, changed], swept, earlier)) == effects_of(written([ONE, changed], swept))
+    assert effects_of(written([ONE, other], swept)) != said
+
+
 def test_rows_of_other_sources_hold_where_the_plain_answer_is_what_it_was() -> None:
     rows = swept_rows()
     for name in ("a", "b"):

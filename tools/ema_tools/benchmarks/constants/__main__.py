@@ -45,6 +45,9 @@ def main() -> int:
     )
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes at once, one on each core")
     parser.add_argument("--document", type=Path, help="write the table there")
+    parser.add_argument(
+        "--keep", action="store_true", help="with --document: of constants that FILE.json does not hold, what the document said before"
+    )
     arguments = parser.parse_args()
     found = constants()
     chosen = [one for one in found if not arguments.only or any(text in one.key for text in arguments.only)]
@@ -64,7 +67,8 @@ def main() -> int:
             )
         if arguments.document is not None:
             swept = read_swept(arguments.output) if arguments.output is not None else None
-            arguments.document.write_text(written(found, swept), encoding="utf-8")
+            earlier = arguments.document.read_text(encoding="utf-8") if arguments.keep and arguments.document.exists() else ""
+            arguments.document.write_text(written(found, swept, earlier), encoding="utf-8")
     except InputError as error:
         print(error, file=sys.stderr)
         return 1

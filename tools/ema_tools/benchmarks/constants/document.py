@@ -8,11 +8,24 @@ from ema_tools.benchmarks.constants.listing import SET_BY, Constant
 from ema_tools.benchmarks.constants.sweep import FACTORS, TOGETHER, Swept, moved, words
 
 _VALUE_LETTERS = 60
+_CELLS = 6  # of a row
 _NOT_REACHED = "not reached by these cases"
 
 
-def written(found: Sequence[Constant], swept: Swept | None) -> str:
-    """The document."""
+def effects_of(document: str) -> dict[tuple[str, str, str], tuple[str, str]]:
+    """What the rows of an earlier document say of a constant halved and doubled, by its module, name and value."""
+    found = {}
+    for line in document.splitlines():
+        cells = [cell.strip() for cell in line.replace("\\|", "\0").strip("|").split("|")]
+        words = cells[0].split("`")
+        if line.startswith("| `") and len(cells) == _CELLS and len(words) == _CELLS - 1:
+            found[words[1], words[3], cells[1].strip("`").replace("\0", "|")] = (cells[-2], cells[-1])
+    return found
+
+
+def written(found: Sequence[Constant], swept: Swept | None, earlier: str = "") -> str:
+    """The document. What `swept` does not hold of a constant that has the same value in the document of an `earlier` state is taken from there."""
+    before = effects_of(earlier)
     lines = [
         "# Constants",
         "",
@@ -36,9 +49,13 @@ def written(found: Sequence[Constant], swept: Swept | None) -> str:
             *(f"- {name}: {_told(one['outline'])}" for name, one in swept.cases.items()),
             "",
         ]
+    if before:
+        lines += ["What was not changed again since an earlier state of the sources stands as it was measured then.", ""]
     lines += ["| constant | value | what it is | set by | halved | doubled |", "|---|---|---|---|---|---|"]
     for one in found:
-        cells = [f"`{one.module}` `{one.name}`", f"`{_short(one.text)}`", one.reason, one.set_by, *_cells(one, swept)]
+        measured = swept is not None and (one.key in swept.rows or not swept.reached(one.key))
+        kept = None if measured else before.get((one.module, one.name, _short(one.text)))
+        cells = [f"`{one.module}` `{one.name}`", f"`{_short(one.text)}`", one.reason, one.set_by, *(kept or _cells(one, swept))]
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"
 
