@@ -61,7 +61,7 @@ def test_runs_at_one_temperature_leave_open_what_another_does() -> None:
     assert far.std > 5.0 * runs.today(0.0, 0.0).std
 
 
-@pytest.mark.parametrize(("winding", "grease"), [(0.2, 0.0), (0.0, 0.4), (0.05, 0.3), (0.2, -0.02)])
+@pytest.mark.parametrize(("winding", "grease"), [(0.2, 0.0), (0.0, 0.4), (0.05, 0.3), (0.2, 0.02)])
 def test_a_hot_winding_or_an_aged_grease_alone_is_no_temperature(winding: float, grease: float) -> None:
     runs = of_runs([0.14, 0.1404, 0.1397], [1.0, 1.001, 0.999], [1.0, 0.997, 1.004], USUAL, NOISE)
     found, plain = runs.today(winding, grease), runs.today(0.0, 0.0)
@@ -90,3 +90,14 @@ def test_a_day_of_unknown_temperature_has_it_in_its_scatter() -> None:
         assert found.beyond(found.within(0.99)) == pytest.approx(0.01, rel=1e-6)
     # three standard errors of 300 trials about 95 %
     assert 0.91 <= np.mean(held) <= 0.99
+
+
+def test_where_winding_and_grease_disagree_it_may_be_as_warm_as_both_allow() -> None:
+    """13 degC warmer with a grease that halves in 15: nothing is foretold, and what a degree may do to friction stays open."""
+    runs = of_runs([0.14, 0.1404, 0.1397], [1.0, 1.001, 0.999], [1.0, 0.997, 1.004], USUAL, NOISE)
+    found = runs.today(0.051, -0.45)
+    assert found.shift == 0.0
+    assert found.std > 10.0 * FRICTION_PER_DEGC
+    # no cliff where they begin to disagree: 0.06 is 15 degC, which grease meets at -0.35 and misses at -0.15
+    stds = [runs.today(0.06, grease).std for grease in np.linspace(-0.35, -0.15, 41)]
+    assert min(stds) > 0.4 * max(stds)

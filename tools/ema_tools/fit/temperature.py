@@ -86,12 +86,21 @@ class HealthyFriction:
         weights, slope, slope_variance = self._told
         warmer, apart = (float(one) for one in self._temperature(winding, grease))
         warmer -= self._mean_warmth
+        means = slope * warmer
         if abs(apart - self._mean_apart) > _AGREE * math.sqrt(float(weights @ _FACTORS**2) * self._widened):
-            warmer = 0.0
-        read = _FACTORS**2 * self._widened * self._reading_variance
-        by_slope = warmer**2 * slope_variance + (slope**2 * read if warmer else 0.0)
-        stds = np.sqrt(self._own * self._widened + by_slope)
-        return Foretold(weights, slope * warmer, stds, math.sqrt(float(weights @ (warmer**2 * slope_variance))))
+            # one of them is changed by something else: it may be as warm as both allow, and nothing is foretold of it
+            warmer, means = self._both_allow(winding, grease), np.zeros_like(slope)
+            open_variance = warmer**2 * (slope**2 + slope_variance)
+        else:
+            open_variance = warmer**2 * slope_variance + slope**2 * _FACTORS**2 * self._widened * self._reading_variance
+        stds = np.sqrt(self._own * self._widened + open_variance)
+        return Foretold(weights, means, stds, math.sqrt(float(weights @ (warmer**2 * slope_variance))))
+
+    def _both_allow(self, winding: float, grease: float) -> float:
+        """The temperature of the two that lies nearer to the healthy runs', in degC over it; none where they lie on either side."""
+        today, runs = self._each(winding, grease), self._each(self.winding, self.grease)
+        by_winding, by_grease = (float(one - np.mean(run)) for one, run in zip(today, runs, strict=True))
+        return min(by_winding, by_grease, key=abs) if by_winding * by_grease > 0.0 else 0.0
 
     def any_day(self) -> Foretold:
         """The same on a day of which no thermometer tells: temperature is part of the scatter, as much as the healthy runs show of it."""
@@ -155,10 +164,14 @@ class HealthyFriction:
         by_winding, by_grease = self._thermometers
         return 1.0 / (1.0 / by_winding + 1.0 / by_grease)
 
+    @staticmethod
+    def _each(winding: Reals | float, grease: Reals | float) -> tuple[Reals, Reals]:
+        """What winding and grease say of the temperature, each alone, in degC."""
+        return np.asarray(winding) / COPPER_PER_DEGC, np.asarray(-np.log1p(np.maximum(grease, -0.99)) / GREASE_PER_DEGC)
+
     def _temperature(self, winding: Reals | float, grease: Reals | float) -> tuple[Reals, Reals]:
         """By how much it is warmer than the mean, in degC, and how far the two disagree of it, in usual standard deviations."""
-        by_winding = np.asarray(winding) / COPPER_PER_DEGC
-        by_grease = -np.log1p(np.maximum(np.asarray(grease), -0.99)) / GREASE_PER_DEGC
+        by_winding, by_grease = self._each(winding, grease)
         first, second = self._thermometers
         warmer = (by_winding / first + by_grease / second) * self._reading_variance
         return warmer, (by_winding - by_grease) / math.sqrt(first + second)

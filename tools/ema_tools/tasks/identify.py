@@ -157,7 +157,7 @@ class Identified:
         doubt = {name: sure * one.std / abs(self.healthy[name]) for name, one in checked.open.items()}
         if self.answer.verdict == "fault":
             return any(shift - doubt[name] > self._threshold(name) for name, shift in checked.shift.items())
-        return all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
+        return not self._open_by_climate() and all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
 
     def _threshold(self, name: str) -> float:
         """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter or by today's temperature, relative."""
@@ -170,8 +170,18 @@ class Identified:
 
     def within_climate(self) -> bool:
         """Whether today's temperature is most of what makes a fault no more than what a healthy machine may do."""
+        return self._open_by_climate() or (self.within_scatter() and self._mostly_climate())
+
+    def _mostly_climate(self) -> bool:
         foretold = self.foretold
-        return foretold is not None and self.within_scatter() and foretold.by_temperature > math.sqrt(0.5) * foretold.std
+        return foretold is not None and foretold.by_temperature > math.sqrt(0.5) * foretold.std
+
+    def _open_by_climate(self) -> bool:
+        """Whether a healthy answer is one of a faulty machine at today's temperature as well."""
+        shifts = self.checked.shift if self.checked is not None else {}
+        if self.foretold is None or self.answer.verdict != "healthy" or DRY not in shifts or not self._mostly_climate():
+            return False
+        return shifts[DRY] + 1.96 * self.foretold.std > self._least(DRY)
 
     def within_scatter(self) -> bool:
         """Whether a fault is no more than what healthy records of the machine differ by."""

@@ -62,7 +62,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
     if found.objection == "signals":
         return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
     if found.objection == "open" and found.foretold is not None and found.within_climate():
-        warmth = f"CSJ by {100.0 * found.foretold.by_temperature:.2g} %"
+        warmth = f"CSJ by {200.0 * found.foretold.by_temperature:.2g} %"
         return f"today's winding and grease are those of another temperature than on the healthy records, and with it values may differ ({warmth}): healthy records at today's temperature would tell"
     if found.objection == "open" and found.within_scatter():
         scatter = ", ".join(
@@ -108,7 +108,7 @@ def _warmth(found: Identified) -> str:
     if found.foretold is None or abs(found.foretold.shift) < _NOTED:
         return ""
     value = found.healthy["screw.csj_Nm"]
-    return f" At today's temperature CSJ is held against {value:.4g} Nm, {100.0 * found.foretold.shift:+.1f} % from that of the healthy records, as they show."
+    return f" At today's temperature CSJ is held against {value:.4g} Nm, {100.0 * found.foretold.shift:+.1f} % from that of the healthy records, by what they show of temperature."
 
 
 def _verdict(found: Identified) -> str:
