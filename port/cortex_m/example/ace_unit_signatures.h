@@ -43,7 +43,7 @@ static const ema_pattern_t ema_exported_patterns[] = {
     {9, 55, 1, false, {EMA_R(0x1.45803286015ddp-13), EMA_R(0.0), EMA_R(0x1.31272746be816p-7)}, EMA_R(0.0)}, /* coulomb_asymmetry */
     {10, 56, 1, false, {EMA_R(0x1.d3470689c173fp-10), EMA_R(0.0), EMA_R(0x1.b6110af54c226p-4)}, EMA_R(0.0)}, /* viscous_asymmetry */
     {11, 57, 1, true, {EMA_R(0x1.978c967b42e41p-13), EMA_R(0.0), EMA_R(0x1.8327c8d3f9e28p-7)}, EMA_R(0.0)}, /* load_dependent_friction */
-    {12, 58, 2, false, {EMA_R(0x1.efc692761f973p-14), EMA_R(-0x1.c6fe153e306b4p-19), EMA_R(0x1.220733e577bdbp-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
+    {12, 58, 2, false, {EMA_R(0x1.efc692761f8f2p-14), EMA_R(-0x1.c6fe153e3063dp-19), EMA_R(0x1.220733e577b8fp-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
     {13, 60, 2, false, {EMA_R(0x1.26113a3d62543p-11), EMA_R(-0x1.3fc2c57a990d2p-16), EMA_R(0x1.f98c63521e99dp-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 62, 2, false, {EMA_R(0x1.5ab0b4fc08a5fp-11), EMA_R(0x1.af6320025c2efp-13), EMA_R(0x1.d0d457305c2ebp-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 64, 2, false, {EMA_R(0x1.e5d901df7c701p-11), EMA_R(-0x1.395569073602ap-13), EMA_R(0x1.30791311c99b2p-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
@@ -2183,7 +2183,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 363328807U,
+    .fingerprint = 2783175087U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,
@@ -2200,8 +2200,8 @@ static const ema_signatures_t EMA_SIGNATURES = {
     .limit = EMA_R(30.0),
     .energy = EMA_R(0x1.ca17ec163e40cp+8),
     .fault = {
-        {25, 96, EMA_R(0x1.0d1c67f35a369p-3), EMA_R(0x1.a8a3ea9ac5e25p-12), EMA_R(0x1.f9d05387f4e16p+15)}, /* screw.csj_Nm */
-        {29, 97, EMA_R(0x1.03127c66c92a1p-5), EMA_R(0x1.23adbf043a7f7p-13), EMA_R(0x1.89e02cb75b66fp+13)}, /* screw.blk_mm */
+        {25, 96, EMA_R(0x1.0d1c67f343d15p-3), EMA_R(0x1.a8a3ea9aa28b9p-12), EMA_R(0x1.f9d053881ef97p+15)}, /* screw.csj_Nm */
+        {29, 97, EMA_R(0x1.03127c66f015dp-5), EMA_R(0x1.23adbf0466514p-13), EMA_R(0x1.89e02cb7203acp+13)}, /* screw.blk_mm */
     },
     .pattern = ema_exported_patterns,
     .unit = ema_exported_units,
