@@ -482,12 +482,16 @@ def worst_section(found: Measured) -> list[str]:
     """What a slice takes at most."""
     worst = found.worst
     per_work = max(run.slice / run.slice_work for run in worst.runs)
+    work = grouped(max(run.step_work for run in worst.runs))
+    starts = [run.start for run in worst.runs]
+    start = f"{grouped(min(starts))} to {grouped(max(starts))}"
     lines = [
         "## The longest slice",
         "",
         "The work of a slice is counted in plain steps: a model step is one, and what has to be located in it, or asked of effects, counts besides as much as it takes (`ema_work.h`). A slice",
         "ends with the step that reaches its length. Looked for with every effect, free and with the highest friction of a search, under the chirp's quick end, a jump from end to end in every step,",
-        "noise over the whole travel, a square wave, a dither and long drives against the ends of travel; and in whole sessions on records of a reversed sensor, of noise, and of a rod that does not move.",
+        "noise over the whole travel, a square wave, a dither and long drives against the ends of travel; and in whole sessions on records of a reversed sensor, of noise, and of a rod that",
+        "does not move.",
         "",
     ]
     lines += table(
@@ -523,9 +527,10 @@ def worst_section(found: Measured) -> list[str]:
         ],
     )
     lines += [
-        "By its structure a model step counts at most 7 plain steps and 107 for each of its substeps (`EMA_STEP_WORK_MAX`), and twice that with an output delay: eight events in every substep. The most that was",
-        f"found is {grouped(max(run.step_work for run in worst.runs))}. A plain step of a slice has taken at most {per_work:.0f} instructions, so that a slice of n takes at most n + that many times them. Preparing a run, which is not divided, takes",
-        f"{grouped(min(run.start for run in worst.runs))} to {grouped(max(run.start for run in worst.runs))} instructions, and the search's own decision before it up to three times as much with four values.",
+        "By its structure a model step counts at most 7 plain steps and 107 for each of its substeps (`EMA_STEP_WORK_MAX`), and twice that with an output delay: eight events in every substep.",
+        f"The most that was found is {work}. A plain step of a slice has taken at most {per_work:.0f} instructions, so that a slice of n takes at most n + that many times",
+        f"them. Preparing a run, which is not divided, takes {start} instructions, and the search's own decision",
+        "before it up to three times as much with four values.",
         "",
     ]
     return lines
@@ -602,8 +607,8 @@ def unit_section(found: Measured) -> list[str]:
         found, [(f"ema_session_run, {steps_of(count).replace('model ', '')}", f"unit_slice_{count}") for count in UNIT_SLICES]
     )
     lines += [
-        "While it holds, a contact that yields takes a model step in many parts, most of all with candidates of high friction, which the motor hardly moves; they count for what they take. The longest",
-        "slices are those in which the search decides and the next run is prepared. The structures are the same as without, and so is the memory.",
+        "While it holds, a contact that yields takes a model step in many parts, most of all with candidates of high friction, which the motor hardly moves; they count for what they take. The",
+        "longest slices are those in which the search decides and the next run is prepared. The structures are the same as without, and so is the memory.",
         "",
     ]
     lines += table(
