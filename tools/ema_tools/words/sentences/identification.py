@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
@@ -15,7 +16,7 @@ from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.sizes import size_text
 
-_MORE = "record motor position, current and voltage too"
+_TELLING = ("motor_position_mm", "current_A", "voltage_V")
 _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
@@ -45,6 +46,15 @@ def _effect(checked: CrossCheck, size: str) -> str:
     return f"{checked.effects[0]} ({row_of(size).field} {size_text(size, checked.values[size], checked.std.get(size))})"
 
 
+def _more(checked: CrossCheck) -> str:
+    """Which signals to record besides; where all are there, healthy records tell what the unit always has."""
+    lacking = [SIGNAL_TITLES[name] for name in _TELLING if name not in checked.signals]
+    if not lacking:
+        return "more healthy records of this unit narrow what differs from day to day"
+    listed = lacking[0] if len(lacking) == 1 else f"{', '.join(lacking[:-1])} and {lacking[-1]}"
+    return f"record {listed} too"
+
+
 def _shifts(checked: CrossCheck) -> str:
     return ", ".join(f"{TITLES[name]} {100.0 * shift:+.1f} %" for name, shift in checked.shift.items())
 
@@ -54,7 +64,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
     if found.objection == "rival":
         others = f", as do {', '.join(checked.effects[1:])}" if checked.effects[1:] else ""
         return (
-            f"{_effect(checked, next(iter(checked.values)))} explains the record as well as a fault{others}: {_MORE}, "
+            f"{_effect(checked, next(iter(checked.values)))} explains the record as well as a fault{others}: {_more(checked)}, "
             f"or ema next ACTUATOR --between csj {checked.effects[0]} finds a command that tells them apart"
         )
     if found.objection == "healthy":
@@ -79,7 +89,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         percent = 100.0 * stands.std / abs(found.healthy[name])
         return (
             f"this record hardly tells {TITLES[name]} from {row_of(stands.most).field}, which differs from day to day: "
-            f"{TITLES[name]} may be off by {2.0 * percent:.2g} % for that: {_MORE}, or a chirp to a higher frequency"
+            f"{TITLES[name]} may be off by {2.0 * percent:.2g} % for that: {_more(checked)}, or a chirp to a higher frequency"
         )
     return missing_words(checked)
 
