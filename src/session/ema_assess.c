@@ -39,8 +39,8 @@ void ema_assess_model(ema_session_t* session)
         if ((value + delta) > identified->upper) {
             delta = -delta;
         }
-        ema_assess_went(session, ema_sensitivity_moved(sensitivity, &session->actuator, identified->id, delta,
-                                                       session->start_mm));
+        ema_assess_went(
+            session, ema_sensitivity_moved(sensitivity, &session->actuator, identified->id, delta, session->start_mm));
     }
     if (session->assessed && (sensitivity->prepared > sensitivity->parameters)) {
         ema_sensitivity_learned(sensitivity, config->actuator);
