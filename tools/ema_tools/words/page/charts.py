@@ -68,7 +68,11 @@ def tracks(label: str, head: str, told: str, rows: Sequence[Row], line: float | 
         share = math.log(max(value, low) / low) / math.log(high / low)
         return f"{100.0 * share:.2f}%"
 
-    shown = [lead * 10.0**power for power in range(math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9) + 1) for lead in (1.0, 2.0, 5.0)]
+    shown = [
+        lead * 10.0**power
+        for power in range(math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9) + 1)
+        for lead in (1.0, 2.0, 5.0)
+    ]
     shown = [tick for tick in shown if 0.999 * low <= tick <= 1.001 * high]
     if len(shown) > _TICKS_MAX:
         shown = [tick for tick in shown if abs(math.log10(tick) - round(math.log10(tick))) < 1e-6]
@@ -77,7 +81,9 @@ def tracks(label: str, head: str, told: str, rows: Sequence[Row], line: float | 
     grid += f'<i class="noise" style="left:{place(line)}"></i>' if line else ""
     body = []
     for row in rows:
-        marks = "".join(f'<i class="mark {mark.kind}" style="left:{place(mark.value)}" title="{escape(mark.words)}"></i>' for mark in row.marks)
+        marks = "".join(
+            f'<i class="mark {mark.kind}" style="left:{place(mark.value)}" title="{escape(mark.words)}"></i>' for mark in row.marks
+        )
         bar = ""
         if row.marks:
             bar = f'<i class="stem" style="width:{place(row.marks[0].value)}"></i>'

@@ -14,12 +14,25 @@ from ema_tools.words.page import charts, heat, names, rest, where_pictures
 from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Value
-from ema_tools.words.page.first_screen import Candidate, Reply, accepted, candidates, faults, first_screen, line_of, next_best, rungs
+from ema_tools.words.page.first_screen import (
+    Candidate,
+    Reply,
+    accepted,
+    candidates,
+    faults,
+    first_screen,
+    line_of,
+    next_best,
+    rungs,
+    telling,
+)
 from ema_tools.words.page.uplot import ABSENT, library
 
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 # The workbench compiles the module and computes beside the page; both come from the page itself.
-_WORKBENCH_POLICY = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; img-src data:"
+_WORKBENCH_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; img-src data:"
+)
 # A head that begins with this stands over words, not over numbers.
 _LEFT = "<"
 _WORDS = ' class="words"'
@@ -132,20 +145,29 @@ def _where(result: Diagnosed, drawn: list[heat.Map]) -> str:
             continue
         floor = "–" if not one.floor_rms else f"{words.number(one.floor_rms)} {escape(one.unit)}"
         times = "–" if not one.floor_rms else f"{words.number(one.rms / one.floor_rms, 2)} ×"
-        term = next((f"{one_term.words} ({words.number(one_term.explained_percent, 2)} %)" for one_term in one.terms[:1] if one_term.explained_percent >= 25.0), "no simple term")
+        term = next(
+            (
+                f"{one_term.words} ({words.number(one_term.explained_percent, 2)} %)"
+                for one_term in one.terms[:1]
+                if one_term.explained_percent >= 25.0
+            ),
+            "no simple term",
+        )
         rows.append(
-            f'<tr>{head}<td>{words.number(one.rms)} {escape(one.unit)}</td><td>{floor}</td><td>{times}</td>'
+            f"<tr>{head}<td>{words.number(one.rms)} {escape(one.unit)}</td><td>{floor}</td><td>{times}</td>"
             f'<td class="words">{escape(term) if one.telling else "within its noise level"}</td></tr>'
         )
     if rows:
-        caption = "Equation residual: measured signals against one group of blocks" + (", less what baseline runs have." if result.relative else ".")
+        caption = "Equation residual: measured signals against one group of blocks" + (
+            ", less what baseline runs have." if result.relative else "."
+        )
         parts.append(_table("equation residuals", caption, ("Equation", "Residual, rms", "Noise level", "Times", "<Described as"), rows))
     figures = where_pictures.figures(result)
     if figures:
         parts.append(f'<div class="thirds">{"".join(figures)}</div>')
     more = where_pictures.more(result)
     if more:
-        worst = heat.telling(result)[0]
+        worst = telling(result)[0]
         parts.append(
             f"<details><summary>{escape(names.block(worst.name))} over every axis</summary>"
             f'<p class="note">Mean, and band of one standard deviation; the most uneven first.</p><div class="thirds">{"".join(more)}</div></details>'
@@ -179,7 +201,9 @@ def _which(result: Diagnosed) -> str:
         for one in unknown:
             sizes = "<br>".join(map(_value, values.get(one.entry.name, ()))) or "–"
             state = '<b class="good">named</b>' if one.entry.accepted else escape(one.entry.reason or "not named")
-            rows_.append(f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>')
+            rows_.append(
+                f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
+            )
         parts.append(_table("effects", "Size ± half of its 95 % interval.", ("Effect", "<", "<Size", "<Looks alike"), rows_))
     parts += _separates(result)
     parts += _not_tried(result, {one.entry.name for one in tried})
@@ -201,7 +225,12 @@ def _candidate(one: Candidate, values: tuple[Value, ...]) -> charts.Row:
     looks = f"; looks like {alike}" if alike != "nothing" else ""
     state = '<b class="good">named</b> ' if named else ""
     head = f"{state}{_effect(one.entry.name)}"
-    return charts.Row(head, (charts.Mark(one.left, "dot after" if named else "dot other", said),), f"<b>{words.number(one.left)}</b> {sizes}{looks}", "named" if named else "")
+    return charts.Row(
+        head,
+        (charts.Mark(one.left, "dot after" if named else "dot other", said),),
+        f"<b>{words.number(one.left)}</b> {sizes}{looks}",
+        "named" if named else "",
+    )
 
 
 def _separates(result: Diagnosed) -> list[str]:
@@ -244,7 +273,10 @@ def _unknown(result: Diagnosed) -> list[str]:
         return []
     said = result.unknown_sentence
     parts = [f"<h3>What is it that the library does not know?</h3><p>{escape(said[:1].upper() + said[1:])}.</p>" if said else ""]
-    shown = [where_pictures.over(one, f"{words.number(one.explained_percent or 0.0, 2)} % of it is foretold on other passes.") for one in result.unknown_pictures[:6]]
+    shown = [
+        where_pictures.over(one, f"{words.number(one.explained_percent or 0.0, 2)} % of it is foretold on other passes.")
+        for one in result.unknown_pictures[:6]
+    ]
     if shown:
         parts.append(f'<div class="thirds">{"".join(shown)}</div>')
     if result.learned_sentence:
@@ -270,10 +302,19 @@ def _ladder(result: Diagnosed) -> str:
         told = f"<b>{words.number(here)}</b>" + (f" / {words.number(held)}" if held is not None else "")
         rows.append(charts.Row(shown, tuple(marks), told))
     floor = result.errors.get("floor")
+    other = ""
+    if any(held is not None for _, _, held in found):
+        other = '<li><span class="key diamond"></span>validation record, to which nothing was fitted</li>'
     parts = [
-        f'<ul class="legend"><li><span class="key dot after"></span>this record</li>{"<li><span class=" + chr(34) + "key diamond" + chr(34) + "></span>validation record, to which nothing was fitted</li>" if any(held is not None for _, _, held in found) else ""}'
-        "<li><span class=\"key noise\"></span>noise level</li></ul>",
-        charts.tracks(f"Error after each step, {unit}; all values refitted together.", "Model", "This record / validation" if result.errors.get("holdout_before") is not None else "This record", rows, floor, f"dashed: noise level {words.number(floor)}" if floor else ""),
+        f'<ul class="legend"><li><span class="key dot after"></span>this record</li>{other}<li><span class="key noise"></span>noise level</li></ul>',
+        charts.tracks(
+            f"Error after each step, {unit}; all values refitted together.",
+            "Model",
+            "This record / validation" if result.errors.get("holdout_before") is not None else "This record",
+            rows,
+            floor,
+            f"dashed: noise level {words.number(floor)}" if floor else "",
+        ),
     ]
     if drawn:
         parts.append('<p class="note">Choose the first or the last model to see it alone in the signals.</p>')
@@ -284,7 +325,9 @@ def _ladder(result: Diagnosed) -> str:
     advised = result.steps[-1] if result.steps else None
     if advised is not None and advised.recommended is not None and result.added:
         why = f": {advised.reason}" if advised.reason else ""
-        parts.append(f'<p><b class="{"good" if advised.recommended else "bad"}">{"Recommended" if advised.recommended else "Not recommended"}</b>{escape(why)}</p>')
+        parts.append(
+            f'<p><b class="{"good" if advised.recommended else "bad"}">{"Recommended" if advised.recommended else "Not recommended"}</b>{escape(why)}</p>'
+        )
     if result.forward_sentence:
         parts.append(f"<p>{escape(result.forward_sentence)}</p>")
     return "".join(parts)
@@ -300,16 +343,29 @@ def _records(result: Diagnosed) -> str:
             if one.shift_percent is not None and ends is not None and ends[0] is not None and ends[1] is not None:
                 change += f" ± {words.number(0.5 * (ends[1] - ends[0]), 2)} %"
             unit = names.unit_of(f"screw.{field}")
-            rows.append(f'<tr><th scope="row">{escape(names.FAULT_TITLES.get(name, name))}</th><td>{escape(names.sized(value, one.std.get(field), unit))}</td><td>{change}</td></tr>')
+            rows.append(
+                f'<tr><th scope="row">{escape(names.FAULT_TITLES.get(name, name))}</th><td>{escape(names.sized(value, one.std.get(field), unit))}</td><td>{change}</td></tr>'
+            )
     if rows:
-        parts.append(_table("faults", "What has changed against the healthy machine; ± half of the 95 % interval.", ("Fault", "Today", "Change"), rows))
+        parts.append(
+            _table(
+                "faults", "What has changed against the healthy machine; ± half of the 95 % interval.", ("Fault", "Today", "Change"), rows
+            )
+        )
     changed = [
         f'<tr><th scope="row">{escape(one.name)}</th><td>{words.number(one.entry.healthy, 4)} {escape(one.entry.unit)}</td><td>{words.number(one.entry.today, 4)} {escape(one.entry.unit)}</td>'
-        f'<td>{words.number(one.entry.limit, 2)} {escape(one.entry.unit)}</td><td>{"<b class=" + chr(34) + "bad" + chr(34) + ">changed</b>" if one.entry.counts else "as it was"}</td></tr>'
+        f"<td>{words.number(one.entry.limit, 2)} {escape(one.entry.unit)}</td><td>{'<b class=' + chr(34) + 'bad' + chr(34) + '>changed</b>' if one.entry.counts else 'as it was'}</td></tr>"
         for one in result.changes
     ]
     if changed:
-        parts.append(_table("values of the healthy machine", "Values of the healthy machine beside today's.", ("Value", "Healthy", "Today", "Must differ by", ""), changed))
+        parts.append(
+            _table(
+                "values of the healthy machine",
+                "Values of the healthy machine beside today's.",
+                ("Value", "Healthy", "Today", "Must differ by", ""),
+                changed,
+            )
+        )
     if result.gate_sentence:
         parts.append(f"<p>{escape(result.gate_sentence)}</p>")
     looked = [
@@ -318,13 +374,23 @@ def _records(result: Diagnosed) -> str:
         for one in result.remarks
     ]
     if looked:
-        parts.append(_table("what was looked at", "What was looked at in the record before anything was concluded.", ("Looked at", "<", "<Found", "<What to do"), looked))
+        parts.append(
+            _table(
+                "what was looked at",
+                "What was looked at in the record before anything was concluded.",
+                ("Looked at", "<", "<Found", "<What to do"),
+                looked,
+            )
+        )
     return "".join(parts)
 
 
 def _provenance(result: Diagnosed, command: str) -> str:
     entries = {"page": command, **result.provenance}
-    told = "".join(f"<dt>{escape(key)}</dt><dd>{f'<code>{escape(value)}</code>' if key in ('page', 'command') else escape(value)}</dd>" for key, value in entries.items())
+    told = "".join(
+        f"<dt>{escape(key)}</dt><dd>{f'<code>{escape(value)}</code>' if key in ('page', 'command') else escape(value)}</dd>"
+        for key, value in entries.items()
+    )
     hidden = result.found.cannot_see if isinstance(result.found, DiagnosisResult) else None
     method = result.found.method_reason if isinstance(result.found, DiagnosisResult | DiagnosisByBalanceResult | Addition) else ""
     parts = [f'<p class="full">{escape(result.sentence)}</p>' if result.sentence else ""]

@@ -108,7 +108,9 @@ def next_best(result: Diagnosed) -> tuple[Candidate, Candidate] | None:
     tried = [one for one in candidates(result) if one.left is not None]
     best = min((one for one in tried if one.entry.accepted), key=lambda one: -one.entry.score, default=None)
     alike = set(best.entry.alike) if best is not None else set()
-    other = min((one for one in tried if not one.entry.accepted and one.entry.name not in alike), key=lambda one: one.left or 0.0, default=None)
+    other = min(
+        (one for one in tried if not one.entry.accepted and one.entry.name not in alike), key=lambda one: one.left or 0.0, default=None
+    )
     return None if best is None or other is None else (best, other)
 
 
@@ -180,7 +182,12 @@ def _holds(result: Diagnosed) -> Reply:
         against += f", noise level {words.number(floor)}"
     if result.added:
         near = after is not None and floor is not None and after <= _QUICK * floor
-        return Reply(question, "With it, yes" if near else "Better with it", f"noise level {words.number(floor)}" if floor is not None else "", "good" if near else "unsure")
+        return Reply(
+            question,
+            "With it, yes" if near else "Better with it",
+            f"noise level {words.number(floor)}" if floor is not None else "",
+            "good" if near else "unsure",
+        )
     if not _answerable(result):
         return Reply(question, "Cannot be told", result.gate_sentence, "unsure")
     if result.verdict != "adequate":
@@ -218,11 +225,18 @@ def _missing(result: Diagnosed) -> Reply:
         found = result.found
         assert isinstance(found, Addition)
         sizes = [names.sized(one.value, one.std, one.unit) for one in found.parameters.values()]
-        return Reply("What was added?", names.display(result.added), f"size {sizes[0]}" if sizes else "", "good" if found.recommended else "unsure")
+        return Reply(
+            "What was added?", names.display(result.added), f"size {sizes[0]}" if sizes else "", "good" if found.recommended else "unsure"
+        )
     named = accepted(result)
     if result.verdict == "adequate":
         worn = _changes(result)
-        return Reply(question, "Nothing", f"but {names.listed(worn)}" if worn else "no effect of the library would help", "unsure" if worn else "good")
+        return Reply(
+            question,
+            "Nothing",
+            f"but {names.listed(worn)}" if worn else "no effect of the library would help",
+            "unsure" if worn else "good",
+        )
     if result.verdict == "unknown" or not named:
         if _sensor(result):
             return Reply(question, "Nothing in the machine", "a sensor explains it", "unsure")
@@ -237,8 +251,12 @@ def _missing(result: Diagnosed) -> Reply:
         told = f"{size[0].rsplit('_', 1)[0] if unit else size[0]} {names.sized(size[1], first.std.get(size[0]), unit)}"
     rivals = next_best(result)
     if rivals is not None and rivals[0].left and rivals[1].left:
-        told += f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times the error"
-    return Reply(question, names.listed([names.display(named[0].name), *(names.within(one.name) for one in named[1:])]), told.lstrip("; "), "bad")
+        told += (
+            f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times the error"
+        )
+    return Reply(
+        question, names.listed([names.display(named[0].name), *(names.within(one.name) for one in named[1:])]), told.lstrip("; "), "bad"
+    )
 
 
 def _fell(result: Diagnosed) -> str:
@@ -250,7 +268,9 @@ def _fell(result: Diagnosed) -> str:
 
 def _error(result: Diagnosed) -> Reply:
     question = "Error, before and after?"
-    before, after, held, later, floor = (result.errors.get(name) for name in ("before", "after", "holdout_before", "holdout_after", "floor"))
+    before, after, held, later, floor = (
+        result.errors.get(name) for name in ("before", "after", "holdout_before", "holdout_after", "floor")
+    )
     if before is None:
         return Reply(question, "Not known", "nothing was fitted")
     short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
@@ -310,32 +330,46 @@ def _next(result: Diagnosed) -> Reply:
         found = result.found
         assert isinstance(found, Addition)
         if found.recommended:
-            return Reply(question, "Diagnose with it again", "until nothing is missing", "", shlex.join(["ema", "diagnose", found.actuator, *record, *healthy]))
+            return Reply(
+                question,
+                "Diagnose with it again",
+                "until nothing is missing",
+                "",
+                shlex.join(["ema", "diagnose", found.actuator, *record, *healthy]),
+            )
         return Reply(question, "Do not keep it", found.reason or "it is not recommended", "unsure")
     if not _answerable(result):
         wanted = next((one.next for one in result.remarks if one.severity == "blocks" and one.next), "")
         return Reply(question, "Record again", wanted, "unsure")
     if result.verdict == "adequate":
-        return Reply(question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record, *healthy]))
+        return Reply(
+            question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record, *healthy])
+        )
     between = re.search(r"ema next ACTUATOR --between ([\w ]+?) says", result.next_experiment)
     if between is not None:
         told = "this record does not tell " + names.listed([names.within(name) for name in between[1].split()]) + " apart"
-        return Reply(question, "Record what tells them apart", told, "unsure", shlex.join(["ema", "next", line.actuator, "--between", *between[1].split()]))
+        return Reply(
+            question,
+            "Record what tells them apart",
+            told,
+            "unsure",
+            shlex.join(["ema", "next", line.actuator, "--between", *between[1].split()]),
+        )
     if result.verdict == "missing" and accepted(result):
         fitted = line.options.get("--fitted")
         if fitted:
             return Reply(question, "Diagnose with the new model", "", "", shlex.join(["ema", "diagnose", fitted[0], *record, *healthy]))
         effect = accepted(result)[0].name
         files = ["--fit", *(part for one in line.records or ("RECORD.csv",) for part in (one, "--fit"))][:-1]
-        told = ["ema", "add", line.actuator, effect, *files, *healthy, *line.again("--holdout"), "-o", "better.toml"]
-        return Reply(question, "Put it into the model", "then diagnose again", "", shlex.join(told))
+        add = ["ema", "add", line.actuator, effect, *files, *healthy, *line.again("--holdout"), "-o", "better.toml"]
+        return Reply(question, "Put it into the model", "then diagnose again", "", shlex.join(add))
     found = result.found
     if isinstance(found, DiagnosisResult) and found.sensor is not None:
         return Reply(question, "Check the sensor", found.sensor.next, "unsure")
     learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
     if learned is not None and "ema add" in result.next_experiment:
-        told = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", "better.toml"]
-        return Reply(question, "Fly it as a learned table", "or write the effect where its physics is known", "", shlex.join(told))
+        add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", "better.toml"]
+        return Reply(question, "Fly it as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
     told = result.next_experiment.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
     return Reply(question, "Look at the pictures", told, "unsure")
 

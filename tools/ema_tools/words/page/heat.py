@@ -89,7 +89,7 @@ def _axis(result: Diagnosed, by: str) -> Map | None:
         multiples = np.full(count, math.nan)
         multiples[place] = block.rms / block.floor_rms * np.sqrt(share / np.maximum(time, 1e-9))
         rows.append(Cells(one.source, multiples, block.telling))
-    return Map(by, there[0].axis_unit, low + width * np.arange(count + 1), tuple(rows)) if rows else None
+    return Map(by, there[0].axis_unit, low + width * np.arange(count + 1, dtype=np.float64), tuple(rows)) if rows else None
 
 
 def _frequency(result: Diagnosed, found: Traces | None) -> Map | None:
@@ -121,7 +121,7 @@ def _frequency(result: Diagnosed, found: Traces | None) -> Map | None:
         rms = float(np.sqrt(np.mean(residual**2)))
         above = bool(telling(result)) and (floor is None or rms > LEAST * floor)
         drawn.append(Cells(name, multiples, above))
-    return Map("frequency", "Hz", edges, tuple(drawn), lights=False) if drawn else None
+    return Map("frequency", "Hz", np.asarray(edges, dtype=np.float64), tuple(drawn), lights=False) if drawn else None
 
 
 def bins_of_rows(result: Diagnosed, found: Traces) -> dict[str, Reals]:
@@ -162,11 +162,17 @@ def section(result: Diagnosed, drawn: list[Map]) -> str:
     scale = levels(drawn)
     keys = "".join(f'<span class="h{place + 1}">{level:g}</span>' for place, level in enumerate(scale))
     blocks = [one.name for one in result.blocks if one.reason is None]
-    order = [one.name for one in telling(result)] + [name for name in blocks if name not in [one.name for one in telling(result)]]
+    order = list(dict.fromkeys([*(one.name for one in telling(result)), *blocks]))
+    between = " between baseline runs" if result.relative else ""
+    note = (
+        f"Residual of each equation, in multiples of its noise level{between}. "
+        "Choose a cell: its moments light up in the signals; zoom the signals: their cells stay lit."
+    )
+    legend = (
+        f'<p class="levels" aria-label="Colours: from this many times the noise level on">× noise <span class="h0">less</span>{keys}</p>'
+    )
     parts = [
-        f'<div class="bar"><p class="note">Residual of each equation, in multiples of its noise level{" between baseline runs" if result.relative else ""}. '
-        "Choose a cell: its moments light up in the signals; zoom the signals: their cells stay lit.</p>"
-        f'<p class="levels" aria-label="Colours: from this many times the noise level on">× noise <span class="h0">less</span>{keys}</p></div>',
+        f'<div class="bar"><p class="note">{note}</p>{legend}</div>',
         '<p id="cell" class="reading" aria-live="polite">&nbsp;</p><div class="maps">',
         *(_table(one, order, scale) for one in drawn),
         "</div>",
@@ -194,7 +200,9 @@ def _table(one: Map, order: list[str], scale: tuple[float, ...]) -> str:
                 )
                 first = False
             else:
-                cells.append(f'<td><span class="cell h{level}" title="{told}"><span class="spoken">{words.number(float(value), 2)}</span></span></td>')
+                cells.append(
+                    f'<td><span class="cell h{level}" title="{told}"><span class="spoken">{words.number(float(value), 2)}</span></span></td>'
+                )
         state = "" if row.above else ' <small class="within">in the noise</small>'
         body.append(f'<tr><th scope="row">{escape(name)}{state}</th>{"".join(cells)}</tr>')
     count = one.edges.size - 1

@@ -54,9 +54,7 @@ def left_of(found: Traces) -> list[Left]:
         noise = float(np.mean(power[last][top]))
         if not noise > 0.0:
             continue
-        multiples = {
-            key: np.sqrt(np.bincount(band, one[1:], minlength=_BANDS)[there] / count[there] / noise) for key, one in power.items()
-        }
+        multiples = {key: np.sqrt(np.bincount(band, one[1:], minlength=_BANDS)[there] / count[there] / noise) for key, one in power.items()}
         center = np.sqrt(edges[:-1] * edges[1:])[there]
         loud = center[multiples[last] > _LEVEL]
         scale = names.SIGNALS[name][3]

@@ -19,6 +19,7 @@ from ema_tools.words.page.recorded import Curves, Series
 
 # Rows of a record that the page keeps: 24 000 of five channels and two models are less than a megabyte.
 ROWS_MAX = 24_000
+_FIT = '<label class="fit"><input type="checkbox" data-fit> scale to view</label>'
 _MODELS = {"before": "model as given", "after": "with what was found"}
 
 
@@ -108,22 +109,23 @@ def section(result: Diagnosed, found: Traces | None, absent: str) -> str:
         f'<button type="button" data-zoom="{how}">{text}</button>'
         for how, text in (("whole", "Whole record"), ("in", "Zoom in"), ("out", "Zoom out"), ("earlier", "← Earlier"), ("later", "Later →"))
     )
-    parts_: list[str] = [
+    shown: list[str] = [
         f'<div class="bar"><fieldset class="toggles"><legend class="spoken">Curves shown</legend>{toggles}</fieldset>',
-        f'<div class="zoom" role="group" aria-label="Zoom of all plots">{buttons}'
-        '<label class="fit"><input type="checkbox" data-fit> scale to view</label></div></div>',
+        f'<div class="zoom" role="group" aria-label="Zoom of all plots">{buttons}{_FIT}</div></div>',
     ]
     if absent:
-        parts_.append(f'<p class="absent">{escape(absent)}</p>')
-    parts_.append('<div class="plots" id="plots" tabindex="0" role="group" aria-label="Signals over time. Arrow keys move the crosshair, plus and minus zoom, Home shows the whole record.">')
-    parts_ += [_channel(found, name, titles, bool(absent)) for name in found.names]
-    parts_.append("</div>")
+        shown.append(f'<p class="absent">{escape(absent)}</p>')
+    shown.append(
+        '<div class="plots" id="plots" tabindex="0" role="group" aria-label="Signals over time. Arrow keys move the crosshair, plus and minus zoom, Home shows the whole record.">'
+    )
+    shown += [_channel(found, name, titles, bool(absent)) for name in found.names]
+    shown.append("</div>")
     derived = " Rod speed is the slope of the rod position over 9 rows, the same for every curve." if "speed_mm_s" in curves.derived else ""
-    parts_.append(
+    shown.append(
         '<p class="note">Under each signal its residual: measured minus simulated. Drag across a plot to zoom, all follow; double click, '
         f'<kbd>Home</kbd> or “Whole record” shows all again.{derived} <span id="reading" aria-live="polite" class="spoken"></span></p>'
     )
-    return "".join(parts_)
+    return "".join(shown)
 
 
 def _channel(found: Traces, name: str, titles: dict[str, str], bare: bool) -> str:

@@ -82,7 +82,10 @@ def _loops(found: Pictures) -> list[str]:
     for title, loop, quantity in shown:
         if loop is None or len(loop.measured.x) < 2:
             continue
-        sides = {"measured": loop.measured, **{key: side for key, side in (("model", loop.model), ("healthy", loop.healthy)) if side is not None}}
+        sides = {
+            "measured": loop.measured,
+            **{key: side for key, side in (("model", loop.model), ("healthy", loop.healthy)) if side is not None},
+        }
         other = "healthy" if "healthy" in sides else "model"
         kept = {key: side for key, side in sides.items() if key in ("measured", other)}
         unit = loop.unit.replace("um", "µm")
@@ -141,7 +144,9 @@ def over(shown: Picture, told: str = "") -> str:
     title = f"Over {shown.by}{', against the motion' if shown.friction else ''}"
     place = int(np.argmax(np.abs(line.y)))
     said = f"largest {words.number(scale * float(line.y[place]))} {unit} at {words.number(float(line.x[place]))} {axis_unit}"
-    picture = Drawing(f"{shown.source} {title.lower()}: {said}", f"{shown.by.capitalize()}, {axis_unit}", unit, ends(line.x), ends(low, high))
+    picture = Drawing(
+        f"{shown.source} {title.lower()}: {said}", f"{shown.by.capitalize()}, {axis_unit}", unit, ends(line.x), ends(low, high)
+    )
     picture.band(line.x, low, high, "before")
     picture.line(line.x, scale * line.y, "before")
     caption = told or said[:1].upper() + said[1:] + "."

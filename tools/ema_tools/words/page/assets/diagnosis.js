@@ -208,6 +208,7 @@
       channel.element.querySelector("[data-where]").textContent = zoomed ? "in view" : "of the record";
     }
     document.body.classList.toggle("zoomed", zoomed);
+    document.getElementById("plots").dataset.view = range.map((end) => end.toFixed(4)).join(" ");
     if (!zoomed) return;
     const there = {};
     for (const [by, values] of Object.entries(binOf)) there[by] = new Set(values.subarray(from, to));
