@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -72,7 +74,10 @@ class Opened:
 
     def drag(self, channel: str, first: float, last: float) -> None:
         """Across the plot of a channel, from one share of its width to another."""
-        box = self.page.locator(f'[data-channel="{channel}"] .plot.main .u-over').bounding_box()
+        # in the middle of the window: the menu covers its upper edge
+        plot = self.page.locator(f'[data-channel="{channel}"] .plot.main .u-over')
+        plot.evaluate("(one) => one.scrollIntoView({ block: 'center', behavior: 'instant' })")
+        box = plot.bounding_box()
         mouse, middle = self.page.mouse, box["y"] + 0.5 * box["height"]
         mouse.move(box["x"] + first * box["width"], middle)
         self.read(channel)
@@ -242,3 +247,20 @@ def test_it_prints_on_few_sheets(opened: Any) -> None:
     assert printed.startswith(b"%PDF") and 2 <= printed.count(b"/Type /Page\n") + printed.count(b"/Type /Page ") <= 6
     # afterwards the screen is dark again
     assert page.page.evaluate("document.documentElement.dataset.light") is None
+
+
+def test_looks_for_the_documents_are_drawn(browser: Any, tmp_path: Path) -> None:
+    # a driver of its own: two cannot run in one thread
+    path = diagnosis_page(tmp_path, diagnosis("healthy"))
+    ran = subprocess.run(
+        [sys.executable, "-m", "ema_tools.benchmarks.page_looks", path, tmp_path, "x"],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    for look, width in (("laptop", 1366), ("dark", 1366), ("phone", 780)):
+        picture = (tmp_path / f"x_{look}.png").read_bytes()
+        assert picture[:4] == b"\x89PNG" and int.from_bytes(picture[16:20], "big") == width
+    assert (tmp_path / "x_dark.png").read_bytes() != (tmp_path / "x_laptop.png").read_bytes()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import re
 import shlex
 from html import escape
 from importlib import resources
@@ -93,7 +95,7 @@ def _document(result: Diagnosed, sections: list[tuple[str, str, str]], data: str
 <nav aria-label="Sections"><span class="name">{escape(result.name)}</span><ul>{menu}</ul></nav>
 <main id="main">
 <header>
-<h1>{escape(first.sentence)}</h1>
+<h1>{_kept(first.sentence)}</h1>
 <dl class="replies">{replies}</dl>
 </header>
 {body}
@@ -108,6 +110,11 @@ def _document(result: Diagnosed, sections: list[tuple[str, str, str]], data: str
 """
 
 
+def _kept(text: str) -> str:
+    """Escaped text in which a number stays on one line with its per cent."""
+    return escape(re.sub(r"(?<=\d) (?=%)", "\u00a0", text))
+
+
 def _reply(one: Reply) -> str:
     copied = ""
     if one.command:
@@ -120,10 +127,17 @@ def _reply(one: Reply) -> str:
 
 
 def _table(label: str, caption: str, heads: tuple[str, ...], rows: list[str]) -> str:
+    titles = [head.removeprefix(_LEFT) for head in heads[1:]]
+
+    def titled(row: str) -> str:
+        """Each cell with the head of its column, which stands beside it where the page is narrow."""
+        left = itertools.chain(titles, itertools.repeat(""))
+        return re.sub(r"<td\b", lambda _: f'<td data-head="{next(left)}"', row)
+
     shown = "".join(f'<th scope="col"{_WORDS if head.startswith(_LEFT) else ""}>{head.removeprefix(_LEFT)}</th>' for head in heads)
     return (
         f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="plain"><caption>{caption}</caption>'
-        f"<thead><tr>{shown}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
+        f"<thead><tr>{shown}</tr></thead><tbody>{''.join(map(titled, rows))}</tbody></table></div>"
     )
 
 

@@ -18,7 +18,7 @@ from ema_tools.words.page.diagnosis_results import Diagnosed
 # Of `ema diagnose` and `ema add`: options that stand for themselves.
 _FLAGS = {"--force", "--known"}
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
-_QUICK = 1.05  # an error this close to the noise level is at it [judgement]
+NEAR = 1.1  # an error this close to the noise level is at it [judgement]
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ def _holds(result: Diagnosed) -> Reply:
     if floor is not None and before is not None:
         against += f", noise level {words.number(floor)}"
     if result.added:
-        near = after is not None and floor is not None and after <= _QUICK * floor
+        near = after is not None and floor is not None and after <= NEAR * floor
         return Reply(
             question,
             "With it, yes" if near else "Better with it",
@@ -207,6 +207,8 @@ def _where(result: Diagnosed) -> Reply:
     if _sensor(result):
         return Reply(question, f"Sensor of the {names.signal(_sensor(result)).lower()}", "the other signals are as they should be", "bad")
     found = telling(result)
+    if result.added:
+        return Reply(question, "Not asked", "ema diagnose with the new model says where")
     if not found:
         if result.verdict == "adequate" and result.blocks:
             return Reply(question, "Nowhere", "no equation stands above its noise level", "good")
@@ -280,7 +282,9 @@ def _error(result: Diagnosed) -> Reply:
         parts.append(f"validation record {fell}")
     else:
         parts.append("no validation record")
-    near = floor is not None and (after if after is not None else before) <= _QUICK * floor
+    if result.verdict == "unknown" and after is not None:
+        return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
+    near = floor is not None and (after if after is not None else before) <= NEAR * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
 
 

@@ -13,6 +13,7 @@ from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.charts import Drawing, decades
 from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.first_screen import NEAR
 from ema_tools.words.page.signals import Traces, model_titles
 
 _BANDS = 60  # of a spectrum
@@ -74,7 +75,7 @@ def verdict(result: Diagnosed) -> str:
     said = f"The last model leaves {words.number(after)} {unit}; the noise level is {words.number(floor)}"
     if result.relative:
         said += ", which baseline runs have among each other"
-    if after <= 1.1 * floor:
+    if after <= NEAR * floor:
         return f"Yes: {said[0].lower()}{said[1:]}."
     return f"No: {said[0].lower()}{said[1:]}: {words.number(after / floor, 2)} times as much."
 

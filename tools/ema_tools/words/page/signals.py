@@ -61,6 +61,8 @@ def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
         titles["after"] = "with " + names.listed([names.within(name) for name in added])
     elif result.verdict == "adequate":
         titles["after"] = "with today's values"
+    elif result.verdict == "unknown":
+        titles["after"] = "best attempt, not recommended"
     return {key: titles.get(key, key) for key in curves.models}
 
 
@@ -142,6 +144,6 @@ def _channel(found: Traces, name: str, titles: dict[str, str], bare: bool) -> st
         else f'<div class="plot main" role="img" aria-label="{escape(label)}"></div><div class="plot residual" role="img" aria-label="Residual of the {escape(title.lower())} over time"></div>'
     )
     return (
-        f'<div class="channel" data-channel="{name}"><div class="channel-head"><h3>{escape(title)}, {unit}</h3><span class="values" data-values></span>'
-        f'<span class="rms">residual rms <span data-where>of the record</span> {told} {residual_unit}</span></div>{plots}</div>'
+        f'<div class="channel" data-channel="{name}"><div class="channel-head"><h3>{escape(title)}, {unit}</h3>'
+        f'<span class="rms">residual rms <span data-where>of the record</span> {told} {residual_unit}</span></div><div class="values" data-values></div>{plots}</div>'
     )

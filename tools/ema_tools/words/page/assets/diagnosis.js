@@ -281,7 +281,12 @@
 
   for (const one of plots) make(one);
   inView();
-  const resize = () => { for (const { plot, element } of plots) plot.setSize({ width: element.clientWidth, height: element.clientHeight }); };
+  const resize = () => {
+    for (const { plot, element } of plots) {
+      const size = { width: element.clientWidth, height: element.clientHeight };
+      if (size.width !== plot.width || size.height !== plot.height) plot.setSize(size);
+    }
+  };
   let asked = 0;
   new ResizeObserver(() => { cancelAnimationFrame(asked); asked = requestAnimationFrame(resize); }).observe(document.getElementById("plots"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
