@@ -161,7 +161,7 @@ def test_signals_are_all_there_with_their_digits(tmp_path: Path) -> None:
 
 
 def test_without_the_library_the_page_says_so_and_keeps_the_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_of, "library", uplot.Library)
+    monkeypatch.setattr(page_of, "library", uplot.ChartLibrary)
     html = diagnosis_page(tmp_path, diagnosis("missing")).read_text(encoding="utf-8")
     assert uplot.ABSENT in html and 'class="plot main"' not in html and 'class="heat"' in html and "Stribeck friction" in html
     assert _structure(_without_scripts(html)).problems == []

@@ -17,8 +17,8 @@ from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Value
 from ema_tools.words.page.first_screen import (
-    Candidate,
     Reply,
+    TriedEffect,
     accepted,
     candidates,
     faults,
@@ -225,12 +225,12 @@ def _which(result: Diagnosed) -> str:
     return "".join(part for part in parts if part)
 
 
-def _alike(one: Candidate) -> str:
+def _alike(one: TriedEffect) -> str:
     others = [names.within(name) for name in one.entry.alike if name != one.entry.name]
     return escape(names.listed(others)) if others else "nothing"
 
 
-def _candidate(one: Candidate, values: tuple[Value, ...]) -> charts.Row:
+def _candidate(one: TriedEffect, values: tuple[Value, ...]) -> charts.Row:
     assert one.left is not None
     named = one.entry.accepted
     said = f"error left {words.number(one.left)}"
@@ -363,7 +363,10 @@ def _records(result: Diagnosed) -> str:
     if rows:
         parts.append(
             _table(
-                "faults", "What has changed against the healthy machine; ± half of the 95 % interval.", ("Fault", "Today", "Change"), rows
+                "faults",
+                "What has changed? CSJ and BLK against the healthy machine; ± half of the 95 % interval.",
+                ("Fault", "Today", "Change"),
+                rows,
             )
         )
     changed = [
@@ -375,7 +378,7 @@ def _records(result: Diagnosed) -> str:
         parts.append(
             _table(
                 "values of the healthy machine",
-                "Values of the healthy machine beside today's.",
+                "What has changed? Values of the healthy machine beside today's.",
                 ("Value", "Healthy", "Today", "Must differ by", ""),
                 changed,
             )

@@ -41,7 +41,7 @@ class FirstScreen:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class TriedEffect:
     """One effect that was tried: `left`, the error that stays when it alone is added to the model before, where that is known."""
 
     entry: EffectEntry
@@ -68,7 +68,7 @@ def telling(result: Diagnosed) -> list[BlockEntry]:
     return sorted((one for one in result.blocks if one.telling), key=lambda one: -one.share_percent)
 
 
-def candidates(result: Diagnosed) -> list[Candidate]:
+def candidates(result: Diagnosed) -> list[TriedEffect]:
     """Every effect of the ranking with the error that it leaves alone, best first as ranked.
 
     By simulation a score is what the effect takes off the cost, and the cost is the squared weighted error times the number of samples.
@@ -93,7 +93,7 @@ def candidates(result: Diagnosed) -> list[Candidate]:
         step = next((step for step in result.steps[(first or 0) + 1 :] if one.accepted and step.added == one.name), None)
         return step.training if step is not None else math.sqrt(max(0.0, start**2 - one.score / samples))
 
-    return [Candidate(one, left(one)) for one in result.found.effects]
+    return [TriedEffect(one, left(one)) for one in result.found.effects]
 
 
 def _samples(result: Diagnosed) -> float:
@@ -103,7 +103,7 @@ def _samples(result: Diagnosed) -> float:
     return float(result.curves.rows * sum(1 for name in result.curves.measured if name not in derived))
 
 
-def next_best(result: Diagnosed) -> tuple[Candidate, Candidate] | None:
+def next_best(result: Diagnosed) -> tuple[TriedEffect, TriedEffect] | None:
     """The named effect that came first and the best that is not named, both with the error that they leave alone."""
     tried = [one for one in candidates(result) if one.left is not None]
     best = min((one for one in tried if one.entry.accepted), key=lambda one: -one.entry.score, default=None)
@@ -289,7 +289,7 @@ def _error(result: Diagnosed) -> Reply:
 
 
 @dataclass(frozen=True)
-class Line:
+class CommandLine:
     """A command line of `ema diagnose` or `ema add` taken apart: actuator, records, and options by name."""
 
     actuator: str
@@ -301,7 +301,7 @@ class Line:
         return [part for name in wanted for value in self.options.get(name, ()) for part in (name, value)]
 
 
-def line_of(command: str) -> Line | None:
+def line_of(command: str) -> CommandLine | None:
     """The parts of a command line; None where it is none of these."""
     try:
         tokens = shlex.split(command)
@@ -323,12 +323,12 @@ def line_of(command: str) -> Line | None:
     if not places:
         return None
     records = tuple(places[1:]) if tokens[1] == "diagnose" else (*places[2:], *options.get("--fit", ()))
-    return Line(places[0], records, {name: tuple(values) for name, values in options.items()})
+    return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
 
 
 def _next(result: Diagnosed) -> Reply:
     question = "What next?"
-    line = line_of(result.provenance.get("command", "")) or Line("ACTUATOR.toml", ("RECORD.csv",), {})
+    line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
     healthy, record = line.again("--healthy"), list(line.records[:1]) or ["RECORD.csv"]
     if result.added:
         found = result.found

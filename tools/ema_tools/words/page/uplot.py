@@ -17,7 +17,7 @@ ABSENT = (
 
 
 @dataclass(frozen=True)
-class Library:
+class ChartLibrary:
     """Script and style sheet of the library, as text; both empty where it is not there."""
 
     script: str = ""
@@ -34,10 +34,10 @@ def packages() -> Path:
     return library_folder() / "page" / "node_modules"
 
 
-def library() -> Library:
+def library() -> ChartLibrary:
     """The library, or an empty one."""
     folder = packages() / "uplot" / "dist"
     script, style = folder / "uPlot.iife.min.js", folder / "uPlot.min.css"
     if not (script.is_file() and style.is_file()):
-        return Library()
-    return Library(script.read_text(encoding="utf-8"), style.read_text(encoding="utf-8"))
+        return ChartLibrary()
+    return ChartLibrary(script.read_text(encoding="utf-8"), style.read_text(encoding="utf-8"))

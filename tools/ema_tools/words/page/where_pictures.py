@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 
 from ema_tools.results.addition import Addition
-from ema_tools.results.localisation import BinsEntry, LinesEntry, Loop, Pictures, TorqueSpeed
+from ema_tools.results.localisation import BinsEntry, LinesEntry, Loop, Pictures, TorqueSpeed, TurnTorque
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.charts import Drawing, ends
@@ -15,8 +15,9 @@ from ema_tools.words.page.diagnosis_results import Diagnosed, Picture
 from ema_tools.words.page.first_screen import telling
 
 _MORE_MAX = 6
+_SLOWEST = 3e-3  # of the largest speed: where the logarithmic axis begins
 _MIDDLE = (5.0, 99.5)  # percentiles that the friction law shows: just at a reversal torque has either sign
-_OTHER = {"healthy": "baseline runs", "model": "model as given"}
+_OTHER = {"healthy": "baseline runs", "model": "model"}
 
 
 def figures(result: Diagnosed) -> list[str]:
@@ -27,6 +28,8 @@ def figures(result: Diagnosed) -> list[str]:
     drawn = []
     if found.torque_speed is not None:
         drawn += _law(found.torque_speed)
+    if found.turn is not None:
+        drawn += _turn(found.turn)
     drawn += _loops(found)
     loud = {one.name for one in telling(result)}
     for name, orders in ((name, orders) for name, orders in found.orders.items() if name in loud):
@@ -46,11 +49,11 @@ def _law(found: TorqueSpeed) -> list[str]:
     points, measured, expected = found.points, found.measured, found.expected
     speed, torque = np.asarray(points.x), np.asarray(points.y)
     fastest = float(np.max(np.abs(speed), initial=0.0))
-    if measured is None or not fastest > 0.0:
-        return []
-    slowest = 3e-3 * fastest
-    x_ends = (slowest, 1.1 * fastest)
+    slowest = _SLOWEST * fastest
     moving = np.abs(speed) >= slowest
+    if not fastest > 0.0:
+        return []
+    x_ends = (slowest, 1.1 * fastest)
     picture = Drawing(
         "Friction against speed, logarithmic", f"Speed of the motor, {found.axis_unit}", f"Torque against the motion, {found.unit}",
         x_ends, ends(np.percentile(torque[moving] * np.sign(speed[moving]), _MIDDLE), zero=True), (True, False),
@@ -62,7 +65,7 @@ def _law(found: TorqueSpeed) -> list[str]:
             if entry is not None:
                 _side(picture, entry, side, slowest, kind + dash)
     caption = "Dots: samples; lines: means in equal steps of speed, dashed backward. Inertia is taken off."
-    return [_figure("Friction law", picture, caption, (("before", "today"), ("after", _OTHER[found.other])))]
+    return [_figure("Torque against speed: the friction law", picture, caption, (("before", "today"), ("after", _OTHER[found.other])))]
 
 
 def _side(picture: Drawing, entry: BinsEntry, side: float, slowest: float, kind: str) -> None:
@@ -71,6 +74,19 @@ def _side(picture: Drawing, entry: BinsEntry, side: float, slowest: float, kind:
     if np.count_nonzero(here) > 1:
         order = np.argsort(np.abs(center[here]))
         picture.line(np.abs(center[here])[order], side * mean[here][order], kind)
+
+
+def _turn(found: TurnTorque) -> list[str]:
+    """Torque over one turn, of the record and of what the model's effects make."""
+    sides = {"after": found.model, "before": found.measured}
+    lines = {kind: (np.asarray(one.center), np.asarray(one.mean), np.asarray(one.low), np.asarray(one.high)) for kind, one in sides.items()}
+    title = "Torque over one turn of the motor, less base values"
+    across, up = ends(*(one[0] for one in lines.values())), ends(*(edge for one in lines.values() for edge in one[2:]))
+    picture = Drawing(title, f"Angle of the motor, {found.axis_unit}", f"Torque, {found.unit}", across, up)
+    for kind, (center, mean, low, high) in lines.items():
+        picture.band(center, low, high, kind)
+        picture.line(center, mean, kind)
+    return [_figure(title, picture, "Mean, and band of one standard deviation.", (("before", "today"), ("after", "model's effects")))]
 
 
 def _loops(found: Pictures) -> list[str]:
