@@ -198,3 +198,18 @@ def test_axes_have_round_ends() -> None:
     assert charts.steps(0.8, 48.0) == (0.5, 50.0) and charts.steps(1.0, 1.0) == (1.0, 10.0)
     assert charts.ticks(-1.9, 1.9, 5) == [-1.0, 0.0, 1.0]
     assert charts.tracks("x", "a", "b", [], None) == ""
+
+
+def test_the_balance_of_forces_speaks_of_forces() -> None:
+    parts = {"training_percent": 2.0, "holdout_percent": 2.1, "each_held_out_percent": []}
+    found = said(
+        {
+            "command": "diagnose", "method": "balance", "mode": "several records", "verdict": "missing", "error_unit": "% of the drive's force",
+            "effects": [{"name": "constant_load", "parameters": {"torque_Nm": 0.006}, "std": {"torque_Nm": 1e-5}, "score": 400.0, "limit": 0.0, "accepted": True}],
+            "error": {"before": 25.0, "after": 0.2, "floor": 0.2, "holdout_before": 22.0, "holdout_after": 0.3},
+            "forces": {"error": {"given": parts, "refitted": parts, "floor_percent": 0.2}, "steps": [], "refused": [], "values": {},
+                       "laps": {"count": 3, "period_s": None, "parts": 3, "held_out_part": 0}, "curves": {}},
+        }
+    )  # fmt: skip
+    assert [one.short for one in found.replies[1:4]] == ["Mechanics", "Constant load", "25.0 → 0.200"]
+    assert found.replies[3].more == "% of the drive's force; held out 22.0 → 0.300"

@@ -310,7 +310,7 @@ def _ladder(result: Diagnosed) -> str:
         title = f"+ {names.within(name)}" if known else name if place == 0 else f"+ {name}"
         marks = [charts.Mark(here, "dot after", f"this record {words.number(here)}")]
         if held is not None:
-            marks.append(charts.Mark(held, "diamond", f"validation record {words.number(held)}"))
+            marks.append(charts.Mark(held, "diamond", f"{'held out' if result.by_forces else 'validation record'} {words.number(held)}"))
         key = "before" if place == 0 else "after" if place == last else ""
         shown = f'<button type="button" data-model="{key}">{escape(title)}</button>' if key in drawn else escape(title)
         told = f"<b>{words.number(here)}</b>" + (f" / {words.number(held)}" if held is not None else "")
@@ -318,13 +318,19 @@ def _ladder(result: Diagnosed) -> str:
     floor = result.errors.get("floor")
     other = ""
     if any(held is not None for _, _, held in found):
-        other = '<li><span class="key diamond"></span>validation record, to which nothing was fitted</li>'
+        other = (
+            '<li><span class="key diamond"></span>'
+            + ("held out, in turn" if result.by_forces else "validation record, to which nothing was fitted")
+            + "</li>"
+        )
     parts = [
         f'<ul class="legend"><li><span class="key dot after"></span>this record</li>{other}<li><span class="key noise"></span>noise level</li></ul>',
         charts.tracks(
             f"Error after each step, {unit}; all values refitted together.",
             "Model",
-            "This record / validation" if result.errors.get("holdout_before") is not None else "This record",
+            f"This record / {'held out' if result.by_forces else 'validation'}"
+            if result.errors.get("holdout_before") is not None
+            else "This record",
             rows,
             floor,
             f"dashed: noise level {words.number(floor)}" if floor else "",

@@ -212,6 +212,8 @@ def _where(result: Diagnosed) -> Reply:
     if not found:
         if result.verdict == "adequate" and result.blocks:
             return Reply(question, "Nowhere", "no equation stands above its noise level", "good")
+        if result.by_forces:
+            return Reply(question, "Mechanics", "the balance of forces alone was asked", "bad")
         return Reply(question, "Not told", "no equation is accused")
     first = found[0]
     term = next((one for one in first.terms[:1] if one.explained_percent >= _TERM_PERCENT), None)
@@ -279,8 +281,8 @@ def _error(result: Diagnosed) -> Reply:
     parts = ["% of the drive's force" if result.by_forces else "times the sensor noise"]
     if held is not None:
         fell = words.number(held) if later is None else f"{words.number(held)} → {words.number(later)}"
-        parts.append(f"validation record {fell}")
-    else:
+        parts.append(f"{'held out' if result.by_forces else 'validation record'} {fell}")
+    elif not result.by_forces:
         parts.append("no validation record")
     if result.verdict == "unknown" and after is not None:
         return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
