@@ -36,6 +36,17 @@ if(EMA_TESTS)
     add_dependencies(venv_test venv)
 endif()
 
+# The charting library of the diagnosis page, beside the libraries; fetched, and never part of the project's files.
+set(ema_page "${CMAKE_CURRENT_SOURCE_DIR}/tools/page")
+add_custom_command(
+    OUTPUT "${CMAKE_BINARY_DIR}/lib/page/page.stamp"
+    COMMAND "${EMA_VENV_PYTHON}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_page_library.py" --source "${ema_page}" --build "${CMAKE_BINARY_DIR}"
+            --output "${CMAKE_BINARY_DIR}/lib/page" --stamp "${CMAKE_BINARY_DIR}/lib/page/page.stamp" $<$<BOOL:${EMA_TESTS}>:--tests>
+    DEPENDS "${ema_page}/package.json" "${ema_page}/package-lock.json" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_page_library.py" "${EMA_VENV}/run.stamp"
+    COMMENT "" USES_TERMINAL VERBATIM COMMAND_EXPAND_LISTS)
+add_custom_target(page_library ALL DEPENDS "${CMAKE_BINARY_DIR}/lib/page/page.stamp")
+add_dependencies(page_library venv)
+
 configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/ema"
                @ONLY NEWLINE_STYLE UNIX
                FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
@@ -61,5 +72,5 @@ add_custom_target(written
 add_custom_target(demo
     COMMAND "${CMAKE_BINARY_DIR}/ema" demo
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
-    DEPENDS venv ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
+    DEPENDS venv page_library ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)

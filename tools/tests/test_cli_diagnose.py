@@ -157,8 +157,10 @@ def test_what_diagnose_and_add_write_agree(done: Path) -> None:
 def test_pages_show_size_and_standard_error(done: Path) -> None:
     for name in ("d", "a"):
         page = (done / f"{name}.html").read_text(encoding="utf-8")
-        assert re.search(r"rise_degC = (59|60|61)\.\d+ degC \[95 %: \d", page), name
+        assert re.search(r"<code>rise_degC</code> (59|60|61)(\.\d+)? ± \d(\.\d+)? degC", page), name
     assert run_ema("report", done / "d.json", done / "a.json", "-o", done / "both.html").code == 0
+    both = (done / "both.html").read_text(encoding="utf-8")
+    assert len(re.findall(r"rise_degC = (59|60|61)\.\d+ degC \[95 %: \d", both)) >= 2
 
 
 def test_csj_and_blk_stand_apart_from_effects(runs: dict[str, Path], tmp_path: Path) -> None:

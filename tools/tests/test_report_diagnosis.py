@@ -1,4 +1,4 @@
-"""The page of a diagnosis: everything that the result holds stands there, in the order of the questions, and what it lacks is left out."""
+"""A diagnosis beside other results on one page: everything that the result holds stands there, in the order of the questions, and what it lacks is left out. Its own page: test_diagnosis_page."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def words(html: str) -> str:
 
 
 def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
-    text = words(page(tmp_path, made()))
+    text = words(page(tmp_path, made(), identified()))
     asked = [
         "today.csv: jam_spot missing in the model",
         "Can this record answer?",
@@ -140,7 +140,7 @@ def test_page_is_well_formed_beside_other_results(tmp_path: Path) -> None:
 
 
 def test_unknown_is_drawn_with_what_can_be_flown(tmp_path: Path) -> None:
-    text = words(page(tmp_path, made(verdict="unknown", effects=[], steps=[])))
+    text = words(page(tmp_path, made(verdict="unknown", effects=[], steps=[]), identified()))
     assert "today.csv: something is there that the library does not hold" in text
     assert "The unknown torque on the shaft repeats with position, against the motion" in text
     assert "Over position, against the motion:" in text and "learned_friction, a table over position" in text
@@ -148,7 +148,7 @@ def test_unknown_is_drawn_with_what_can_be_flown(tmp_path: Path) -> None:
 
 def test_adequate_and_bare_results_are_shown(tmp_path: Path) -> None:
     bare = {"command": "diagnose", "verdict": "adequate", "error": {"before": 1.0, "floor": 1.0, "after": None}}
-    html = page(tmp_path, bare)
+    html = page(tmp_path, bare, bare)
     assert "nothing exceeds what the machine repeats" in words(html) and 'class="plot"' not in _without_scripts(html)
     assert "Which effect is missing?" not in words(html)
 
@@ -158,7 +158,7 @@ def test_addition_is_shown_with_its_fall(tmp_path: Path) -> None:
         "command": "add", "effect": "jam_spot", "actuator": "new.toml", "name": "today.csv", "error": {"before": 3.2, "after": 1.05, "floor": 1.0, "holdout_before": 3.0, "holdout_after": 3.3},
         "parameters": {"effects.jam_spot.width_mm": {"value": 2.0, "std": 0.01, "at_bound": True}}, "recommended": False, "reason": "width_mm lies on its bound",
     }  # fmt: skip
-    text = words(page(tmp_path, added))
+    text = words(page(tmp_path, added, identified()))
     assert "jam_spot added: weighted error 3.20 → 1.05 on today.csv" in text
     assert (
         "jam_spot.width_mm = 2.000 mm [95 %: 1.980 … 2.020] (at its bound)" in text
@@ -235,7 +235,7 @@ def test_values_of_the_last_model_are_stated_once_with_their_errors(tmp_path: Pa
     data = made(effects=[{**jam, "score": 5000.0, "limit": 60.0, "accepted": True}], faults={"csj": worn}, steps=[given, moved, last])
     found = parsed(data)
     assert [step.added for step in found.steps] == ["what scatters", "jam_spot"] and found.steps[0].values == ()
-    text = words(page(tmp_path, data))
+    text = words(page(tmp_path, data, identified()))
     assert (
         text.count("jam_spot.amplitude_Nm = 0.1000 Nm [95 %: 0.0961 … 0.1039]") == 1
         and text.count("amplitude_Nm = 0.1000 Nm [95 %: 0.0961 … 0.1039]") == 2
@@ -285,5 +285,5 @@ def test_every_picture_of_where_reaches_the_page() -> None:
 
 def test_long_names_and_missing_parts_do_not_break_the_page(tmp_path: Path) -> None:
     for key in ("gate", "where", "unknown", "steps", "curves", "provenance", "next_experiment", "sentence", "name", "effects"):
-        html = page(tmp_path, made(**{key: ...}))
-        assert _structure(_without_scripts(html)).problems == []
+        for html in (page(tmp_path, made(**{key: ...}), identified()), page(tmp_path, made(**{key: ...}))):
+            assert _structure(_without_scripts(html)).problems == []

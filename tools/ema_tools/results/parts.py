@@ -118,6 +118,9 @@ class EffectEntry:
     limit: float  # what it must take off, alike
     accepted: bool
     reason: str | None = field(default=None, metadata=SPARE)  # why it was refused
+    # of a changed CSJ or BLK: in % of the healthy machine's, with the ends of its 95 % interval
+    shift_percent: float | None = field(default=None, metadata=SPARE)
+    shift_interval95: tuple[float | None, float | None] | None = field(default=None, metadata=SPARE)
 
 
 @dataclass(frozen=True)

@@ -116,6 +116,7 @@ def _fault(found: BalanceAnswer, name: str, fault: str) -> Iterator[EffectEntry]
                 score=abs(one.today - one.healthy),
                 limit=one.limit,
                 accepted=True,
+                shift_percent=100.0 * (one.today / one.healthy - 1.0) if one.healthy else None,
             )
 
 

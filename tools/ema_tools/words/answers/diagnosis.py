@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import cast
 
 from ema_tools.base.interval import interval95
@@ -34,7 +36,7 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         mode="against healthy repeats" if relative else "without healthy repeats",
         cannot_see=hidden(found) or None,
         effects=tuple(_effect(one, found.diagnosis) for one in named[:_LISTED]),
-        faults={one.name: _effect(one, found.diagnosis) for one in found.faults},
+        faults={one.name: _fault(one, found) for one in found.faults},
         standing=_standing(found) if relative else {},
         unit_shift_percent={field_of(name): 100.0 * shift for name, shift in found.unit_shift.items()},
         error=errors(found.errors),
@@ -69,6 +71,14 @@ def _effect(one: Named, found: Searched) -> EffectEntry:
         limit=one.limit,
         accepted=one.accepted,
     )
+
+
+def _fault(one: Named, found: Answer) -> EffectEntry:
+    """A changed CSJ or BLK, also in % of what the healthy machine has."""
+    name = FAULTS[one.name]
+    healthy, (low, high) = found.known[name], interval95(one.values[name], one.std.get(name, math.nan))
+    ends = (None, None) if low is None or high is None else (100.0 * (low / healthy - 1.0), 100.0 * (high / healthy - 1.0))
+    return replace(_effect(one, found.diagnosis), shift_percent=100.0 * (one.values[name] / healthy - 1.0), shift_interval95=ends)
 
 
 def _sensor(one: Suspect) -> result.Sensor:

@@ -25,7 +25,7 @@ _SHOWN_CHANNELS_MAX = 3
 def pack(curves: Curves, thin: int = ROWS_MAX) -> dict[str, Any]:
     """What the page's script needs to draw `curves`: times in s, and per channel the measured and the simulated rows."""
     names = curves.channels()[:_SHOWN_CHANNELS_MAX]
-    keep = _kept_rows(curves, names, thin)
+    keep = kept_rows(curves, names, thin)
     channels = []
     for name in names:
         title, unit, residual_unit, residual_scale = _SHOWN[name]
@@ -37,9 +37,9 @@ def pack(curves: Curves, thin: int = ROWS_MAX) -> dict[str, Any]:
                 "residual_unit": residual_unit,
                 "residual_scale": residual_scale,
                 "derived": name in curves.derived,
-                "measured": _packed(curves.measured[name][keep]),
+                "measured": packed(curves.measured[name][keep]),
                 # Residuals are packed, not models: each has its own scale, so that a small one keeps its digits.
-                "residual": {key: _packed((curves.measured[name] - model)[keep] * residual_scale) for key, model in models.items()},
+                "residual": {key: packed((curves.measured[name] - model)[keep] * residual_scale) for key, model in models.items()},
                 "rms": {key: curves.rms(name, key) * residual_scale for key in models},
             }
         )
@@ -49,7 +49,7 @@ def pack(curves: Curves, thin: int = ROWS_MAX) -> dict[str, Any]:
     return {"time": times, "channels": channels}
 
 
-def _packed(values: Series) -> dict[str, Any]:
+def packed(values: Series) -> dict[str, Any]:
     """`values` as whole multiples of `scale`: a picture is never finer than a part in 32767 of its largest value."""
     scale = float(np.max(np.abs(values))) / 32767.0 or 1.0
     return {
@@ -58,7 +58,7 @@ def _packed(values: Series) -> dict[str, Any]:
     }
 
 
-def _kept_rows(curves: Curves, names: tuple[str, ...], limit: int) -> np.ndarray:
+def kept_rows(curves: Curves, names: tuple[str, ...], limit: int) -> np.ndarray:
     """Row numbers, rising: all of them, or the extremes of every channel's residual and measurement in equal pieces."""
     rows = curves.rows
     if rows <= limit:

@@ -11,7 +11,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
 from ema_tools.results.diagnosis import ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.results.localisation import BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
+from ema_tools.results.localisation import BinPicture, BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
@@ -92,7 +92,7 @@ class ShownChange:
 
 @dataclass(frozen=True)
 class Diagnosed:
-    """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by their names, those that are known; what the result does not hold is empty."""
+    """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by their names, those that are known; what the result does not hold is empty. `found`: the result itself."""
 
     name: str
     added: str
@@ -119,6 +119,11 @@ class Diagnosed:
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
+    found: DiagnosisResult | DiagnosisByBalanceResult | Addition = field(kw_only=True, repr=False)
+
+    def found_bins(self) -> tuple[BinPicture, ...]:
+        """Residuals of the balances over the axes."""
+        return () if isinstance(self.found, Addition) else self.found.where.pictures.bins
 
     @property
     def title(self) -> str:
@@ -164,6 +169,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         records=count,
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,
+        found=found,
     )
 
 

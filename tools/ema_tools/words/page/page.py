@@ -12,7 +12,7 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.words.page import diagnosis, figures, friction_map
+from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
@@ -45,8 +45,10 @@ class _Page:
         return f'<div class="plot" id="{identity}" role="img" aria-label="{escape(label)}" style="height:{figure["height"]}px"></div>'
 
 
-def render(results: list[Result], command: str) -> str:
-    """The page as text. `command` made it and stands in its provenance."""
+def render(results: list[Result], command: str, workbench: str | None = None) -> str:
+    """The page as text. `command` made it and stands in its provenance. One diagnosis, or one addition, has a page of its own, which takes the markup of a `workbench`."""
+    if len(results) == 1 and isinstance(results[0], Diagnosed):
+        return diagnosis_page.render(results[0], command, workbench)
     page = _Page()
     identified = [result for result in results if isinstance(result, ShownIdentification)]
     compared = [result for result in results if isinstance(result, ShownComparison)]

@@ -1,0 +1,423 @@
+"""The page of one diagnosis, or of one addition: what was found on the first screen, and the rest in sections that a menu leads to. One file that opens from disk and asks nothing of any network."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+import shlex
+from html import escape
+from importlib import resources
+
+from ema_tools.library.registry import separating
+from ema_tools.results.addition import Addition
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.words.page import charts, heat, names, rest, where_pictures
+from ema_tools.words.page import signals as signal_section
+from ema_tools.words.page import text as words
+from ema_tools.words.page.diagnosis_results import Diagnosed, Value
+from ema_tools.words.page.first_screen import (
+    Reply,
+    TriedEffect,
+    accepted,
+    candidates,
+    faults,
+    first_screen,
+    line_of,
+    next_best,
+    rungs,
+    telling,
+)
+from ema_tools.words.page.uplot import ABSENT, library
+
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+# The workbench compiles the module and computes beside the page; both come from the page itself.
+_WORKBENCH_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; img-src data:"
+)
+# A head that begins with this stands over words, not over numbers.
+_LEFT = "<"
+_WORDS = ' class="words"'
+_SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
+
+
+def render(result: Diagnosed, command: str, workbench: str | None = None) -> str:
+    """The page as text. `command` made it and stands in its provenance; `workbench`: markup of the section with that name, with its script, where there is one."""
+    found = signal_section.traces(result)
+    drawn = heat.maps(result, found)
+    bins = heat.bins_of_rows(result, found) if found is not None else {}
+    loaded = library()
+    sections = [
+        ("signals", "Signals", signal_section.section(result, found, "" if loaded.there else ABSENT)),
+        ("where", "Where", _where(result, drawn)),
+        ("which", "Which", _which(result)),
+        ("ladder", "Ladder", _ladder(result)),
+        ("rest", "Is the rest noise?", rest.section(result, found)),
+        ("workbench", "Workbench", workbench or ""),
+        ("records", "Records", _records(result)),
+        ("provenance", "Provenance", _provenance(result, command)),
+    ]
+    there = [one for one in sections if one[2]]
+    data = signal_section.packed_signals(result, found, bins) if found is not None else {}
+    return _document(result, there, json.dumps(data, separators=(",", ":"), allow_nan=False), _WORKBENCH_POLICY if workbench else _POLICY)
+
+
+def _document(result: Diagnosed, sections: list[tuple[str, str, str]], data: str, policy: str) -> str:
+    assets = resources.files("ema_tools.words.page") / "assets"
+    style = (assets / "diagnosis.css").read_text(encoding="utf-8")
+    script = (assets / "diagnosis.js").read_text(encoding="utf-8")
+    loaded = library()
+    first = first_screen(result)
+    menu = "".join(f'<li><a href="#{identity}">{escape(title)}</a></li>' for identity, title, _ in sections)
+    replies = "".join(map(_reply, first.replies))
+    body = "".join(
+        f'<section id="{identity}" aria-labelledby="{identity}-title"><h2 id="{identity}-title">{escape(title)}</h2>{html}</section>'
+        for identity, title, html in sections
+    )
+    draws = f"<script>{loaded.script}</script>" if loaded.there else ""
+    # `<` would let a text in the data end the script element.
+    shown = data.replace("<", "\\u003c")
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="color-scheme" content="light dark">
+<link rel="icon" href="data:,">
+<title>{escape(result.name)}: {escape(first.sentence)}</title>
+<style>
+{loaded.style}
+{style}</style>
+</head>
+<body>
+<a class="skip" href="#main">Skip to the answer</a>
+<nav aria-label="Sections"><span class="name">{escape(result.name)}</span><ul>{menu}</ul></nav>
+<main id="main">
+<header>
+<h1>{_kept(first.sentence)}</h1>
+<dl class="replies">{replies}</dl>
+</header>
+{body}
+</main>
+<noscript><p class="absent">The curves need JavaScript; sentences, maps and tables do not.</p></noscript>
+<script id="page-data" type="application/json">{shown}</script>
+{draws}
+<script>
+{script}</script>
+</body>
+</html>
+"""
+
+
+def _kept(text: str) -> str:
+    """Escaped text in which a number stays on one line with its per cent."""
+    return escape(re.sub(r"(?<=\d) (?=%)", "\u00a0", text))
+
+
+def _reply(one: Reply) -> str:
+    copied = ""
+    if one.command:
+        copied = (
+            f'<div class="copy"><code id="command">{escape(one.command)}</code>'
+            '<button type="button" data-copy="command">copy<span class="spoken"> the next command</span></button></div>'
+        )
+    more = f"<small>{escape(one.more)}</small>" if one.more else ""
+    return f'<div class="reply {one.tone}"><dt>{escape(one.question)}</dt><dd><b>{escape(one.short)}</b>{more}{copied}</dd></div>'
+
+
+def _table(label: str, caption: str, heads: tuple[str, ...], rows: list[str]) -> str:
+    titles = [head.removeprefix(_LEFT) for head in heads[1:]]
+
+    def titled(row: str) -> str:
+        """Each cell with the head of its column, which stands beside it where the page is narrow."""
+        left = itertools.chain(titles, itertools.repeat(""))
+        return re.sub(r"<td\b", lambda _: f'<td data-head="{next(left)}"', row)
+
+    shown = "".join(f'<th scope="col"{_WORDS if head.startswith(_LEFT) else ""}>{head.removeprefix(_LEFT)}</th>' for head in heads)
+    return (
+        f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="plain"><caption>{caption}</caption>'
+        f"<thead><tr>{shown}</tr></thead><tbody>{''.join(map(titled, rows))}</tbody></table></div>"
+    )
+
+
+def _effect(name: str) -> str:
+    """Display name with the code name small."""
+    shown = names.display(name)
+    return f"{escape(shown)} <code>{escape(name)}</code>"
+
+
+def _where(result: Diagnosed, drawn: list[heat.Map]) -> str:
+    parts = [f"<p>{escape(result.where_sentence)}</p>"] if result.where_sentence else []
+    parts.append(heat.section(result, drawn))
+    rows = []
+    for one in sorted(result.blocks, key=lambda block: (-block.telling, -block.share_percent)):
+        title, weighs = names.BLOCKS.get(one.name, (one.name, ""))
+        head = f'<th scope="row">{escape(title)} <small>{escape(weighs)}</small></th>'
+        if one.rms is None:
+            rows.append(f'<tr>{head}<td colspan="4" class="words">{escape(one.reason or "")}</td></tr>')
+            continue
+        floor = "–" if not one.floor_rms else f"{words.number(one.floor_rms)} {escape(one.unit)}"
+        times = "–" if not one.floor_rms else f"{words.number(one.rms / one.floor_rms, 2)} ×"
+        term = next(
+            (
+                f"{one_term.words} ({words.number(one_term.explained_percent, 2)} %)"
+                for one_term in one.terms[:1]
+                if one_term.explained_percent >= 25.0
+            ),
+            "no simple term",
+        )
+        rows.append(
+            f"<tr>{head}<td>{words.number(one.rms)} {escape(one.unit)}</td><td>{floor}</td><td>{times}</td>"
+            f'<td class="words">{escape(term) if one.telling else "within its noise level"}</td></tr>'
+        )
+    if rows:
+        caption = "Equation residual: measured signals against one group of blocks" + (
+            ", less what baseline runs have." if result.relative else "."
+        )
+        parts.append(_table("equation residuals", caption, ("Equation", "Residual, rms", "Noise level", "Times", "<Described as"), rows))
+    figures = where_pictures.figures(result)
+    if figures:
+        parts.append(f'<div class="thirds">{"".join(figures)}</div>')
+    more = where_pictures.more(result)
+    if more:
+        worst = telling(result)[0]
+        parts.append(
+            f"<details><summary>{escape(names.block(worst.name))} over every axis</summary>"
+            f'<p class="note">Mean, and band of one standard deviation; the most uneven first.</p><div class="thirds">{"".join(more)}</div></details>'
+        )
+    return "".join(part for part in parts if part)
+
+
+def _value(one: Value) -> str:
+    unit = names.unit_of(one.name)
+    bound = " (at its bound)" if one.at_bound else ""
+    return f"<code>{escape(one.name.split('.')[-1])}</code> {escape(names.sized(one.value, one.std, unit))}{bound}"
+
+
+def _which(result: Diagnosed) -> str:
+    if not result.suspects:
+        return ""
+    tried = [one for one in candidates(result) if one.entry.accepted or one.entry.score > 0.0 or one.entry.parameters]
+    values = {one.name: one.values for one in result.suspects}
+    parts = []
+    if result.verdict == "adequate" and not result.added:
+        parts.append("<p>No effect of the library takes off more than chance does.</p>")
+    known = sorted((one for one in tried if one.left is not None), key=lambda one: (not one.entry.accepted, one.left or 0.0))
+    floor = result.errors.get("floor")
+    if known:
+        rows = [_candidate(one, values.get(one.entry.name, ())) for one in known]
+        label = "Error left when this effect alone is added to the model before it, times the sensor noise; effects that were not refitted by their first look"
+        parts.append(charts.tracks(label, "Effect", "Error left, size, look-alikes", rows, floor, "dashed: noise level"))
+    unknown = [one for one in tried if one.left is None]
+    if unknown:
+        rows_ = []
+        for one in unknown:
+            sizes = "<br>".join(map(_value, values.get(one.entry.name, ()))) or "–"
+            state = '<b class="good">named</b>' if one.entry.accepted else escape(one.entry.reason or "not named")
+            rows_.append(
+                f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
+            )
+        parts.append(_table("effects", "Size ± half of its 95 % interval.", ("Effect", "<", "<Size", "<Looks alike"), rows_))
+    parts += _separates(result)
+    parts += _not_tried(result, {one.entry.name for one in tried})
+    parts += _unknown(result)
+    return "".join(part for part in parts if part)
+
+
+def _alike(one: TriedEffect) -> str:
+    others = [names.within(name) for name in one.entry.alike if name != one.entry.name]
+    return escape(names.listed(others)) if others else "nothing"
+
+
+def _candidate(one: TriedEffect, values: tuple[Value, ...]) -> charts.Row:
+    assert one.left is not None
+    named = one.entry.accepted
+    said = f"error left {words.number(one.left)}"
+    sizes = "; ".join(map(_value, values[:1] if not named else values)) or "<span>size not fitted</span>"
+    alike = _alike(one)
+    looks = f"; looks like {alike}" if alike != "nothing" else ""
+    state = '<b class="good">named</b> ' if named else ""
+    head = f"{state}{_effect(one.entry.name)}"
+    return charts.Row(
+        head,
+        (charts.Mark(one.left, "dot after" if named else "dot other", said),),
+        f"<b>{words.number(one.left)}</b> {sizes}{looks}",
+        "named" if named else "",
+    )
+
+
+def _separates(result: Diagnosed) -> list[str]:
+    """What would tell the named effect from the next best, and from what looks like it."""
+    rivals = next_best(result)
+    named = accepted(result)
+    if not named:
+        return []
+    pairs = [(named[0].name, other) for other in named[0].alike if other != named[0].name]
+    if not pairs and rivals is not None:
+        pairs = [(named[0].name, rivals[1].entry.name)]
+    line = line_of(result.provenance.get("command", ""))
+    actuator = shlex.quote(line.actuator) if line is not None else "ACTUATOR.toml"
+    told = []
+    for one, other in pairs[:3]:
+        ways = separating((one, other))
+        do = f"{ways[0].do}: {ways[0].because}" if ways else "a command that moves both differently"
+        told.append(
+            f"<li>{escape(names.display(one))} from {escape(names.within(other))}: {escape(do)}. "
+            f"<code>ema next {escape(actuator)} --between {escape(one)} {escape(other)}</code> says which command shows it.</li>"
+        )
+    return [f'<h3>What would separate them</h3><ul class="told">{"".join(told)}</ul>'] if told else []
+
+
+def _not_tried(result: Diagnosed, tried: set[str]) -> list[str]:
+    """Effects of which nothing was fitted, one line a reason."""
+    reasons: dict[str, list[str]] = {}
+    for one in result.suspects:
+        if one.name not in tried:
+            reasons.setdefault(one.reason, []).append(names.within(one.name))
+    if not reasons:
+        return []
+    lines = "".join(f"<li>{escape(', '.join(shown))}{f': {escape(why)}' if why else ''}</li>" for why, shown in reasons.items())
+    return [f'<details><summary>Not tried on this record</summary><ul class="told">{lines}</ul></details>']
+
+
+def _unknown(result: Diagnosed) -> list[str]:
+    """What the library does not hold."""
+    if result.verdict != "unknown" or not (result.unknown_sentence or result.unknown_pictures):
+        return []
+    said = result.unknown_sentence
+    parts = [f"<h3>What is it that the library does not know?</h3><p>{escape(said[:1].upper() + said[1:])}.</p>" if said else ""]
+    shown = [
+        where_pictures.over(one, f"{words.number(one.explained_percent or 0.0, 2)} % of it is foretold on other passes.")
+        for one in result.unknown_pictures[:6]
+    ]
+    if shown:
+        parts.append(f'<div class="thirds">{"".join(shown)}</div>')
+    if result.learned_sentence:
+        parts.append(f"<p>It can be flown without a name: {escape(result.learned_sentence)}.</p>")
+    return parts
+
+
+def _ladder(result: Diagnosed) -> str:
+    found = rungs(result)
+    if not found:
+        return ""
+    unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
+    rows, last = [], len(found) - 1
+    drawn = list(result.curves.models) if result.curves is not None else []
+    for place, (name, here, held) in enumerate(found):
+        known = name in {one.name for one in result.suspects} or name in faults(result) or name == result.added
+        title = f"+ {names.within(name)}" if known else name if place == 0 else f"+ {name}"
+        marks = [charts.Mark(here, "dot after", f"this record {words.number(here)}")]
+        if held is not None:
+            marks.append(charts.Mark(held, "diamond", f"{'held out' if result.by_forces else 'validation record'} {words.number(held)}"))
+        key = "before" if place == 0 else "after" if place == last else ""
+        shown = f'<button type="button" data-model="{key}">{escape(title)}</button>' if key in drawn else escape(title)
+        told = f"<b>{words.number(here)}</b>" + (f" / {words.number(held)}" if held is not None else "")
+        rows.append(charts.Row(shown, tuple(marks), told))
+    floor = result.errors.get("floor")
+    other = ""
+    if any(held is not None for _, _, held in found):
+        other = (
+            '<li><span class="key diamond"></span>'
+            + ("held out, in turn" if result.by_forces else "validation record, to which nothing was fitted")
+            + "</li>"
+        )
+    parts = [
+        f'<ul class="legend"><li><span class="key dot after"></span>this record</li>{other}<li><span class="key noise"></span>noise level</li></ul>',
+        charts.tracks(
+            f"Error after each step, {unit}; all values refitted together.",
+            "Model",
+            f"This record / {'held out' if result.by_forces else 'validation'}"
+            if result.errors.get("holdout_before") is not None
+            else "This record",
+            rows,
+            floor,
+            f"dashed: noise level {words.number(floor)}" if floor else "",
+        ),
+    ]
+    if drawn:
+        parts.append('<p class="note">Choose the first or the last model to see it alone in the signals.</p>')
+    values = [value for step in result.steps for value in step.values]
+    if values:
+        items = "".join(f"<li>{_value(value)}</li>" for value in values)
+        parts.append(f'<details><summary>Values of the last model</summary><ul class="told">{items}</ul></details>')
+    advised = result.steps[-1] if result.steps else None
+    if advised is not None and advised.recommended is not None and result.added:
+        why = f": {advised.reason}" if advised.reason else ""
+        parts.append(
+            f'<p><b class="{"good" if advised.recommended else "bad"}">{"Recommended" if advised.recommended else "Not recommended"}</b>{escape(why)}</p>'
+        )
+    if result.forward_sentence:
+        parts.append(f"<p>{escape(result.forward_sentence)}</p>")
+    return "".join(parts)
+
+
+def _records(result: Diagnosed) -> str:
+    parts = []
+    rows = []
+    for name, one in faults(result).items():
+        for field, value in one.parameters.items():
+            ends = one.shift_interval95
+            change = "–" if one.shift_percent is None else words.shift(one.shift_percent)
+            if one.shift_percent is not None and ends is not None and ends[0] is not None and ends[1] is not None:
+                change += f" ± {words.number(0.5 * (ends[1] - ends[0]), 2)} %"
+            unit = names.unit_of(f"screw.{field}")
+            rows.append(
+                f'<tr><th scope="row">{escape(names.FAULT_TITLES.get(name, name))}</th><td>{escape(names.sized(value, one.std.get(field), unit))}</td><td>{change}</td></tr>'
+            )
+    if rows:
+        parts.append(
+            _table(
+                "faults",
+                "What has changed? CSJ and BLK against the healthy machine; ± half of the 95 % interval.",
+                ("Fault", "Today", "Change"),
+                rows,
+            )
+        )
+    changed = [
+        f'<tr><th scope="row">{escape(one.name)}</th><td>{words.number(one.entry.healthy, 4)} {escape(one.entry.unit)}</td><td>{words.number(one.entry.today, 4)} {escape(one.entry.unit)}</td>'
+        f"<td>{words.number(one.entry.limit, 2)} {escape(one.entry.unit)}</td><td>{'<b class=' + chr(34) + 'bad' + chr(34) + '>changed</b>' if one.entry.counts else 'as it was'}</td></tr>"
+        for one in result.changes
+    ]
+    if changed:
+        parts.append(
+            _table(
+                "values of the healthy machine",
+                "What has changed? Values of the healthy machine beside today's.",
+                ("Value", "Healthy", "Today", "Must differ by", ""),
+                changed,
+            )
+        )
+    if result.gate_sentence:
+        parts.append(f"<p>{escape(result.gate_sentence)}</p>")
+    looked = [
+        f'<tr><th scope="row">{escape(one.topic)}</th><td class="words"><b class="{one.severity}">{_SEVERITY[one.severity]}</b></td><td class="words">{escape(one.text)}</td>'
+        f'<td class="words">{escape(one.next or "")}</td></tr>'
+        for one in result.remarks
+    ]
+    if looked:
+        parts.append(
+            _table(
+                "what was looked at",
+                "What was looked at in the record before anything was concluded.",
+                ("Looked at", "<", "<Found", "<What to do"),
+                looked,
+            )
+        )
+    return "".join(parts)
+
+
+def _provenance(result: Diagnosed, command: str) -> str:
+    entries = {"page": command, **result.provenance}
+    told = "".join(
+        f"<dt>{escape(key)}</dt><dd>{f'<code>{escape(value)}</code>' if key in ('page', 'command') else escape(value)}</dd>"
+        for key, value in entries.items()
+    )
+    hidden = result.found.cannot_see if isinstance(result.found, DiagnosisResult) else None
+    method = result.found.method_reason if isinstance(result.found, DiagnosisResult | DiagnosisByBalanceResult | Addition) else ""
+    parts = [f'<p class="full">{escape(result.sentence)}</p>' if result.sentence else ""]
+    parts.append(f"<p>{escape(hidden)}</p>" if hidden else "")
+    parts.append(f"<p>By {result.found.method}: {escape(method)}.</p>" if method else "")
+    parts.append(f'<dl class="origin">{told}</dl>')
+    return "".join(parts)

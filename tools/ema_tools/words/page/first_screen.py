@@ -1,0 +1,389 @@
+"""The first screen of the diagnosis page: one sentence, and five answers: does the model hold, where does it fail, what is missing, did the error fall, what to do next."""
+
+from __future__ import annotations
+
+import math
+import re
+import shlex
+from dataclasses import dataclass
+
+from ema_tools.results.addition import Addition
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.results.localisation import BlockEntry
+from ema_tools.results.parts import EffectEntry
+from ema_tools.words.page import names
+from ema_tools.words.page import text as words
+from ema_tools.words.page.diagnosis_results import Diagnosed
+
+# Of `ema diagnose` and `ema add`: options that stand for themselves.
+_FLAGS = {"--force", "--known"}
+_TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
+NEAR = 1.1  # an error this close to the noise level is at it [judgement]
+
+
+@dataclass(frozen=True)
+class Reply:
+    """One of the five answers. `tone`: good, bad, unsure or nothing; `command` to copy, where there is one."""
+
+    question: str
+    short: str
+    more: str
+    tone: str = ""
+    command: str = ""
+
+
+@dataclass(frozen=True)
+class FirstScreen:
+    """The sentence and the answers, in their order."""
+
+    sentence: str
+    replies: tuple[Reply, ...]
+
+
+@dataclass(frozen=True)
+class TriedEffect:
+    """One effect that was tried: `left`, the error that stays when it alone is added to the model before, where that is known."""
+
+    entry: EffectEntry
+    left: float | None
+
+
+def first_screen(result: Diagnosed) -> FirstScreen:
+    """All of it."""
+    return FirstScreen(_sentence(result), (_holds(result), _where(result), _missing(result), _error(result), _next(result)))
+
+
+def accepted(result: Diagnosed) -> list[EffectEntry]:
+    """The effects that are named."""
+    return [] if isinstance(result.found, Addition) else [one for one in result.found.effects if one.accepted]
+
+
+def faults(result: Diagnosed) -> dict[str, EffectEntry]:
+    """Changes of CSJ and BLK, by name."""
+    return {} if isinstance(result.found, Addition) else {name: one for name, one in result.found.faults.items() if one.accepted}
+
+
+def telling(result: Diagnosed) -> list[BlockEntry]:
+    """Balances that stand above their noise, the one with most of the excess first."""
+    return sorted((one for one in result.blocks if one.telling), key=lambda one: -one.share_percent)
+
+
+def candidates(result: Diagnosed) -> list[TriedEffect]:
+    """Every effect of the ranking with the error that it leaves alone, best first as ranked.
+
+    By simulation a score is what the effect takes off the cost, and the cost is the squared weighted error times the number of samples.
+    """
+    if isinstance(result.found, Addition):
+        return []
+    first = next((place for place, step in enumerate(result.steps) if step.effects), None)
+    own = next((one for one in result.suspects if first is not None and one.name == result.steps[first].added), None)
+    start = result.errors.get("before")
+    if first:
+        start = result.steps[first - 1].training
+    elif first is None and result.steps:
+        start = result.steps[-1].training
+    samples = _samples(result)
+    if own is not None and own.score > 0.0 and first is not None and start is not None and start > result.steps[first].training:
+        samples = own.score / (start**2 - result.steps[first].training ** 2)
+
+    def left(one: EffectEntry) -> float | None:
+        if result.by_forces or start is None or not samples or not one.score > 0.0:
+            return None
+        # an effect that came later was judged beside the others: its own rung says what it leaves
+        step = next((step for step in result.steps[(first or 0) + 1 :] if one.accepted and step.added == one.name), None)
+        return step.training if step is not None else math.sqrt(max(0.0, start**2 - one.score / samples))
+
+    return [TriedEffect(one, left(one)) for one in result.found.effects]
+
+
+def _samples(result: Diagnosed) -> float:
+    if result.curves is None:
+        return 0.0
+    derived = result.curves.derived
+    return float(result.curves.rows * sum(1 for name in result.curves.measured if name not in derived))
+
+
+def next_best(result: Diagnosed) -> tuple[TriedEffect, TriedEffect] | None:
+    """The named effect that came first and the best that is not named, both with the error that they leave alone."""
+    tried = [one for one in candidates(result) if one.left is not None]
+    best = min((one for one in tried if one.entry.accepted), key=lambda one: -one.entry.score, default=None)
+    alike = set(best.entry.alike) if best is not None else set()
+    other = min(
+        (one for one in tried if not one.entry.accepted and one.entry.name not in alike), key=lambda one: one.left or 0.0, default=None
+    )
+    return None if best is None or other is None else (best, other)
+
+
+def _answerable(result: Diagnosed) -> bool:
+    return isinstance(result.found, Addition) or result.found.gate.answerable
+
+
+def _changes(result: Diagnosed) -> list[str]:
+    """Faults with their changes, as in `friction +40 %`."""
+    told = []
+    for name, one in faults(result).items():
+        plain = {"csj": "friction (CSJ)", "blk": "backlash (BLK)"}.get(name, name)
+        ends = one.shift_interval95
+        half = 0.5 * (ends[1] - ends[0]) if ends is not None and ends[0] is not None and ends[1] is not None else None
+        told.append(f"{plain} {names.changed(one.shift_percent, half)}" if one.shift_percent is not None else f"{plain} changed")
+    return told
+
+
+def _off_sheet(result: Diagnosed) -> list[str]:
+    if not isinstance(result.found, DiagnosisResult):
+        return []
+    plain = {"csj_Nm": "friction (CSJ)", "blk_mm": "backlash (BLK)"}
+    return [f"{plain.get(name, name)} {names.changed(shift)}" for name, shift in result.found.unit_shift_percent.items()]
+
+
+def _sensor(result: Diagnosed) -> str:
+    """The signal whose sensor is suspected."""
+    found = result.found
+    return found.sensor.channel if isinstance(found, DiagnosisResult) and result.verdict == "unknown" and found.sensor is not None else ""
+
+
+def _sentence(result: Diagnosed) -> str:
+    if result.added:
+        fell = _fell(result)
+        return f"{names.display(result.added)} is in the model{': the error falls ' + fell if fell else ''}."
+    if not _answerable(result):
+        return "This record cannot say whether the model holds."
+    changed, off = _changes(result), _off_sheet(result)
+    if result.verdict == "missing":
+        named = [one.name for one in accepted(result)]
+        first = names.listed([names.display(named[0]), *map(names.within, named[1:])]) if named else "An effect"
+        worn = f"; {names.listed(changed)}" if changed else f"; {names.listed(off)} off the data sheet" if off else ""
+        return f"The model does not hold. {first} {'are' if len(named) > 1 else 'is'} missing{worn}."
+    if result.verdict == "unknown":
+        if _sensor(result):
+            return f"The model does not explain this record: it looks as if the sensor of the {names.signal(_sensor(result)).lower()} reads wrong."
+        if _refuted(result):
+            return "The model does not hold, but what would explain this record does not hold on the validation record: nothing is recommended."
+        return "The model does not hold. Something is there that the library of effects does not know."
+    if changed:
+        return f"No effect is missing, but the machine has changed: {names.listed(changed)}."
+    if off:
+        return f"The model holds with other values than the data sheet's: {names.listed(off)}."
+    return "The model holds. Nothing is missing, and nothing has changed." if result.relative else "The model holds: nothing is missing."
+
+
+def _refuted(result: Diagnosed) -> bool:
+    """Whether the error would fall on this record and rise on the validation record."""
+    before, after = result.errors.get("holdout_before"), result.errors.get("holdout_after")
+    fell = result.errors.get("after", math.inf) < result.errors.get("before", 0.0)
+    return fell and before is not None and after is not None and after > before
+
+
+def _holds(result: Diagnosed) -> Reply:
+    question = "Does the model hold?"
+    before, floor, after = (result.errors.get(name) for name in ("before", "floor", "after"))
+    against = "" if before is None else f"error {_size(result, before)}"
+    if floor is not None and before is not None:
+        against += f", noise level {words.number(floor)}"
+    if result.added:
+        near = after is not None and floor is not None and after <= NEAR * floor
+        return Reply(
+            question,
+            "With it, yes" if near else "Better with it",
+            f"noise level {words.number(floor)}" if floor is not None else "",
+            "good" if near else "unsure",
+        )
+    if not _answerable(result):
+        return Reply(question, "Cannot be told", result.gate_sentence, "unsure")
+    if result.verdict != "adequate":
+        return Reply(question, "No", against, "bad")
+    if faults(result):
+        return Reply(question, "Yes, worn", against, "unsure")
+    return Reply(question, "Yes", against, "good")
+
+
+def _size(result: Diagnosed, value: float) -> str:
+    """An error with its unit."""
+    return f"{words.number(value)} %" if result.by_forces else f"{words.number(value)} × sensor noise"
+
+
+def _where(result: Diagnosed) -> Reply:
+    question = "Where does it fail?"
+    if _sensor(result):
+        return Reply(question, f"Sensor of the {names.signal(_sensor(result)).lower()}", "the other signals are as they should be", "bad")
+    found = telling(result)
+    if result.added:
+        return Reply(question, "Not asked", "ema diagnose with the new model says where")
+    if not found:
+        if result.verdict == "adequate" and result.blocks:
+            return Reply(question, "Nowhere", "no equation stands above its noise level", "good")
+        if result.by_forces:
+            return Reply(question, "Mechanics", "the balance of forces alone was asked", "bad")
+        return Reply(question, "Not told", "no equation is accused")
+    first = found[0]
+    term = next((one for one in first.terms[:1] if one.explained_percent >= _TERM_PERCENT), None)
+    told = f"{words.number(first.share_percent, 2)} % of what is left over"
+    if term is not None:
+        told += f", {term.words} ({words.number(term.explained_percent, 2)} % of it)"
+    return Reply(question, names.block(first.name), told, "bad" if result.verdict != "adequate" else "unsure")
+
+
+def _missing(result: Diagnosed) -> Reply:
+    question = "What is missing?"
+    if result.added:
+        found = result.found
+        assert isinstance(found, Addition)
+        sizes = [names.sized(one.value, one.std, one.unit) for one in found.parameters.values()]
+        return Reply(
+            "What was added?", names.display(result.added), f"size {sizes[0]}" if sizes else "", "good" if found.recommended else "unsure"
+        )
+    named = accepted(result)
+    if result.verdict == "adequate":
+        worn = _changes(result)
+        return Reply(
+            question,
+            "Nothing",
+            f"but {names.listed(worn)}" if worn else "no effect of the library would help",
+            "unsure" if worn else "good",
+        )
+    if result.verdict == "unknown" or not named:
+        if _sensor(result):
+            return Reply(question, "Nothing in the machine", "a sensor explains it", "unsure")
+        share = result.found.unexplained if not isinstance(result.found, Addition) else None
+        told = f"{100.0 * share:.0f} % of the excess stays unexplained" if share is not None else "no effect of the library explains it"
+        return Reply(question, "Not in the library", told, "bad")
+    first = named[0]
+    told = ""
+    size = next(iter(first.parameters.items()), None)
+    if size is not None:
+        unit = names.unit_of(f"effects.{first.name}.{size[0]}")
+        told = f"{size[0].rsplit('_', 1)[0] if unit else size[0]} {names.sized(size[1], first.std.get(size[0]), unit)}"
+    rivals = next_best(result)
+    if rivals is not None and rivals[0].left and rivals[1].left:
+        told += (
+            f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times the error"
+        )
+    return Reply(
+        question, names.listed([names.display(named[0].name), *(names.within(one.name) for one in named[1:])]), told.lstrip("; "), "bad"
+    )
+
+
+def _fell(result: Diagnosed) -> str:
+    before, after = result.errors.get("before"), result.errors.get("after")
+    if before is None or after is None:
+        return ""
+    return f"from {words.number(before)} to {words.number(after)}"
+
+
+def _error(result: Diagnosed) -> Reply:
+    question = "Error, before and after?"
+    before, after, held, later, floor = (
+        result.errors.get(name) for name in ("before", "after", "holdout_before", "holdout_after", "floor")
+    )
+    if before is None:
+        return Reply(question, "Not known", "nothing was fitted")
+    short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
+    parts = ["% of the drive's force" if result.by_forces else "times the sensor noise"]
+    if held is not None:
+        fell = words.number(held) if later is None else f"{words.number(held)} → {words.number(later)}"
+        parts.append(f"{'held out' if result.by_forces else 'validation record'} {fell}")
+    elif not result.by_forces:
+        parts.append("no validation record")
+    if result.verdict == "unknown" and after is not None:
+        return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
+    near = floor is not None and (after if after is not None else before) <= NEAR * floor
+    return Reply(question, short, "; ".join(parts), "good" if near else "")
+
+
+@dataclass(frozen=True)
+class CommandLine:
+    """A command line of `ema diagnose` or `ema add` taken apart: actuator, records, and options by name."""
+
+    actuator: str
+    records: tuple[str, ...]
+    options: dict[str, tuple[str, ...]]
+
+    def again(self, *wanted: str) -> list[str]:
+        """Options as they were given."""
+        return [part for name in wanted for value in self.options.get(name, ()) for part in (name, value)]
+
+
+def line_of(command: str) -> CommandLine | None:
+    """The parts of a command line; None where it is none of these."""
+    try:
+        tokens = shlex.split(command)
+    except ValueError:
+        return None
+    if len(tokens) < 3 or tokens[0] != "ema" or tokens[1] not in ("diagnose", "add"):
+        return None
+    places: list[str] = []
+    options: dict[str, list[str]] = {}
+    rest = iter(tokens[2:])
+    for token in rest:
+        if token in _FLAGS:
+            continue
+        if token.startswith("-") and len(token) > 1:
+            name, has, value = token.partition("=")
+            options.setdefault(name, []).append(value if has else next(rest, ""))
+        else:
+            places.append(token)
+    if not places:
+        return None
+    records = tuple(places[1:]) if tokens[1] == "diagnose" else (*places[2:], *options.get("--fit", ()))
+    return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
+
+
+def _next(result: Diagnosed) -> Reply:
+    question = "What next?"
+    line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
+    healthy, record = line.again("--healthy"), list(line.records[:1]) or ["RECORD.csv"]
+    if result.added:
+        found = result.found
+        assert isinstance(found, Addition)
+        if found.recommended:
+            return Reply(
+                question,
+                "Diagnose with it again",
+                "until nothing is missing",
+                "",
+                shlex.join(["ema", "diagnose", found.actuator, *record, *healthy]),
+            )
+        return Reply(question, "Do not keep it", found.reason or "it is not recommended", "unsure")
+    if not _answerable(result):
+        wanted = next((one.next for one in result.remarks if one.severity == "blocks" and one.next), "")
+        return Reply(question, "Record again", wanted, "unsure")
+    if result.verdict == "adequate":
+        return Reply(
+            question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record, *healthy])
+        )
+    between = re.search(r"ema next ACTUATOR --between ([\w ]+?) says", result.next_experiment)
+    if between is not None:
+        told = "this record does not tell " + names.listed([names.within(name) for name in between[1].split()]) + " apart"
+        return Reply(
+            question,
+            "Record what tells them apart",
+            told,
+            "unsure",
+            shlex.join(["ema", "next", line.actuator, "--between", *between[1].split()]),
+        )
+    if result.verdict == "missing" and accepted(result):
+        fitted = line.options.get("--fitted")
+        if fitted:
+            return Reply(question, "Diagnose with the new model", "", "", shlex.join(["ema", "diagnose", fitted[0], *record, *healthy]))
+        effect = accepted(result)[0].name
+        files = ["--fit", *(part for one in line.records or ("RECORD.csv",) for part in (one, "--fit"))][:-1]
+        add = ["ema", "add", line.actuator, effect, *files, *healthy, *line.again("--holdout"), "-o", "better.toml"]
+        return Reply(question, "Put it into the model", "then diagnose again", "", shlex.join(add))
+    found = result.found
+    if isinstance(found, DiagnosisResult) and found.sensor is not None:
+        return Reply(question, "Check the sensor", found.sensor.next, "unsure")
+    learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
+    if learned is not None and "ema add" in result.next_experiment:
+        add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", "better.toml"]
+        return Reply(question, "Fly it as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
+    told = result.next_experiment.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
+    return Reply(question, "Look at the pictures", told, "unsure")
+
+
+def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
+    """The ladder: what came last, the error on this record, that on the validation record; the model as given first."""
+    if "before" not in result.errors:
+        return []
+    found = [("as given", result.errors["before"], result.errors.get("holdout_before"))]
+    found += [(step.added or " + ".join(step.effects), step.training, step.holdout) for step in result.steps]
+    return found

@@ -1,0 +1,215 @@
+"""The page of one diagnosis: its sentence and five answers, the maps, the ladder, and that the file is whole, small and the same each time."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
+from ema_tools.words.page import charts, first_screen, heat, names, signals, uplot
+from ema_tools.words.page import diagnosis_page as page_of
+from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.results import parse_result
+from test_report_page import _structure, _without_scripts
+
+
+def parsed(data: dict[str, Any]) -> Diagnosed:
+    found = parse_result(data, "today.json", "today")
+    assert isinstance(found, Diagnosed)
+    return found
+
+
+def said(data: dict[str, Any]) -> first_screen.FirstScreen:
+    return first_screen.first_screen(parsed(data))
+
+
+@pytest.mark.parametrize(
+    ("kind", "sentence", "short"),
+    [
+        (
+            "missing",
+            "The model does not hold. Stribeck friction is missing; friction (CSJ) +45 %.",
+            ("No", "Mechanics", "Stribeck friction", "48.0 → 0.860", "Put it into the model"),
+        ),
+        (
+            "healthy",
+            "The model holds. Nothing is missing, and nothing has changed.",
+            ("Yes", "Nowhere", "Nothing", "0.880 → 0.870", "Read CSJ and BLK"),
+        ),
+        (
+            "fault",
+            "No effect is missing, but the machine has changed: friction (CSJ) +45 %.",
+            ("Yes, worn", "Mechanics", "Nothing", "48.0 → 0.860", "Read CSJ and BLK"),
+        ),
+        (
+            "unknown",
+            "The model does not hold. Something is there that the library of effects does not know.",
+            ("No", "Mechanics", "Not in the library", "48.0 → 8.00", "Look at the pictures"),
+        ),
+    ],
+)
+def test_first_screen_answers(kind: str, sentence: str, short: tuple[str, ...]) -> None:
+    found = said(diagnosis(kind))
+    assert found.sentence == sentence
+    assert tuple(one.short for one in found.replies) == short
+
+
+def test_next_command_has_the_paths_that_were_given() -> None:
+    last = said(diagnosis("missing")).replies[-1]
+    assert (
+        last.command
+        == "ema add mine.toml stribeck_friction --fit today.csv --healthy 'runs/healthy *.csv' --holdout other.csv -o better.toml"
+    )
+    assert said(diagnosis("healthy")).replies[-1].command == "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"
+    line = first_screen.line_of(COMMAND)
+    assert line is not None and line.options["--json"] == ("d.json",)
+    assert first_screen.line_of("ema report x.json -o y.html") is None and first_screen.line_of("ema 'unclosed") is None
+
+
+def test_a_record_that_cannot_answer_is_no_verdict() -> None:
+    gate = {
+        "answerable": False,
+        "sentence": "This record cannot answer.",
+        "remarks": [{"topic": "signals", "severity": "blocks", "text": "none", "next": "record the current"}],
+    }
+    found = said(diagnosis("missing", gate=gate))
+    assert found.sentence == "This record cannot say whether the model holds."
+    assert found.replies[0].short == "Cannot be told" and found.replies[-1].more == "record the current"
+
+
+def test_effects_that_look_alike_are_to_be_told_apart_first() -> None:
+    data = diagnosis(
+        "missing", next_experiment="Next: ema next ACTUATOR --between stribeck_friction spring_load says which command tells them apart."
+    )
+    assert said(data).replies[-1].command == "ema next mine.toml --between stribeck_friction spring_load"
+
+
+def test_a_validation_record_that_refutes_is_said() -> None:
+    error = {"before": 48.0, "after": 0.9, "floor": 0.87, "holdout_before": 4.0, "holdout_after": 9.0}
+    assert "does not hold on the validation record" in said(diagnosis("unknown", error=error)).sentence
+
+
+def test_error_left_is_what_the_ladder_has_and_what_the_score_takes_off() -> None:
+    found = {one.entry.name: one.left for one in first_screen.candidates(parsed(diagnosis("missing")))}
+    assert found["stribeck_friction"] == pytest.approx(4.0) and found["spring_load"] == pytest.approx(6.0)
+    assert "leaves 1.5 times the error" in said(diagnosis("missing")).replies[2].more
+
+
+def test_heat_map_counts_in_noise_and_is_empty_when_healthy(tmp_path: Path) -> None:
+    result = parsed(diagnosis("missing"))
+    time = next(one for one in heat.maps(result, signals.traces(result)) if one.by == "time")
+    mechanical = next(row for row in time.rows if row.name == "mechanical")
+    assert mechanical.multiples.size == BINS
+    # the mean square over the record is that of the equation: 30 times the noise
+    assert float(np.sqrt(np.mean(mechanical.multiples**2))) == pytest.approx(30.0, rel=1e-6)
+    html = diagnosis_page(tmp_path, diagnosis("healthy")).read_text(encoding="utf-8")
+    assert not re.search(r'class="cell h[1-9]', html) and 'class="cell h0"' in html
+    html = diagnosis_page(tmp_path, diagnosis("missing")).read_text(encoding="utf-8")
+    assert re.search(r'class="cell h[3-6]"[^>]*data-by="time"', html)
+
+
+def test_a_cell_knows_its_moments() -> None:
+    result = parsed(diagnosis("missing"))
+    found = signals.traces(result)
+    assert found is not None
+    bins = heat.bins_of_rows(result, found)
+    assert set(bins) == {"time", "speed", "position"}
+    rows = found.curves.rows
+    assert np.array_equal(bins["time"], np.minimum(np.arange(rows) * BINS // (rows - 1), BINS - 1))
+    motor = found.curves.measured["motor_position_mm"]
+    assert float(np.max(np.abs(motor[bins["position"] == BINS // 2] - 1.9 / BINS))) <= 1.9 / BINS + 1e-9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_page_is_whole_small_and_loads_nothing(kind: str, tmp_path: Path) -> None:
+    html = diagnosis_page(tmp_path, diagnosis(kind)).read_text(encoding="utf-8")
+    found = _structure(_without_scripts(html))
+    assert found.problems == [] and found.open == []
+    assert len(found.identities) == len(set(found.identities)) and set(found.references) <= set(found.identities)
+    assert found.loads == ["data:,"] and "default-src 'none'" in html
+    assert len(html.encode()) < 1_500_000
+    assert html == diagnosis_page(tmp_path, diagnosis(kind)).read_text(encoding="utf-8")
+    assert not re.search(r"[\x00-\x08\x0b\x0e-\x1f\x7f]", html)
+
+
+def test_names_cannot_break_the_page(tmp_path: Path) -> None:
+    hostile = "</script><script>alert(1)</script>\"'&"
+    data = diagnosis("missing", name=hostile, sentence=hostile, next_experiment=hostile, provenance={"command": hostile, hostile: hostile})
+    html = diagnosis_page(tmp_path, data).read_text(encoding="utf-8")
+    assert "alert(1)</script>" not in html
+    assert hostile in "".join(_structure(_without_scripts(html)).texts)
+
+
+def test_signals_are_all_there_with_their_digits(tmp_path: Path) -> None:
+    data = diagnosis("missing")
+    html = diagnosis_page(tmp_path, data).read_text(encoding="utf-8")
+    packed = json.loads(html.split('<script id="page-data" type="application/json">')[1].split("</script>")[0])
+    assert [one["name"] for one in packed["channels"]] == ["position_mm", "current_A", "motor_position_mm", "voltage_V", "speed_mm_s"]
+    for channel in packed["channels"][:4]:
+        here, model = (np.array(data["curves"][key][channel["name"]]) for key in ("measured", "after"))
+        values = np.frombuffer(base64.b64decode(channel["measured"]["int16"]), dtype="<i2") * channel["measured"]["scale"]
+        assert float(np.max(np.abs(values - here))) <= 0.51 * channel["measured"]["scale"]
+        one = channel["residual"]["after"]
+        residual = np.frombuffer(base64.b64decode(one["int16"]), dtype="<i2") * one["scale"]
+        assert float(np.max(np.abs(residual - channel["residual_scale"] * (here - model)))) <= 0.51 * one["scale"]
+
+
+def test_without_the_library_the_page_says_so_and_keeps_the_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_of, "library", uplot.ChartLibrary)
+    html = diagnosis_page(tmp_path, diagnosis("missing")).read_text(encoding="utf-8")
+    assert uplot.ABSENT in html and 'class="plot main"' not in html and 'class="heat"' in html and "Stribeck friction" in html
+    assert _structure(_without_scripts(html)).problems == []
+
+
+def test_bare_result_and_addition_have_a_page(tmp_path: Path) -> None:
+    bare = {"command": "diagnose", "verdict": "adequate", "error": {"before": 1.0, "floor": 1.0, "after": None}}
+    html = diagnosis_page(tmp_path, bare).read_text(encoding="utf-8")
+    assert "<h1>The model holds: nothing is missing.</h1>" in html and "The result holds no curves" in html
+    added = {
+        "command": "add", "effect": "jam_spot", "actuator": "new.toml", "name": "today.csv", "error": {"before": 3.2, "after": 1.05, "floor": 1.0},
+        "parameters": {"effects.jam_spot.width_mm": {"value": 2.0, "std": 0.01, "at_bound": True}}, "recommended": False, "reason": "width_mm lies on its bound",
+    }  # fmt: skip
+    html = diagnosis_page(tmp_path, added).read_text(encoding="utf-8")
+    assert "<h1>Jam spot is in the model: the error falls from 3.20 to 1.05.</h1>" in html
+    assert "2.00 ± 0.02 mm (at its bound)" in html and "width_mm lies on its bound" in html
+
+
+def test_a_workbench_has_its_place_and_what_it_needs(tmp_path: Path) -> None:
+    result = parsed(diagnosis("missing"))
+    html = page_of.render(result, "ema report", '<div id="bench"></div>')
+    assert html.index('id="rest"') < html.index('<section id="workbench"') < html.index('id="records"')
+    assert "wasm-unsafe-eval" in html and "wasm-unsafe-eval" not in page_of.render(result, "ema report")
+
+
+def test_words() -> None:
+    assert names.display("stribeck_friction") == "Stribeck friction" and names.within("directional_stribeck") == "directional Stribeck"
+    assert names.sized(0.29939, 0.0019, "Nm") == "0.299 ± 0.004 Nm" and names.sized(137.2, 138.0) == "137 ± 270"
+    assert names.changed(39.74, 0.24) == "+40 %" and names.changed(-2.44, 0.3) == "−2 %"
+    assert names.listed(["a", "b", "c"]) == "a, b and c"
+
+
+def test_axes_have_round_ends() -> None:
+    assert charts.steps(0.8, 48.0) == (0.5, 50.0) and charts.steps(1.0, 1.0) == (1.0, 10.0)
+    assert charts.ticks(-1.9, 1.9, 5) == [-1.0, 0.0, 1.0]
+    assert charts.tracks("x", "a", "b", [], None) == ""
+
+
+def test_the_balance_of_forces_speaks_of_forces() -> None:
+    parts = {"training_percent": 2.0, "holdout_percent": 2.1, "each_held_out_percent": []}
+    found = said(
+        {
+            "command": "diagnose", "method": "balance", "mode": "several records", "verdict": "missing", "error_unit": "% of the drive's force",
+            "effects": [{"name": "constant_load", "parameters": {"torque_Nm": 0.006}, "std": {"torque_Nm": 1e-5}, "score": 400.0, "limit": 0.0, "accepted": True}],
+            "error": {"before": 25.0, "after": 0.2, "floor": 0.2, "holdout_before": 22.0, "holdout_after": 0.3},
+            "forces": {"error": {"given": parts, "refitted": parts, "floor_percent": 0.2}, "steps": [], "refused": [], "values": {},
+                       "laps": {"count": 3, "period_s": None, "parts": 3, "held_out_part": 0}, "curves": {}},
+        }
+    )  # fmt: skip
+    assert [one.short for one in found.replies[1:4]] == ["Mechanics", "Constant load", "25.0 → 0.200"]
+    assert found.replies[3].more == "% of the drive's force; held out 22.0 → 0.300"

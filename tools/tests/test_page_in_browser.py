@@ -1,0 +1,266 @@
+"""The page of a diagnosis in real Chromium, headless, with the network off: it draws without complaint, zooms and comes back, says what the result says, and can be used without a mouse."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from diagnosis_results import BINS, KINDS, diagnosis, diagnosis_page
+from ema_tools.words.page import uplot
+from ema_tools.words.page.first_screen import first_screen
+from ema_tools.words.page.results import parse_result
+
+playwright = pytest.importorskip("playwright.sync_api", reason="the tests in the browser need the Python package playwright")
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_LAPTOP, _PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
+# Whole record of the made-up results, s.
+_END = 9.999
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
+    if not uplot.library().there:
+        pytest.skip("the charting library is not in the build folder: install nodejs and npm, then build again")
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+        yield opened
+        opened.close()
+
+
+class Opened:
+    """A page that was opened from disk; whatever it complains of."""
+
+    def __init__(self, browser: Any, path: Path, **options: Any) -> None:
+        self.context = browser.new_context(offline=True, viewport=options.pop("viewport", _LAPTOP), **options)
+        self.page = self.context.new_page()
+        self.complaints: list[str] = []
+        self.page.on("console", lambda one: self.complaints.append(one.text))
+        self.page.on("pageerror", lambda one: self.complaints.append(str(one)))
+        self.page.on("request", lambda one: self.complaints.append(one.url) if one.url.startswith("http") else None)
+        self.page.goto(path.as_uri())
+        self.page.wait_for_function("() => document.documentElement.dataset.drawnMs !== undefined")
+
+    def text(self, selector: str) -> str:
+        return " ".join(self.page.inner_text(selector).split())
+
+    def rms(self, channel: str, model: str) -> float:
+        return float(self.page.inner_text(f'[data-channel="{channel}"] [data-rms="{model}"]'))
+
+    @property
+    def view(self) -> tuple[float, float]:
+        """Ends of what is in view, s."""
+        first, last = self.page.get_attribute("#plots", "data-view").split()
+        return float(first), float(last)
+
+    @property
+    def zoomed(self) -> bool:
+        return bool(self.page.evaluate("document.body.classList.contains('zoomed')"))
+
+    def read(self, channel: str) -> str:
+        """What the crosshair reads of a channel, once it has come to rest."""
+        self.page.wait_for_timeout(100)
+        return self.text(f'[data-channel="{channel}"] [data-values]')
+
+    def drag(self, channel: str, first: float, last: float) -> None:
+        """Across the plot of a channel, from one share of its width to another."""
+        # in the middle of the window: the menu covers its upper edge
+        plot = self.page.locator(f'[data-channel="{channel}"] .plot.main .u-over')
+        plot.evaluate("(one) => one.scrollIntoView({ block: 'center', behavior: 'instant' })")
+        box = plot.bounding_box()
+        mouse, middle = self.page.mouse, box["y"] + 0.5 * box["height"]
+        mouse.move(box["x"] + first * box["width"], middle)
+        self.read(channel)
+        mouse.down()
+        mouse.move(box["x"] + 0.5 * (first + last) * box["width"], middle, steps=3)
+        mouse.move(box["x"] + last * box["width"], middle, steps=3)
+        mouse.up()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    contexts = []
+
+    def open_(kind: str, **options: Any) -> Opened:
+        found = Opened(browser, diagnosis_page(tmp_path, diagnosis(kind)), **options)
+        contexts.append(found.context)
+        return found
+
+    yield open_
+    for context in contexts:
+        context.close()
+
+
+def residual_rms(data: dict[str, Any], channel: str, model: str, scale: float, first: int = 0, last: int | None = None) -> float:
+    here, simulated = (np.array(data["curves"][key][channel]) for key in ("measured", model))
+    return scale * float(np.sqrt(np.mean((here - simulated)[first:last] ** 2)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: str, opened: Any) -> None:
+    page, data = opened(kind), diagnosis(kind)
+    assert page.complaints == []
+    expected = first_screen(parse_result(data, "x", "x"))  # type: ignore[arg-type]
+    assert page.text("h1") == expected.sentence
+    assert [" ".join(text.split()) for text in page.page.locator(".reply b").all_inner_texts()] == [one.short for one in expected.replies]
+    models = [key for key in ("before", "after") if key in data["curves"]]
+    for channel, scale in (("position_mm", 1000.0), ("current_A", 1.0), ("voltage_V", 1.0)):
+        for model in models:
+            assert page.rms(channel, model) == pytest.approx(residual_rms(data, channel, model, scale), rel=6e-3)
+    assert page.page.locator(".plot .u-over").count() == 2 * 5
+    inked = page.page.evaluate(
+        "[...document.querySelectorAll('.plot canvas')].map((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v, i) => i % 4 === 3 && v > 0))"
+    )
+    assert len(inked) == 10 and all(inked)
+
+
+def test_first_screen_is_there_within_a_second(opened: Any) -> None:
+    page = opened("missing")
+    seen = page.page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
+    assert seen < 1000.0
+    for selector in ("h1", ".reply:last-child", '[data-channel="position_mm"] .plot.residual', '[data-channel="current_A"] .plot.residual'):
+        box = page.page.locator(selector).bounding_box()
+        assert box["y"] + box["height"] <= _LAPTOP["height"], selector
+
+
+def test_zoom_is_undone_after_any_number_of_drags(opened: Any) -> None:
+    page, data = opened("missing"), diagnosis("missing")
+    whole = page.view
+    assert whole == (0.0, _END)
+    for undo in ("whole", "double click", "out", "key"):
+        page.drag("position_mm", 0.2, 0.7)
+        once = page.view
+        assert once == pytest.approx((0.2 * _END, 0.7 * _END), abs=0.05)
+        page.drag("current_A", 0.1, 0.5)
+        page.drag("voltage_V", 0.3, 0.6)
+        assert page.zoomed and once[0] < page.view[0] < page.view[1] < once[1]
+        if undo == "whole":
+            page.page.click('[data-zoom="whole"]')
+        elif undo == "double click":
+            page.page.locator('[data-channel="motor_position_mm"] .plot.residual .u-over').dblclick()
+        elif undo == "key":
+            page.page.focus("#plots")
+            page.page.keyboard.press("Home")
+        else:
+            for _ in range(6):
+                page.page.click('[data-zoom="out"]')
+        assert not page.zoomed and page.view == whole, undo
+    # half of the record: 5 s about the middle
+    page.page.click('[data-zoom="in"]')
+    expected = residual_rms(data, "current_A", "before", 1.0, 2500, 7500)
+    assert page.rms("current_A", "before") == pytest.approx(expected, rel=1e-2)
+    assert page.complaints == []
+
+
+def test_crosshair_reads_every_channel(opened: Any) -> None:
+    page, data = opened("missing"), diagnosis("missing")
+    box = page.page.locator('[data-channel="position_mm"] .plot.main .u-over').bounding_box()
+    page.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 20.0)
+    said = page.read("current_A")
+    time = float(said.split(" s:")[0])
+    row = round(time * 1000.0)
+    # the time is told to three digits, and so is the value
+    near = [data["curves"]["measured"]["current_A"][place] for place in range(row - 6, row + 7)]
+    value = float(said.split("measured ")[1].split(" ")[0].replace("−", "-"))
+    assert min(abs(value - one) for one in near) <= 0.006 and "model" in said and "residual" in said
+    assert "measured" in page.text('[data-channel="voltage_V"] [data-values]')
+
+
+def test_series_are_switched_and_a_rung_shows_its_model(opened: Any) -> None:
+    page = opened("missing")
+    shown = "[...document.querySelectorAll('[data-series]')].filter((box) => box.checked).map((box) => box.dataset.series)"
+    ink = "document.querySelector('[data-channel=\"current_A\"] .plot.residual canvas').toDataURL()"
+    before = page.page.evaluate(ink)
+    page.page.uncheck('[data-series="before"]')
+    assert page.page.evaluate(shown) == ["measured", "after"] and page.page.evaluate(ink) != before
+    page.page.click('#ladder [data-model="before"]')
+    assert page.page.evaluate(shown) == ["measured", "before"]
+
+
+def test_a_cell_lights_its_moments_and_a_zoom_lights_cells(opened: Any) -> None:
+    page = opened("missing")
+    ink = "document.querySelector('[data-channel=\"current_A\"] .plot.main canvas').toDataURL()"
+    before = page.page.evaluate(ink)
+    cell = page.page.locator('button.cell[data-by="time"]').nth(3)
+    cell.click()
+    assert cell.get_attribute("aria-pressed") == "true" and page.page.evaluate(ink) != before
+    assert "time" in page.text("#cell") and "× noise" in page.text("#cell")
+    cell.click()
+    assert page.page.evaluate(ink) == before
+    page.page.click('[data-zoom="in"]')
+    lit = page.page.evaluate(
+        "[...document.querySelectorAll('tbody tr:first-child button.cell[data-by=\"time\"]')].map((one) => one.classList.contains('lit'))"
+    )
+    assert lit == [BINS // 4 <= place < 3 * BINS // 4 for place in range(BINS)] or sum(lit) == BINS // 2 + 1
+
+
+def test_maps_and_plots_answer_to_keys(opened: Any) -> None:
+    page = opened("missing")
+    page.page.locator('button.cell[data-by="time"]').first.focus()
+    page.page.keyboard.press("ArrowRight")
+    page.page.keyboard.press("Enter")
+    assert page.page.evaluate("document.activeElement.dataset.bin") == "1"
+    assert page.page.evaluate("document.activeElement.getAttribute('aria-pressed')") == "true"
+    page.page.focus("#plots")
+    page.page.keyboard.press("ArrowRight")
+    assert page.text("#reading").startswith("0 s:")
+    page.page.keyboard.press("+")
+    assert page.zoomed
+
+
+@pytest.mark.parametrize("look", ["laptop", "dark", "phone"])
+def test_nothing_serious_stands_in_the_way_of_any_reader(look: str, opened: Any) -> None:
+    script = uplot.packages() / "axe-core" / "axe.min.js"
+    if not script.is_file():
+        pytest.skip("axe-core is not in the build folder: build with tests, nodejs and npm")
+    page = opened("missing", viewport=_PHONE if look == "phone" else _LAPTOP, color_scheme="dark" if look == "dark" else "light")
+    page.page.evaluate(script.read_text(encoding="utf-8"))
+    found = page.page.evaluate("axe.run().then((one) => one.violations.map((v) => [v.impact, v.id, v.nodes.length, v.nodes[0].html]))")
+    assert [one for one in found if one[0] in ("serious", "critical")] == []
+
+
+def test_phone_has_no_sideways_scroll(opened: Any) -> None:
+    page = opened("missing", viewport=_PHONE, is_mobile=True, has_touch=True)
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= _PHONE["width"]
+
+
+def test_command_is_copied(opened: Any) -> None:
+    page = opened("missing", permissions=["clipboard-read", "clipboard-write"])
+    page.page.click("[data-copy]")
+    page.page.wait_for_function("() => document.querySelector('[data-copy]').textContent === 'copied'")
+    assert page.page.evaluate("navigator.clipboard.readText()").startswith("ema add mine.toml stribeck_friction --fit today.csv")
+
+
+def test_it_prints_on_few_sheets(opened: Any) -> None:
+    page = opened("missing", color_scheme="dark")
+    printed = page.page.pdf(format="A4", print_background=True)
+    assert printed.startswith(b"%PDF") and 2 <= printed.count(b"/Type /Page\n") + printed.count(b"/Type /Page ") <= 6
+    # afterwards the screen is dark again
+    assert page.page.evaluate("document.documentElement.dataset.light") is None
+
+
+def test_looks_for_the_documents_are_drawn(browser: Any, tmp_path: Path) -> None:
+    # a driver of its own: two cannot run in one thread
+    path = diagnosis_page(tmp_path, diagnosis("healthy"))
+    ran = subprocess.run(
+        [sys.executable, "-m", "ema_tools.benchmarks.page_looks", path, tmp_path, "x"],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    for look, width in (("laptop", 1366), ("dark", 1366), ("phone", 780)):
+        picture = (tmp_path / f"x_{look}.png").read_bytes()
+        assert picture[:4] == b"\x89PNG" and int.from_bytes(picture[16:20], "big") == width
+    assert (tmp_path / "x_dark.png").read_bytes() != (tmp_path / "x_laptop.png").read_bytes()
