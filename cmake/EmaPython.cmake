@@ -54,7 +54,7 @@ add_custom_target(written
             "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_signatures.h"
     COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
             --root "${CMAKE_CURRENT_SOURCE_DIR}" --actuator "${ema_unit}/unit.toml" --healthy "${ema_unit}/healthy_1.csv" "${ema_unit}/healthy_2.csv"
-            "${ema_unit}/healthy_3.csv" -- "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_actuator.h"
+            "${ema_unit}/healthy_3.csv" --image "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_units.bin" -- "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_actuator.h"
             "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_signatures.h"
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/tools"
     DEPENDS venv ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
