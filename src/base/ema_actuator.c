@@ -83,14 +83,14 @@ bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
     return found;
 }
 
+_Static_assert((size_t)offsetof(ema_actuator_t, params) == 0U, "the parameters are what an actuator begins with");
+
 /* The structures are flat vectors of one type, so an index is an offset, in bytes from the actuator's beginning: the
  * options stand between. One that is none is the first value's. */
-_Static_assert(offsetof(ema_actuator_t, params) == 0U, "the parameters are what an actuator begins with");
-
 static size_t ema_value_offset(size_t id)
 {
     const size_t inside = (id < EMA_VALUE_COUNT) ? (id * sizeof(ema_real)) : 0U;
-    const size_t between = offsetof(ema_actuator_t, effects) - (EMA_PARAM_COUNT * sizeof(ema_real));
+    const size_t between = (size_t)offsetof(ema_actuator_t, effects) - (EMA_PARAM_COUNT * sizeof(ema_real));
     return (inside < (EMA_PARAM_COUNT * sizeof(ema_real))) ? inside : (inside + between);
 }
 

@@ -180,6 +180,12 @@ bool ema_image_native(const uint8_t* mark)
     return word == EMA_IMAGE_ORDER_MARK;
 }
 
+static bool ema_image_in_place(const uint8_t* bytes)
+{
+    const bool native = ema_image_native(&bytes[EMA_IMAGE_AT_ORDER]);
+    return native && (((uintptr_t)bytes % sizeof(uint32_t)) == 0U) && (sizeof(ema_real) == sizeof(float));
+}
+
 static ema_image_status_t ema_image_values(const ema_actuator_t* actuator)
 {
     const ema_status_t checked = ema_actuator_check(actuator, NULL);
@@ -194,11 +200,11 @@ static void ema_image_numbers(const uint8_t* table, ema_signatures_t* to)
 {
     uint32_t* const count[] = {&to->version,  &to->fingerprint, &to->record_rows,
                                &to->bin_rows, &to->bins,        &to->channels};
-    for (uint32_t k = 0; k < (sizeof count / sizeof count[0]); ++k) {
+    for (size_t k = 0; k < (sizeof count / sizeof count[0]); ++k) {
         *count[k] = ema_get_u32(&table[4U * k]);
     }
     uint32_t* const more[] = {&to->patterns, &to->faults, &to->nuisances, &to->rows};
-    for (uint32_t k = 0; k < (sizeof more / sizeof more[0]); ++k) {
+    for (size_t k = 0; k < (sizeof more / sizeof more[0]); ++k) {
         *more[k] = ema_get_u32(&table[EMA_TABLE_AT_PATTERNS + (4U * k)]);
     }
     to->command_unit_mm = ema_get_real(&table[EMA_TABLE_AT_ROWS + 4U]);
@@ -244,8 +250,7 @@ ema_image_status_t ema_image_open(const uint8_t* bytes, size_t length, uint32_t 
     if (status != EMA_IMAGE_OK) {
         return status;
     }
-    const bool aligned = ((uintptr_t)bytes % sizeof(uint32_t)) == 0U;
-    if ((sizeof(ema_real) != sizeof(float)) || !aligned || !ema_image_native(&bytes[EMA_IMAGE_AT_ORDER])) {
+    if (!ema_image_in_place(bytes)) {
         return EMA_IMAGE_PLACE;
     }
     const ema_actuator_t* const actuator = (const ema_actuator_t*)(const void*)from.actuator; /* EMA-D5 */
@@ -255,7 +260,7 @@ ema_image_status_t ema_image_open(const uint8_t* bytes, size_t length, uint32_t 
     }
     if ((status == EMA_IMAGE_OK) && unit->has_signatures) {
         const uint8_t* const pattern = &from.table[EMA_TABLE_HEAD_BYTES];
-        const uint8_t* const row = &pattern[from.patterns * EMA_PATTERN_BYTES];
+        const uint8_t* const row = &pattern[(size_t)from.patterns * EMA_PATTERN_BYTES];
         unit->signatures.pattern = (const ema_pattern_t*)(const void*)pattern;                 /* EMA-D5 */
         unit->signatures.unit = (const ema_real*)(const void*)row;                             /* EMA-D5 */
         unit->signatures.value = (const int16_t*)(const void*)&row[from.rows * sizeof(float)]; /* EMA-D5 */
@@ -310,8 +315,8 @@ static void ema_image_arrays(const ema_unit_view_t* from, ema_real* memory, ema_
         at = &at[EMA_PATTERN_BYTES];
     }
     ema_image_reals(at, unit, from->rows);
-    at = &at[4U * from->rows];
-    for (uint32_t k = 0; k < from->counts; ++k) {
+    at = &at[from->rows * sizeof(uint32_t)];
+    for (size_t k = 0; k < from->counts; ++k) {
         value[k] = (int16_t)ema_get_u16(&at[2U * k]);
     }
     to->pattern = pattern;
@@ -325,21 +330,23 @@ ema_image_status_t ema_image_copy(const uint8_t* bytes, size_t length, uint32_t 
     if ((memory == NULL) || (memory->actuator == NULL) || (unit == NULL)) {
         return EMA_IMAGE_NULL;
     }
+    ema_actuator_t* const actuator = memory->actuator;
+    ema_real* const table = memory->table;
     ema_unit_view_t from;
     ema_image_status_t status = ema_image_at(bytes, length, place, &from);
     if ((status == EMA_IMAGE_OK) && (from.table != NULL)
-        && ((memory->table == NULL) || (memory->table_bytes < ema_table_bytes(&from)))) {
+        && ((table == NULL) || (memory->table_bytes < ema_table_bytes(&from)))) {
         status = EMA_IMAGE_ROOM;
     }
     if (status == EMA_IMAGE_OK) {
-        ema_image_actuator(from.actuator, memory->actuator);
-        status = ema_image_values(memory->actuator);
+        ema_image_actuator(from.actuator, actuator);
+        status = ema_image_values(actuator);
     }
     if (status == EMA_IMAGE_OK) {
-        ema_image_fill(&from, memory->actuator, unit);
+        ema_image_fill(&from, actuator, unit);
     }
     if ((status == EMA_IMAGE_OK) && unit->has_signatures) {
-        ema_image_arrays(&from, memory->table, &unit->signatures);
+        ema_image_arrays(&from, table, &unit->signatures);
     }
     return status;
 }

@@ -43,9 +43,9 @@ _Static_assert((EMA_AT_VALUES + (EMA_IDENTIFIED_MAX * EMA_VALUE_BYTES)) == EMA_A
                "the checksum follows the values");
 _Static_assert((EMA_AT_CRC + 4U) == EMA_TELEMETRY_BYTES, "the checksum is the end");
 
-static void ema_put_reals(uint8_t* to, const ema_real* value, uint32_t count)
+static void ema_put_reals(uint8_t* to, const ema_real* value, size_t count)
 {
-    for (uint32_t k = 0; k < count; ++k) {
+    for (size_t k = 0; k < count; ++k) {
         ema_put_real(&to[4U * k], value[k]);
     }
 }
@@ -76,10 +76,10 @@ static void ema_put_search(const ema_result_t* result, uint8_t* to)
     ema_put_u64(&to[EMA_AT_MODEL_STEPS], result->model_steps);
     ema_put_u64(&to[EMA_AT_RANDOM], result->random.state);
     ema_put_u64(&to[EMA_AT_RANDOM + 8U], result->random.increment);
-    for (uint32_t k = 0; k < (sizeof counts / sizeof counts[0]); ++k) {
+    for (size_t k = 0; k < (sizeof counts / sizeof counts[0]); ++k) {
         ema_put_u32(&to[EMA_AT_SEARCH + (4U * k)], counts[k]);
     }
-    ema_put_reals(&to[EMA_AT_RESIDUAL], residual, (uint32_t)(sizeof residual / sizeof residual[0]));
+    ema_put_reals(&to[EMA_AT_RESIDUAL], residual, sizeof residual / sizeof residual[0]);
 }
 
 static uint8_t ema_effect_byte(ema_effect_id_t effect)
@@ -95,7 +95,7 @@ static void ema_put_finding(const ema_finding_t* finding, uint8_t* to)
     to[EMA_AT_FINDING + 1U] = ema_effect_byte(finding->effect);
     to[EMA_AT_FINDING + 2U] = ema_effect_byte(finding->runner_up);
     ema_put_u64(&to[EMA_AT_ALIKE], finding->alike);
-    ema_put_reals(&to[EMA_AT_SCORES], scores, (uint32_t)(sizeof scores / sizeof scores[0]));
+    ema_put_reals(&to[EMA_AT_SCORES], scores, sizeof scores / sizeof scores[0]);
 }
 
 static void ema_put_value(const ema_session_config_t* config, const ema_result_t* result, uint32_t place, uint8_t* to)
@@ -106,7 +106,7 @@ static void ema_put_value(const ema_session_config_t* config, const ema_result_t
     const ema_real values[] = {estimate->estimate, estimate->std, estimate->bias, estimate->shift_percent, half_95};
     ema_put_u16(to, config->identified[place].id);
     ema_put_u16(&to[2], estimate->at_bound ? EMA_FLAG_AT_BOUND : 0U);
-    ema_put_reals(&to[4], values, (uint32_t)(sizeof values / sizeof values[0]));
+    ema_put_reals(&to[4], values, sizeof values / sizeof values[0]);
 }
 
 ema_status_t ema_result_pack(const ema_session_config_t* config, const ema_result_t* result,
@@ -166,10 +166,10 @@ static void ema_get_search(const uint8_t* from, ema_result_t* result)
     result->model_steps = ema_get_u64(&from[EMA_AT_MODEL_STEPS]);
     result->random.state = ema_get_u64(&from[EMA_AT_RANDOM]);
     result->random.increment = ema_get_u64(&from[EMA_AT_RANDOM + 8U]);
-    for (uint32_t k = 0; k < (sizeof counts / sizeof counts[0]); ++k) {
+    for (size_t k = 0; k < (sizeof counts / sizeof counts[0]); ++k) {
         *counts[k] = ema_get_u32(&from[EMA_AT_SEARCH + (4U * k)]);
     }
-    for (uint32_t k = 0; k < (sizeof residual / sizeof residual[0]); ++k) {
+    for (size_t k = 0; k < (sizeof residual / sizeof residual[0]); ++k) {
         *residual[k] = ema_get_real(&from[EMA_AT_RESIDUAL + (4U * k)]);
     }
 }
@@ -187,7 +187,7 @@ static void ema_get_finding(const uint8_t* from, ema_finding_t* finding)
     finding->effect = ema_effect_of(from[EMA_AT_FINDING + 1U]);
     finding->runner_up = ema_effect_of(from[EMA_AT_FINDING + 2U]);
     finding->alike = ema_get_u64(&from[EMA_AT_ALIKE]);
-    for (uint32_t k = 0; k < (sizeof scores / sizeof scores[0]); ++k) {
+    for (size_t k = 0; k < (sizeof scores / sizeof scores[0]); ++k) {
         *scores[k] = ema_get_real(&from[EMA_AT_SCORES + (4U * k)]);
     }
 }
