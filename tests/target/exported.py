@@ -80,7 +80,21 @@ def export(given: argparse.Namespace, folder: Path) -> tuple[str, str]:
     healthy: list[object] = [word for record in given.healthy for word in ("--healthy", record)]
     for seed, level in enumerate(() if given.actuator else LEVELS_NM, start=1):
         record = folder / f"healthy{seed}.csv"
-        ema(given, "simulate", actuator, "--command", "chirp", "--noise", NOISE, "--seed", seed, "--set", f"screw.csj_Nm={level}", "-o", record)
+        ema(
+            given,
+            "simulate",
+            actuator,
+            "--command",
+            "chirp",
+            "--noise",
+            NOISE,
+            "--seed",
+            seed,
+            "--set",
+            f"screw.csj_Nm={level}",
+            "-o",
+            record,
+        )
         healthy += ["--healthy", record]
     ema(given, "export", actuator, "-o", folder / "actuator.h", "--signatures", folder / "signatures.h", *healthy)
     return (folder / "actuator.h").read_text(encoding="utf-8"), (folder / "signatures.h").read_text(encoding="utf-8")

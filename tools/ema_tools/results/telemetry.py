@@ -23,7 +23,7 @@ class PackedValue:
 class PackedFinding:
     """What the table of signatures said, scores in variances of the noise; None for a number that is not finite."""
 
-    kind: Literal["adequate", "missing", "unknown", "none"]
+    kind: str  # adequate, missing, unknown or none
     effect: str | None
     runner_up: str | None
     alike: tuple[str, ...]
@@ -40,7 +40,7 @@ class Packet:
 
     software: str  # major.minor.patch of the module
     configuration: str  # eight hexadecimal digits: identity of the unit's configuration, as `ema export --image` writes it
-    verdict: Literal["healthy", "fault", "undecided"]
+    verdict: str  # healthy, fault or undecided
     reasons: tuple[str, ...]
     adequate: bool
     outcome: str  # why the search stopped

@@ -35,10 +35,9 @@ def _effect(place: int) -> str | None:
 
 
 def _value(data: bytes, offset: int) -> PackedValue:
-    number, flags, estimate, std, bias, shift, half = _VALUE.unpack_from(data, offset)
-    name = load_definitions().value_names[number]
-    reals = (_finite(value) for value in (estimate, std, bias, half, shift))
-    return PackedValue(name, *reals, at_bound=bool(flags & _AT_BOUND))
+    number, flags, *reals = _VALUE.unpack_from(data, offset)
+    estimate, std, bias, shift, half = map(_finite, reals)
+    return PackedValue(load_definitions().value_names[number], estimate, std, bias, half, shift, bool(flags & _AT_BOUND))
 
 
 def _packet(data: bytes) -> Packet:
@@ -54,9 +53,7 @@ def _packet(data: bytes) -> Packet:
     finding = None
     if flags & _FINDING:
         named = tuple(one.name for place, one in enumerate(known.effects) if alike >> place & 1)
-        finding = PackedFinding(
-            FINDINGS[kind], _effect(effect), _effect(runner_up), named, size, score, runner_up_score, limit, energy
-        )
+        finding = PackedFinding(FINDINGS[kind], _effect(effect), _effect(runner_up), named, size, score, runner_up_score, limit, energy)
     values = tuple(_value(data, _HEAD.size + _BODY.size + index * _VALUE.size) for index in range(count))
     return Packet(
         software=f"{software >> 16}.{software >> 8 & 255}.{software & 255}",
@@ -112,5 +109,7 @@ def telemetry(file: str | Path) -> TelemetryResult:
         except InputError as error:
             raise InputError(f"{file}: packet {len(packets) + 1}: {error}") from None
         except (IndexError, KeyError):
-            raise InputError(f"{file}: packet {len(packets) + 1}: a number in it means nothing: it was not packed by ema_result_pack") from None
+            raise InputError(
+                f"{file}: packet {len(packets) + 1}: a number in it means nothing: it was not packed by ema_result_pack"
+            ) from None
     return TelemetryResult("telemetry", str(file), tuple(packets))
