@@ -33,6 +33,7 @@ foreach(day sound worn hidden)
     target_include_directories(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
     target_link_libraries(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
 endforeach()
+
 # The worn unit again, its configuration the second unit of a binary image; and that image with one bit turned over.
 set(ema_ace_image "${CMAKE_CURRENT_LIST_DIR}/../../port/cortex_m/example/ace_units.bin")
 foreach(image sound damaged)
@@ -50,5 +51,7 @@ foreach(image sound damaged)
     target_compile_definitions(ace_image_${image} PRIVATE "ACE_IMAGE=\"unit\"")
     target_include_directories(ace_image_${image} PRIVATE $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
     target_link_libraries(ace_image_${image} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
+    # one of them writes the record
+    add_dependencies(ace_image_${image} ace_unit_worn)
 endforeach()
 set(ema_ace_programs ace_image_sound ace_image_damaged ace ace_healthy ace_hidden ace_unit_sound ace_unit_worn ace_unit_hidden)
