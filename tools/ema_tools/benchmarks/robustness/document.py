@@ -336,6 +336,6 @@ def _failures(rows: Sequence[Row]) -> str:
 
 def _why(failed: Sequence[tuple[Row, Row]]) -> str:
     walls = sum(row["at_bound"] for row, _ in failed)
-    return f"""{walls} of {len(failed)} have their lowest point on a bound, where a hidden effect pushes BLK out of the paper's range: the quadratic's minimum then lies outside the box, its draws are cut off coordinate by coordinate, and CSJ is taken
-from where BLK would be beyond the bound; only the walk, a fifth of the candidates, searches along the wall, and the stall window ends it before it is down. A least-squares search along the wall has no such trouble.
+    return f"""The lowest point of {walls} of {len(failed)} lies on a bound, where the search moves a draw outside the box to where its quadratic rises least inside. The others ended
+before they were down; what they answered stands beside.
 """
