@@ -109,6 +109,11 @@ ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender
 ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id, ema_real* value);
 ema_status_t ema_actuator_set(ema_actuator_t* actuator, ema_value_id_t id, ema_real value);
 
+/* What tells one configuration from another: CRC-32 of every value as float32 and of every option, in the order of the
+ * structure, the least byte first. The image of a unit and every packed result carry it. 0 for none. Cost: some fifty
+ * instructions per value. */
+uint32_t ema_actuator_identity(const ema_actuator_t* actuator);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 
 #include "ema/ema_guarded.h"
+#include "ema/ema_schema.h"
+#include "ema/ema_version.h"
 #include "ema_desk_actuator.h"
 #include "ema_desk_record.h"
 
@@ -55,6 +57,16 @@ _Static_assert((sizeof(ema_effect_value_rows) / sizeof(ema_effect_value_rows[0])
 int32_t ema_desk_real_bits(void)
 {
     return (int32_t)(8U * sizeof(ema_real));
+}
+
+uint32_t ema_desk_schema(void)
+{
+    return EMA_CONFIG_SCHEMA;
+}
+
+uint32_t ema_desk_version(void)
+{
+    return EMA_VERSION;
 }
 
 int32_t ema_desk_value_count(void)

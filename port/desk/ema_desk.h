@@ -41,6 +41,8 @@ typedef struct {
 int32_t ema_desk_real_bits(void); /* 32 or 64 */
 int32_t ema_desk_value_count(void);
 int32_t ema_desk_option_count(void);
+uint32_t ema_desk_schema(void);  /* EMA_CONFIG_SCHEMA of the lists that it was built from */
+uint32_t ema_desk_version(void); /* EMA_VERSION */
 
 /* The two lists in their own order: real parameters and options as they stand among each other, effects, and the values
  * of all effects one after the other. EMA_ERR_NULL; EMA_ERR_RANGE behind the last row. */

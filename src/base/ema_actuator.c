@@ -83,16 +83,15 @@ bool ema_bounds_of(size_t id, ema_bounds_t* bounds)
     return found;
 }
 
-/* The structures are flat vectors of one type, so an index is an offset. */
-static ema_real* ema_value_at(ema_actuator_t* actuator, size_t id)
+_Static_assert((size_t)offsetof(ema_actuator_t, params) == 0U, "the parameters are what an actuator begins with");
+
+/* The structures are flat vectors of one type, so an index is an offset, in bytes from the actuator's beginning: the
+ * options stand between. One that is none is the first value's. */
+static size_t ema_value_offset(size_t id)
 {
-    ema_real* base = (ema_real*)(void*)&actuator->params; /* EMA-D4 */
-    size_t place = id;
-    if (id >= EMA_PARAM_COUNT) {
-        base = (ema_real*)(void*)&actuator->effects; /* EMA-D4 */
-        place = id - EMA_PARAM_COUNT;
-    }
-    return &base[place];
+    const size_t inside = (id < EMA_VALUE_COUNT) ? (id * sizeof(ema_real)) : 0U;
+    const size_t between = (size_t)offsetof(ema_actuator_t, effects) - (EMA_PARAM_COUNT * sizeof(ema_real));
+    return (inside < (EMA_PARAM_COUNT * sizeof(ema_real))) ? inside : (inside + between);
 }
 
 /* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest.
@@ -218,13 +217,8 @@ ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender
 
 ema_real ema_value_of(const ema_actuator_t* actuator, ema_value_id_t id)
 {
-    const ema_real* base = (const ema_real*)(const void*)&actuator->params; /* EMA-D4 */
-    size_t place = id;
-    if (id >= EMA_PARAM_COUNT) {
-        base = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
-        place = (size_t)id - EMA_PARAM_COUNT;
-    }
-    return base[place];
+    const unsigned char* const first = (const unsigned char*)actuator;
+    return *(const ema_real*)(const void*)&first[ema_value_offset(id)]; /* EMA-D4 */
 }
 
 ema_status_t ema_actuator_get(const ema_actuator_t* actuator, ema_value_id_t id, ema_real* value)
@@ -247,6 +241,7 @@ ema_status_t ema_actuator_set(ema_actuator_t* actuator, ema_value_id_t id, ema_r
     if (id >= EMA_VALUE_COUNT) {
         return EMA_ERR_RANGE;
     }
-    *ema_value_at(actuator, id) = value;
+    unsigned char* const first = (unsigned char*)actuator;
+    *(ema_real*)(void*)&first[ema_value_offset(id)] = value; /* EMA-D4 */
     return EMA_OK;
 }

@@ -116,6 +116,11 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         status = ema_scoring_start(&guarded->session, guarded->signatures);
         guarded->phase = (status == EMA_OK) ? EMA_GUARDED_STARTING : EMA_GUARDED_FEEDING;
     }
+    /* the start is placed for as many values as there were at init: another number would be written past the end */
+    if ((status == EMA_OK) && (guarded->phase == EMA_GUARDED_STARTING)
+        && (guarded->session.config->identified_count != guarded->session.annealer.config.dimension)) {
+        status = EMA_ERR_RANGE;
+    }
     if (status == EMA_OK) {
         if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_GUARDED_LOOKING)) {
             ema_guarded_score(guarded, steps);

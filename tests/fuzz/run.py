@@ -21,7 +21,7 @@ from pathlib import Path
 
 CORPUS = Path(__file__).resolve().parent / "corpus"
 # Longest input in bytes by target; a recording needs a hundred rows before it is one.
-LENGTHS = {"fuzz_csv": 4096, "fuzz_config_text": 1024, "fuzz_config": 512, "fuzz_effects": 256, "fuzz_session": 512}
+LENGTHS = {"fuzz_csv": 4096, "fuzz_config_text": 1024, "fuzz_config": 512, "fuzz_effects": 256, "fuzz_session": 512, "fuzz_image": 512}
 # Memory and time of one execution: beyond them it is a finding.
 MEMORY_MB = 1024
 LONGEST_S = 25

@@ -4,7 +4,8 @@ board without hardware.
 The machines: a worn one, whose fault must be found; a healthy one; and a healthy one that hides an effect, with which the estimates alone would be a fault that is
 not there: the table must name it and the verdict must be taken back. Then the worn one is asked for the impossible, a tick without any delay and a slice that is too
 short, and exactly that must be reported. With --unit the machine is a unit with standing errors, which the firmware knows by its own model and of which the board plays
-recorded chirps: sound, worn, and with something that the model lacks. Python's standard library alone.
+recorded chirps: sound, worn, and with something that the model lacks. With --image the worn one's configuration is a unit of a binary image in flash: every bit of the
+answer must be that of the compiled one, and of an image with one bit turned over nothing may be used. Python's standard library alone.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import emulate
@@ -44,6 +45,7 @@ ANSWER = (
     "score",
     "limit",
     "energy",
+    "packet",
 )
 OK, LATE, OVERRUN = 0, 1, 2
 HEALTHY, FAULT, UNDECIDED = "0", "1", "2"
@@ -88,6 +90,11 @@ UNIT = (
     Machine("ace_unit_worn", "the same: +20 %, +50 %, 3 degC colder", FAULT, None, shifts=(20.0, 50.0), values=4),
     Machine("ace_unit_hidden", "the same: sound, with such a dead time", UNDECIDED, None, "inverter_dead_time", 0.3, values=4),
 )
+
+
+# The worn unit by an image, the program whose configuration is compiled in, and the one whose image is damaged.
+IMAGE, COMPILED, DAMAGED = replace(UNIT[1], program="ace_image_sound"), "ace_unit_worn", "ace_image_damaged"
+UNKNOWN, CHECKSUM = 5, "7"
 
 
 def lines_of(output: str) -> list[list[str]]:
@@ -180,6 +187,16 @@ def refusal_problems(board: str, program: Path) -> list[str]:
     return problems
 
 
+def damaged_problems(board: str, program: Path) -> list[str]:
+    """What is wrong with the run whose image has one bit turned over."""
+    run = emulate.run(board, program, [], shift=SHIFT)
+    lines = lines_of(run.output)
+    told = [value_of(lines, name) for name in ("status", "image", "ticks")]
+    if run.exit_code != UNKNOWN or told != ["unknown", CHECKSUM, "0"]:
+        return [f"a damaged image: exit code {run.exit_code}, {told}: not refused for its checksum before a tick"]
+    return []
+
+
 def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -187,22 +204,26 @@ def main() -> int:
     parser.add_argument("--target", type=Path, required=True, help="folder of the firmware for each machine")
     parser.add_argument("--host", type=Path, required=True, help="the same on the board without hardware")
     parser.add_argument("--unit", action="store_true", help="the recorded unit instead of the three machines")
+    parser.add_argument("--image", action="store_true", help="the worn unit, its configuration in a binary image")
     parser.add_argument("--page", type=Path, required=True, help="docs/FIRMWARE.md, which shows what comes of it")
     given = parser.parse_args()
     problems = []
     try:
         page = given.page.read_text(encoding="utf-8").splitlines()
-        for machine in UNIT if given.unit else MACHINES:
+        for machine in (IMAGE,) if given.image else UNIT if given.unit else MACHINES:
             run = emulate.run(given.board, given.target / machine.program, [SLICE_STEPS], shift=SHIFT)
             sys.stdout.write(f"{machine.program}\n{run.output}\n")
             problems += [f"{machine.program}: {problem}" for problem in problems_of(run.output, run.exit_code, machine)]
             if row_of(run.output, machine) not in page:
                 problems.append(f"{machine.program}: {given.page.name} has no row `{row_of(run.output, machine)}`")
-            host = subprocess.run([str(given.host / machine.program)], capture_output=True, text=True, check=False)
+            other = COMPILED if given.image else machine.program
+            host = subprocess.run([str(given.host / other)], capture_output=True, text=True, check=False)
             ours, theirs = ([line for line in lines_of(output) if line[0] in ANSWER] for output in (host.stdout, run.output))
             if ours != theirs or len(ours) < len(ANSWER):
                 problems.append(f"{machine.program}: the board without hardware answers otherwise: {ours} instead of {theirs}")
-        if not given.unit:
+        if given.image:
+            problems += damaged_problems(given.board, given.target / DAMAGED)
+        elif not given.unit:
             problems += refusal_problems(given.board, given.target / WORN.program)
     except (FileNotFoundError, ValueError) as error:
         print(error, file=sys.stderr)

@@ -33,4 +33,25 @@ foreach(day sound worn hidden)
     target_include_directories(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
     target_link_libraries(ace_unit_${day} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
 endforeach()
-set(ema_ace_programs ace ace_healthy ace_hidden ace_unit_sound ace_unit_worn ace_unit_hidden)
+
+# The worn unit again, its configuration the second unit of a binary image; and that image with one bit turned over.
+set(ema_ace_image "${CMAKE_CURRENT_LIST_DIR}/../../port/cortex_m/example/ace_units.bin")
+foreach(image sound damaged)
+    set(source "${CMAKE_CURRENT_BINARY_DIR}/images/${image}/ace_image.c")
+    file(MAKE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/images/${image}")
+    set(flip "")
+    if(image STREQUAL "damaged")
+        set(flip --flip 400000)
+    endif()
+    add_custom_command(OUTPUT "${source}"
+                       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_LIST_DIR}/make_image.py" "${ema_ace_image}" "${source}" ${flip}
+                       DEPENDS "${CMAKE_CURRENT_LIST_DIR}/make_image.py" "${ema_ace_image}" VERBATIM)
+    add_executable(ace_image_${image} ${sources} "${CMAKE_CURRENT_BINARY_DIR}/records/unit_worn/ace_record.c" "${source}")
+    ema_compile(ace_image_${image})
+    target_compile_definitions(ace_image_${image} PRIVATE "ACE_IMAGE=\"unit\"")
+    target_include_directories(ace_image_${image} PRIVATE $<TARGET_PROPERTY:ace,INCLUDE_DIRECTORIES>)
+    target_link_libraries(ace_image_${image} PRIVATE $<TARGET_PROPERTY:ace,LINK_LIBRARIES>)
+    # one of them writes the record
+    add_dependencies(ace_image_${image} ace_unit_worn)
+endforeach()
+set(ema_ace_programs ace_image_sound ace_image_damaged ace ace_healthy ace_hidden ace_unit_sound ace_unit_worn ace_unit_hidden)

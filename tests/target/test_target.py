@@ -13,6 +13,7 @@ import budgets
 import emulate
 import example
 import exported
+import make_image
 import make_records
 import same_answer
 import stack
@@ -130,6 +131,21 @@ class Records(unittest.TestCase):
         for text, why in (("time_s,command_mm\n0,1\n", "no column position_mm"), ("command_mm,position_mm,current_A\n", "no rows")):
             with self.subTest(why), self.assertRaisesRegex(ValueError, why):
                 make_records.rows_of(self.recording(text))
+
+
+class Images(unittest.TestCase):
+    """Images of configurations as arrays."""
+
+    def test_a_source(self) -> None:
+        lines = [line for line in make_image.source(bytes(range(25))).splitlines() if line]
+        self.assertEqual(lines[2:4], ["const size_t ace_image_bytes = 25U;", "_Alignas(uint32_t) const uint8_t ace_image[25] = {"])
+        self.assertEqual(lines[4:], ["    " + ", ".join(f"{k}U" for k in range(24)) + ",", "    24U,", "};"])
+
+    def test_one_bit(self) -> None:
+        self.assertEqual(make_image.flipped(b"\x00\xff", 9), b"\x00\xfd")
+        for bit in (-1, 16):
+            with self.subTest(bit), self.assertRaisesRegex(ValueError, "16 bits"):
+                make_image.flipped(b"\x00\xff", bit)
 
 
 def node(name: str, size: int, kind: str = "static") -> str:

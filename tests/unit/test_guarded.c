@@ -363,6 +363,51 @@ static void result_while_it_searches(void)
     TEST_ASSERT_TRUE(result.model_steps >= EMA_TABLE_RECORD_ROWS);
 }
 
+/* What a caller must not do between slices: it is told, or it costs the answer, and nothing is written past an array.
+ */
+static void a_configuration_that_changes_harms_nothing(void)
+{
+    ema_result_t result;
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, &rig.table));
+    feed(NULL, &healthy, EMA_R(4.0), EMA_TABLE_RECORD_ROWS);
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1U));
+    const uint32_t count = config.identified_count;
+    config.identified_count = 9U;
+    while (ema_guarded_run(&guarded, 1000U) == EMA_OK) {
+        TEST_ASSERT_EQUAL_INT(EMA_GUARDED_STARTING, ema_guarded_phase(&guarded));
+    }
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_run(&guarded, 1000U));
+    TEST_ASSERT_EQUAL_INT(EMA_GUARDED_STARTING, ema_guarded_phase(&guarded));
+    config.identified_count = count;
+    const ema_value_id_t ids[] = {config.identified[0].id, config.identified[1].id};
+    config.identified[0].id = UINT16_MAX;
+    while (ema_guarded_phase(&guarded) == EMA_GUARDED_STARTING) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U));
+    }
+    config.identified[1].id = (ema_value_id_t)EMA_VALUE_COUNT;
+    run(&guarded, 1000U);
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, NULL));
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
+    config.identified[0].id = ids[0];
+    config.identified[1].id = ids[1];
+    config.identified_count = 9U;
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U)); /* done: nothing is read of it any more */
+}
+
+static void running_on_after_the_end_changes_nothing(void)
+{
+    static ema_guarded_t before;
+    ema_result_t result;
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, &rig.table));
+    feed(NULL, &healthy, EMA_R(4.0), EMA_TABLE_RECORD_ROWS);
+    run(&guarded, 1000U);
+    (void)memcpy(&before, &guarded, sizeof before);
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 0U));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &guarded, sizeof before);
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, NULL));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -379,6 +424,8 @@ int main(void)
     RUN_TEST(rod_beyond_the_travel);
     RUN_TEST(order_and_refusals);
     RUN_TEST(refused_calls_lose_nothing);
+    RUN_TEST(a_configuration_that_changes_harms_nothing);
+    RUN_TEST(running_on_after_the_end_changes_nothing);
     RUN_TEST(no_session_has_the_phase_of_one_that_was_not_fed);
     RUN_TEST(result_while_it_searches);
     return UNITY_END();

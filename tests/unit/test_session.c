@@ -957,6 +957,28 @@ static void test_another_number_of_parameters_between_slices_is_refused(void)
     EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
 }
 
+/* Against the contract, so the answer is worth nothing: undecided, and nothing is read or written past an array. */
+static void test_other_parameters_or_weights_between_slices_decide_nothing(void)
+{
+    const truth_t truth = short_truth(EMA_R(0.25), EMA_R(0.05));
+    for (uint32_t what = 0; what < 2U; ++what) {
+        setUp();
+        init_and_feed(&truth);
+        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 1U));
+        if (what == 0U) {
+            config.identified[0].id = UINT16_MAX;
+            config.identified[1].id = (ema_value_id_t)EMA_VALUE_COUNT;
+        } else {
+            config.weight[EMA_CHANNEL_POSITION] = EMA_R(0.0);
+        }
+        ema_result_t result;
+        (void)run_in_slices(&session, 1000U);
+        EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
+        TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
+        TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
+    }
+}
+
 static void test_a_session_that_was_never_started_is_out_of_order(void)
 {
     const ema_sample_t sample = {0};
@@ -1058,6 +1080,7 @@ int main(void)
     RUN_TEST(test_init_refuses_the_same_parameter_twice);
     RUN_TEST(test_init_refuses_an_unknown_format_of_the_record);
     RUN_TEST(test_another_number_of_parameters_between_slices_is_refused);
+    RUN_TEST(test_other_parameters_or_weights_between_slices_decide_nothing);
     RUN_TEST(test_a_session_that_was_never_started_is_out_of_order);
     RUN_TEST(test_no_session_has_the_phase_of_one_that_was_not_fed);
     RUN_TEST(test_first_run_refuses_a_rod_outside_the_travel);

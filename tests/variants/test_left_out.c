@@ -2,7 +2,9 @@
  * every build. */
 #include <string.h>
 
+#include "ema/ema_image.h"
 #include "ema/ema_session.h"
+#include "ema_image_rig.h"
 #include "unity.h"
 
 /* The effects that the build of this test holds, or none. */
@@ -113,6 +115,19 @@ static void test_options_and_parameters_are_checked_as_in_every_build(void)
     TEST_ASSERT_EQUAL_size_t(EMA_VALUE_ID(travel_mm), offender);
 }
 
+static void test_a_unit_of_an_image_refuses_it_too(void)
+{
+    static uint8_t image[2048];
+    ema_actuator_t memory;
+    ema_unit_t unit;
+    const ema_unit_memory_t place = {&memory, NULL, 0U};
+    actuator.effects.spring_load.stiffness_Nm_per_mm = EMA_R(0.1);
+    const ema_image_rig_unit_t units[] = {{"unit", &actuator, NULL}};
+    const uint32_t length = ema_image_rig(image, units, 1U);
+    TEST_ASSERT_EQUAL(EMA_IMAGE_OK, ema_image_check(image, length));
+    TEST_ASSERT_EQUAL(EMA_IMAGE_ABSENT, ema_image_copy(image, length, 0U, &place, &unit));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -120,5 +135,6 @@ int main(void)
     RUN_TEST(test_a_session_refuses_it_too);
     RUN_TEST(test_a_search_of_an_effect_is_taken_if_the_build_holds_it);
     RUN_TEST(test_options_and_parameters_are_checked_as_in_every_build);
+    RUN_TEST(test_a_unit_of_an_image_refuses_it_too);
     return UNITY_END();
 }

@@ -3,8 +3,10 @@
 #include "ace_board.h"
 
 /* What is known of the machine, as `ema export` writes it: the data sheet's model, or with ACE_UNIT that of one unit,
- * made from its healthy runs. */
-#ifdef ACE_UNIT
+ * made from its healthy runs; with ACE_IMAGE that of the unit of this name in a binary image, as it lies in flash. */
+#ifdef ACE_IMAGE
+#include "ace_image.h"
+#elif defined(ACE_UNIT)
 #include "ace_unit_actuator.h"
 #include "ace_unit_signatures.h"
 #else
@@ -39,6 +41,9 @@ static struct {
     volatile uint32_t spent; /* in interrupts, modulo 2^32 */
     volatile bool recorded;
     volatile ema_status_t fed;
+    ema_unit_t unit; /* of an image */
+    const ema_actuator_t* actuator;
+    const ema_signatures_t* signatures;
     union { /* one after the other */
         ema_selftest_t selftest;
         ema_guarded_t guarded;
@@ -47,15 +52,34 @@ static struct {
     _Alignas(ema_real) int16_t record[2U * ACE_ROWS];
 } ace;
 
+/* Where the configuration is. */
+static ema_image_status_t known(void)
+{
+#ifdef ACE_IMAGE
+    uint32_t place = 0U;
+    ema_image_status_t status = ema_image_find(ace_image, ace_image_bytes, ACE_IMAGE, &place);
+    if (status == EMA_IMAGE_OK) {
+        status = ema_image_open(ace_image, ace_image_bytes, place, &ace.unit);
+    }
+    ace.actuator = ace.unit.actuator;
+    ace.signatures = ace.unit.has_signatures ? &ace.unit.signatures : NULL;
+    return status;
+#else
+    ace.actuator = &EMA_ACTUATOR;
+    ace.signatures = &EMA_SIGNATURES;
+    return EMA_IMAGE_OK;
+#endif
+}
+
 /* PI with back-calculation: the control law of the actuator's file. */
 static float control(float command_mm, float motor_mm)
 {
-    const ema_params_t* const known = &EMA_ACTUATOR.params;
+    const ema_params_t* const params = &ace.actuator->params;
     const float error_m = (command_mm - motor_mm) / MM_PER_M;
-    const float raw = (known->kp_per_m * error_m) + ace.integral;
-    const float limit = known->output_limit;
+    const float raw = (params->kp_per_m * error_m) + ace.integral;
+    const float limit = params->output_limit;
     const float output = (raw < -limit) ? -limit : (raw > limit) ? limit : raw;
-    ace.integral += TICK_S * ((known->ki_per_m_s * error_m) + (known->anti_windup_per_s * (output - raw)));
+    ace.integral += TICK_S * ((params->ki_per_m_s * error_m) + (params->anti_windup_per_s * (output - raw)));
     return output;
 }
 
@@ -76,7 +100,7 @@ static void ace_tick(void)
     const uint32_t late = begin - (ace.start + ((ace.ticks + 1U) * ace.period));
     const ace_sensors_t seen = ace_board_sensors();
     const float command_mm = ema_command_at(&ace.chirp, ace.ticks);
-    ace_board_drive(control(command_mm, seen.motor_mm) * EMA_ACTUATOR.params.supply_V);
+    ace_board_drive(control(command_mm, seen.motor_mm) * ace.actuator->params.supply_V);
     if (!ace.recorded) {
         feed(command_mm, &seen);
     }
@@ -99,14 +123,14 @@ static ema_status_t prepare(const ace_limits_t* limits)
     record.full_scale[EMA_CHANNEL_CURRENT] = FULL_SCALE_A;
     ema_status_t status = ema_command_init(&ace.chirp, &chirp_config, TICK_S);
     if (status == EMA_OK) {
-        status = ema_session_config_default(&ace.config, &EMA_ACTUATOR, &record);
+        status = ema_session_config_default(&ace.config, ace.actuator, &record);
     }
     if (status == EMA_OK) {
         /* grease and winding too, where the machine's model says so */
         status = ema_session_config_day(&ace.config);
     }
     if (status == EMA_OK) {
-        status = ema_guarded_init(&ace.guarded, &ace.config, &EMA_SIGNATURES);
+        status = ema_guarded_init(&ace.guarded, &ace.config, ace.signatures);
     }
     ace.integral = 0.0f;
     ace.ticks = 0U;
@@ -155,6 +179,9 @@ static ema_status_t search(const ace_limits_t* limits, ace_report_t* report)
     for (uint32_t i = 0; (status == EMA_OK) && (i < report->result.identified_count); ++i) {
         status = ema_session_half_95(&ace.config, &report->result, i, &report->half_95[i]);
     }
+    if (status == EMA_OK) {
+        status = ema_result_pack(&ace.config, &report->result, &report->finding, report->packet);
+    }
     return status;
 }
 
@@ -165,6 +192,11 @@ void ace_run(const ace_limits_t* limits, ace_report_t* report)
     report->selftest = ema_selftest(&ace.selftest, EMA_SELFTEST_BUILD);
     if (report->selftest != EMA_SELFTEST_PASSED) {
         report->status = ACE_UNSOUND;
+        return;
+    }
+    report->image = known();
+    if (report->image != EMA_IMAGE_OK) {
+        report->status = ACE_UNKNOWN;
         return;
     }
     report->session = prepare(limits);

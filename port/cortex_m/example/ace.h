@@ -11,6 +11,7 @@
 
 #include "ema/ema_guarded.h"
 #include "ema/ema_selftest.h"
+#include "ema/ema_telemetry.h"
 
 #define ACE_TICK_HZ 1000U
 #define ACE_ROWS 10000U
@@ -20,7 +21,8 @@ typedef enum {
     ACE_LATE = 1,    /* a control tick came late: something held the interrupt up */
     ACE_OVERRUN = 2, /* a slice took longer than allowed: make it shorter */
     ACE_REFUSED = 3, /* the session refused a call */
-    ACE_UNSOUND = 4  /* the module's self-test failed: nothing was recorded */
+    ACE_UNSOUND = 4, /* the module's self-test failed: nothing was recorded */
+    ACE_UNKNOWN = 5  /* the image of the configuration was refused: nothing was recorded */
 } ace_status_t;
 
 /* What is allowed, in microseconds, and the length of a slice. */
@@ -31,8 +33,9 @@ typedef struct {
 } ace_limits_t;
 
 typedef struct {
-    ace_status_t status; /* unsound before refused before late before overrun */
+    ace_status_t status; /* unsound before unknown before refused before late before overrun */
     ema_selftest_outcome_t selftest;
+    ema_image_status_t image; /* what was said of the configuration's image, where there is one */
     ema_status_t session;     /* what the session answered last */
     uint32_t ticks;           /* control ticks made */
     uint32_t ticks_searching; /* those while the search ran */
@@ -46,9 +49,10 @@ typedef struct {
     ema_result_t result;                  /* when status is less than ACE_REFUSED; its verdict is the guarded one */
     ema_real half_95[EMA_IDENTIFIED_MAX]; /* of the 95 % intervals about its estimates */
     ema_finding_t finding;                /* likewise: the effect that the model lacks, and its size */
+    uint8_t packet[EMA_TELEMETRY_BYTES];  /* likewise: all of it, for a bus */
 } ace_report_t;
 
-/* The whole ground test: self-test, chirp, record, identification. */
+/* The whole ground test: self-test, configuration, chirp, record, identification. */
 void ace_run(const ace_limits_t* limits, ace_report_t* report);
 
 #endif

@@ -3,6 +3,11 @@
 #define EMA_EXPORTED_ACTUATOR_H
 
 #include "ema/ema_actuator.h"
+#include "ema/ema_schema.h"
+
+#if EMA_CONFIG_SCHEMA != 0x9dd50604U
+#error "EMA_ACTUATOR: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h"
+#endif
 
 static const ema_actuator_t EMA_ACTUATOR = {
     .params = {

@@ -44,6 +44,16 @@ static void print_finding(const ema_finding_t* finding)
     print_real("energy", finding->energy);
 }
 
+/* The packet as it goes to the bus, in hexadecimal. */
+static void print_packet(const uint8_t* packet)
+{
+    (void)printf("packet ");
+    for (uint32_t k = 0; k < EMA_TELEMETRY_BYTES; ++k) {
+        (void)printf("%02x", (unsigned)packet[k]);
+    }
+    (void)printf("\n");
+}
+
 static uint32_t number(int argc, char* argv[], int place, uint32_t otherwise)
 {
     return (argc > place) ? (uint32_t)strtoul(argv[place], NULL, 10) : otherwise;
@@ -51,14 +61,14 @@ static uint32_t number(int argc, char* argv[], int place, uint32_t otherwise)
 
 int main(int argc, char* argv[])
 {
-    static const char* const names[] = {"ok", "late", "overrun", "refused", "unsound"};
+    static const char* const names[] = {"ok", "late", "overrun", "refused", "unsound", "unknown"};
     static ace_report_t report;
     const ace_limits_t limits = {.slice_steps = number(argc, argv, 1, 200U),
                                  .slice_us = number(argc, argv, 2, 2000U),
                                  .tick_late_us = number(argc, argv, 3, 20U)};
     ace_run(&limits, &report);
-    (void)printf("status %s\nselftest %d\nsession %s\n", names[report.status], (int)report.selftest,
-                 ema_status_text(report.session));
+    (void)printf("status %s\nselftest %d\nimage %d %s\nsession %s\n", names[report.status], (int)report.selftest,
+                 (int)report.image, ema_image_text(report.image), ema_status_text(report.session));
     (void)printf("ticks %" PRIu32 "\nticks_searching %" PRIu32 "\nlate_ticks %" PRIu32 "\nlatest_us %" PRIu32
                  "\ntick_us %" PRIu32 "\n",
                  report.ticks, report.ticks_searching, report.late_ticks, report.latest_us, report.tick_us);
@@ -67,6 +77,7 @@ int main(int argc, char* argv[])
     if (report.status < ACE_REFUSED) {
         print_result(&report.result, report.half_95);
         print_finding(&report.finding);
+        print_packet(report.packet);
     }
     return (int)report.status;
 }

@@ -4,6 +4,11 @@
 #define EMA_EXPORTED_SIGNATURES_H
 
 #include "ema/ema_onboard.h"
+#include "ema/ema_schema.h"
+
+#if EMA_CONFIG_SCHEMA != 0x9dd50604U
+#error "EMA_SIGNATURES: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h --signatures FILE.h --healthy REC ..."
+#endif
 
 static const ema_pattern_t ema_exported_patterns[] = {
     {0, 5, 1, true, {EMA_R(0x1.58e1fa77c50bfp-10), EMA_R(0.0), EMA_R(0x1.4e1da4ffe4414p-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */

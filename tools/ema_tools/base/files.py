@@ -141,11 +141,15 @@ def _same(first: str | Path, second: str | Path) -> bool:
 
 def write_text(path: str | Path, text: str, force: bool = False) -> None:
     """Write a UTF-8 file in one go: it is whole or not there. Raises InputError as `may_write`."""
+    write_bytes(path, readable(text).encode(), force)
+
+
+def write_bytes(path: str | Path, data: bytes, force: bool = False) -> None:
+    """Write a file in one go, as `write_text`."""
     target = may_write(path, force)
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        with part.open("w", encoding="utf-8", newline="\n") as stream:
-            stream.write(readable(text))
+        part.write_bytes(data)
         part.replace(target)
     except OSError as error:
         part.unlink(missing_ok=True)

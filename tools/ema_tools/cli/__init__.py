@@ -710,64 +710,116 @@ def next_command(
 
 @cli.command()
 @click.argument("actuator")
-@click.option(
-    "-o", "--output", "out", required=True, metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR."
-)
+@click.option("-o", "--output", "out", metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
 @click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
 @click.option(
     "--signatures",
     metavar="FILE.h",
     help="Write the table for the onboard diagnosis there too: static const ema_signatures_t EMA_SIGNATURES.",
 )
-@click.option("--healthy", multiple=True, metavar="REC", help="A healthy record of the ground test; two or more for --signatures.")
+@click.option("--healthy", multiple=True, metavar="REC", help="A healthy record of the ground test; two or more for a table of signatures.")
 @click.option(
     "--signals", metavar="NAME,...", help="Signals of the table; the rod position and the current, where they are recorded, unless told."
 )
+@click.option("--image", metavar="FILE.bin", help="Write the binary image of the unit there, which firmware reads in flash.")
+@click.option("--table", metavar="FILE.h", help="The image's table of signatures, from a header that --signatures wrote.")
+@click.option("--beside", metavar="FILE.bin", help="An image whose units the new one holds, too; one of the same name is replaced.")
+@click.option("--name", metavar="NAME", help="Name of the unit in the image; the actuator's own unless told.")
 @json_option
 def export(
     actuator: str,
-    out: str,
+    out: str | None,
     flat: str | None,
     signatures: str | None,
     healthy: tuple[str, ...],
     signals: str | None,
+    image: str | None,
+    table: str | None,
+    beside: str | None,
+    name: str | None,
     json_path: str | None,
     force: bool,
 ) -> None:
-    """Write ACTUATOR as the configuration that firmware compiles in."""
-    from ema_tools.base.files import write_text
+    """Write ACTUATOR as the configuration that firmware compiles in, or as the image that it reads in flash."""
+    from ema_tools.base.files import write_bytes, write_text
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.records import read_record
+    from ema_tools.plant.signatures_header import read_signatures, signatures_in
     from ema_tools.results.files import ExportResult
     from ema_tools.tasks import export as work
+    from ema_tools.tasks import image as images
     from ema_tools.tasks import signature_table as onboard
     from ema_tools.tasks.onboard_search import search_warnings
 
-    if not signatures and (healthy or signals):
-        raise click.UsageError("--healthy and --signals belong to --signatures FILE.h")
-    writable(out, flat, signatures, json_path=json_path, force=force, inputs=(actuator, *healthy))
+    if not out and not image:
+        raise click.UsageError("Missing option '-o' / '--output', or --image FILE.bin.")
+    if not signatures and not image and (healthy or signals):
+        raise click.UsageError("--healthy and --signals belong to --signatures FILE.h, or to --image FILE.bin")
+    if not image and (table or beside or name):
+        raise click.UsageError("--table, --beside and --name belong to --image FILE.bin")
+    if table and (signatures or healthy or signals):
+        raise click.UsageError("--table takes the place of --signatures and its records: give one of the two")
+    read = (actuator, *healthy, *filter(None, [table, beside]))
+    writable(out, flat, signatures, image, json_path=json_path, force=force, inputs=read)
     model = read_actuator(actuator)
     work.check_for_firmware(model)
-    table = None
-    if signatures:
+    made = None
+    if signatures or healthy or signals:
         records = [read_record(path, model) for path in healthy]
-        table = onboard.signatures(model, records, onboard.signals_of(records, signals))
-    write_text(out, work.header_text(model), force)
+        made = onboard.signatures(model, records, onboard.signals_of(records, signals))
+    text = work.signatures_text(made) if made else None
+    units: list[images.Unit] = []
+    if image:
+        flown = signatures_in(text, Path(image)) if text else read_signatures(table) if table else None
+        if flown:
+            images.check_table(flown, work.fingerprint(model), table or image)
+        units = images.joined(images.read_image(beside) if beside else [], images.unit_of(model, flown, name))
+    data = images.image_bytes(units) if image else b""
+    if out:
+        write_text(out, work.header_text(model), force)
     if flat:
         write_text(flat, work.flat_text(model), force)
-    if signatures and table:
-        write_text(signatures, work.signatures_text(table), force)
-    made = table.summary() if table is not None else None
+    if signatures and text:
+        write_text(signatures, text, force)
+    if image:
+        write_bytes(image, data, force)
+    summary = made.summary() if made is not None else None
     warned = search_warnings(model)
-    found = ExportResult("export", actuator, out, flat, model.active_effects, signatures if made else None, made, warned or None)
+    found = ExportResult(
+        "export",
+        actuator,
+        out,
+        flat,
+        model.active_effects,
+        signatures if made else None,
+        summary,
+        warned or None,
+        images.entry(image, data, units) if image else None,
+    )
     save(json_path, found, force)
     _warn_of_search(actuator, warned)
-    if table and table.warning:
-        complain(table.warning)
+    if made and made.warning:
+        complain(made.warning)
     told = [f"{path} written" for path in (out, flat) if path]
-    if signatures and table:
-        told.append(f"{signatures} written: {2 * table.numbers / 1024:.1f} KiB of signatures in {', '.join(table.signals)}")
+    if signatures and made:
+        told.append(f"{signatures} written: {2 * made.numbers / 1024:.1f} KiB of signatures in {', '.join(made.signals)}")
+    if image:
+        told.append(f"{image} written: {len(data) / 1024:.1f} KiB, {', '.join(f'{unit.name} {unit.identity:08x}' for unit in units)}")
     output().print(", ".join(told), highlight=False)
+
+
+@cli.command()
+@click.argument("file")
+@json_option
+def telemetry(file: str, json_path: str | None, force: bool) -> None:
+    """Show the results that firmware packed into FILE, one packet behind the other."""
+    from ema_tools.tasks.telemetry import telemetry as work
+    from ema_tools.words.terminal.telemetry import print_packets
+
+    writable(json_path=json_path, force=force, inputs=(file,))
+    found = work(file)
+    save(json_path, found, force)
+    print_packets(output(), found)
 
 
 @cli.command(name="map")

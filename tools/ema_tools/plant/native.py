@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, LibraryError
 from ema_tools.library.definitions import library_path, load_definitions, open_library, read_definitions
+from ema_tools.library.schema import schema_of
 from ema_tools.plant.lanes import lanes
 
 IDENTIFIED_MAX = 4
@@ -58,6 +59,28 @@ def _texts(function: str) -> dict[int, str]:
 
 REASONS = _texts("ema_desk_reason_text")
 WARNINGS = _texts("ema_desk_warning_text")
+
+
+def _number(function: str) -> int:
+    """What the library's `function` answers."""
+    read: Any = getattr(open_library(library_path(64)), function, None)
+    if read is None:
+        raise LibraryError(f"{library_path(64).name}: has no {function}: build the project again")
+    read.argtypes, read.restype = [], c_uint32
+    return int(read())
+
+
+def checked_schema() -> int:
+    """`EMA_CONFIG_SCHEMA` of the libraries in use. Raises LibraryError where it is not that of their lists."""
+    schema = _number("ema_desk_schema")
+    if schema != schema_of(load_definitions()):
+        raise LibraryError(f"{library_path(64).name}: its number of the lists is not theirs: build the project again")
+    return schema
+
+
+def module_version() -> int:
+    """`EMA_VERSION` of the libraries in use: major, minor and patch, a byte each."""
+    return _number("ema_desk_version")
 
 
 class _SearchStructure(ctypes.Structure):

@@ -76,9 +76,15 @@ def read_signatures(path: str | Path) -> Table:
     """The table in the header at `path`. Raises InputError when it is none, or was made with other lists of effects and parameters."""
     file = Path(path)
     try:
-        header = _Header(file, file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{file}: {reason(error) if isinstance(error, OSError) else 'no text'}: name a header of signatures") from None
+    return signatures_in(text, file)
+
+
+def signatures_in(text: str, file: Path) -> Table:
+    """The table in the text of a header, which came from `file`; errors as of `read_signatures`."""
+    header = _Header(file, text)
     known = load_definitions()
     effects, ids = [effect.name for effect in known.effects], known.ids
     patterns, faults = [], []

@@ -41,17 +41,37 @@ class SignatureTable:
 
 
 @dataclass(frozen=True)
+class UnitEntry:
+    """A unit of an image."""
+
+    name: str
+    identity: str  # eight hexadecimal digits: checksum of the configuration, as packed results carry it
+    signatures_bytes: int  # of its table; 0 without one
+
+
+@dataclass(frozen=True)
+class ImageEntry:
+    """The binary image that firmware reads in flash."""
+
+    file: str
+    bytes: int
+    schema: str  # eight hexadecimal digits: number of the lists of values that it was made for
+    units: tuple[UnitEntry, ...]
+
+
+@dataclass(frozen=True)
 class ExportResult:
     """The configuration that firmware compiles in."""
 
     command: Literal["export"]
     actuator: str  # file
-    header: str  # file
+    header: str | None  # file; None where an image alone was asked for
     flat: str | None  # file; None where it was not asked for
     effects: tuple[str, ...]  # that the actuator has
     signatures: str | None = field(default=None, metadata=SPARE)  # file
     table: SignatureTable | None = field(default=None, metadata=SPARE)
     warnings: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # why the search would not reach its lowest cost
+    image: ImageEntry | None = field(default=None, metadata=SPARE)
 
 
 @dataclass(frozen=True)

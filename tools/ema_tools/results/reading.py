@@ -19,6 +19,7 @@ from ema_tools.results.experiment import Experiment
 from ema_tools.results.files import DemoResult, DraftResult, ExportResult, ImportResult, ReportResult, SimulationResult, TableImportResult
 from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
+from ema_tools.results.telemetry import TelemetryResult
 
 Result = (
     Addition
@@ -38,6 +39,7 @@ Result = (
     | DemoResult
     | SimulationResult
     | TableImportResult
+    | TelemetryResult
 )
 
 _BY_COMMAND: Mapping[str, type[Result]] = {
@@ -54,6 +56,7 @@ _BY_COMMAND: Mapping[str, type[Result]] = {
     "next": Experiment,
     "report": ReportResult,
     "simulate": SimulationResult,
+    "telemetry": TelemetryResult,
 }
 
 

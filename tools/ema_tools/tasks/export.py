@@ -12,7 +12,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, Row, shown
 from ema_tools.library.definitions import EffectParameter, Parameter, load_definitions
-from ema_tools.plant.native import CHANNELS, library
+from ema_tools.plant.native import CHANNELS, checked_schema, library
 from ema_tools.tasks.onboard_search import MIN_SHIFTS, check_bounds
 from ema_tools.tasks.signature_table import Signatures
 
@@ -69,6 +69,16 @@ def _in_comment(text: str) -> str:
     return text.replace("*/", "* /").replace("/*", "/ *")[:_TITLE]
 
 
+def _refusal(what: str, arguments: str) -> list[str]:
+    """What makes the compiler refuse a header of other lists than the module's."""
+    return [
+        f"#if EMA_CONFIG_SCHEMA != 0x{checked_schema():08x}U",
+        f'#error "{what}: made for other lists of values than those of this module: export it again: ema export {arguments}"',
+        "#endif",
+        "",
+    ]
+
+
 def header_text(actuator: Actuator) -> str:
     """A C header with `static const ema_actuator_t EMA_ACTUATOR`."""
     known = load_definitions()
@@ -79,7 +89,9 @@ def header_text(actuator: Actuator) -> str:
         f"#define {_GUARD}",
         "",
         '#include "ema/ema_actuator.h"',
+        '#include "ema/ema_schema.h"',
         "",
+        *_refusal(_NAME, "ACTUATOR -o FILE.h"),
         f"static const ema_actuator_t {_NAME} = {{",
         "    .params = {",
         *_lines(actuator, known.reals, " " * 8),
@@ -162,7 +174,9 @@ def signatures_text(table: Signatures) -> str:
         f"#define {_SIGNATURES_GUARD}",
         "",
         '#include "ema/ema_onboard.h"',
+        '#include "ema/ema_schema.h"',
         "",
+        *_refusal(_SIGNATURES_NAME, "ACTUATOR -o FILE.h --signatures FILE.h --healthy REC ..."),
         "static const ema_pattern_t ema_exported_patterns[] = {",
         *(f"    {line}" for line in patterns),
         "};",
