@@ -239,7 +239,8 @@ int32_t ema_desk_objective(const double* values, const int32_t* options, const d
         status = ema_objective_start(&run, &actuator, &record, weights, (ema_real)start_mm, EMA_COST_MAX);
     }
     if (status == EMA_OK) {
-        (void)ema_objective_run(&run, (uint32_t)rows * (uint32_t)actuator.options.record_every_steps);
+        while (ema_objective_run(&run, UINT32_MAX) == EMA_OBJECTIVE_RUNNING) {
+        }
         *objective = (double)ema_objective_value(&run);
     }
     free(config.buffer);
