@@ -15,6 +15,7 @@ from ema_tools.results.localisation import BinsEntry, BlockEntry, Localisation, 
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
+from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.recorded import Curves, curves_of
 from ema_tools.words.sentences.balance import forward_sentence
 
@@ -119,6 +120,7 @@ class Diagnosed:
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
+    workbench: BenchEntry | None = None
 
     @property
     def title(self) -> str:
@@ -164,6 +166,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         records=count,
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,
+        workbench=found.workbench,
     )
 
 

@@ -12,7 +12,7 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.words.page import diagnosis, figures, friction_map
+from ema_tools.words.page import diagnosis, figures, friction_map, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
@@ -24,7 +24,7 @@ _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "bac
 
 
 # The browser itself sees to it that the page asks nothing of any network.
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+_POLICY = f"default-src 'none'; {workbench.POLICY}; style-src 'unsafe-inline'; img-src data:"
 
 
 class _Page:
@@ -64,6 +64,10 @@ def render(results: list[Result], command: str) -> str:
         else:
             _compared(page, result, f"result-{index}")
         page.add("</div></section>")
+    # one workbench a page, of the first result that brings what it needs
+    bench = next((result.workbench for result in results if not isinstance(result, Mapped) and result.workbench is not None), None)
+    if bench is not None:
+        page.add(workbench.section(bench))
     with_case = [result for result in identified if result.case is not None]
     if with_case:
         _paper(page, with_case)
