@@ -230,6 +230,7 @@
     for (const row of rows) setValue(row, row.value, true);
     for (const row of rows) inputs[row.name].tick.checked = row.name === "screw.csj_Nm" || row.name === "screw.blk_mm";
     effects.forEach(showEffect);
+    fall.hidden = true;
     redraw();
   }
 
@@ -333,7 +334,7 @@
         ranked.sort((a, b) => a.objective - b.objective);
         showRank(ranked);
       }
-      say(`Ranked ${ranked.length}: least error first. This is no verdict: effects that look alike fit alike; \`ema diagnose\` weighs them.`);
+      say(`Ranked ${ranked.length}: least error first. This is no verdict: ema diagnose weighs them.`);
     } catch (error) {
       say(error.message, true);
     } finally {
@@ -447,7 +448,7 @@
   const rod = make("input", { type: "checkbox", onchange: () => { rodAlone = rod.checked; redraw(); } });
   const rankBody = make("tbody");
   const rankPart = make("div", { class: "bench-rank scroll", role: "region", "aria-label": "Table: effects ranked", tabindex: "0", hidden: true },
-    make("table", {}, make("caption", {}, "Error left, in times the sensor noise, after each effect was fitted beside CSJ and BLK by the module's annealer."),
+    make("table", {}, make("caption", {}, "Error left, in times the sensor noise, after each effect was fitted beside CSJ and BLK by the module's annealer: its size and one value of its shape, the others as usual. No verdict: effects that look alike fit alike."),
       make("thead", {}, make("tr", {}, ...["Effect", "Error left", "CSJ, Nm", "BLK, mm", "Values", ""].map((text, k) => make("th", { scope: "col", ...(k === 0 || k === 4 ? { class: "left" } : {}) }, text)))), rankBody));
   const panel = make("form", { class: "bench-panel", "aria-label": "Model", onsubmit: (event) => event.preventDefault() },
     make("div", { class: "bench-tools" }, fitButton, rankButton, stopButton, resetButton), fall,
@@ -459,11 +460,13 @@
     make("div", { class: "bench-tools" },
       make("button", { type: "button", onclick: () => save(data.actuator.file.replace(/(\.toml)?$/, ".toml"), texts.toml()) }, "Actuator (TOML)"),
       make("button", { type: "button", onclick: () => save("ema_actuator_data.h", texts.header()) }, "C header")));
+  const legend = make("ul", { class: "legend" }, ...[["measured", "measured"], ["after", "simulated here"], ["before", "measured minus simulated"]].map(([key, text]) => make("li", {}, make("span", { class: `key ${key}` }), text)));
   const wholeButton = make("button", { type: "button", onclick: whole }, "Whole record");
   try {
     root.append(
       make("div", { class: "bench-head" }, make("p", { class: "bench-error" }, "Error ", errorOut, " ", errorOf1), timing),
-      make("div", { class: "bench-body" }, make("div", {}, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them; double click for the whole record.")), rankPart), panel));
+      make("div", { class: "bench-body" }, make("div", {}, legend, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them; double click for the whole record."))), panel),
+      rankPart);
     useRecord(given);
     for (const row of rows) setValue(row, row.value, true);
     effects.forEach(showEffect);
