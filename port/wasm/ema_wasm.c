@@ -4,11 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Given by JavaScript. */
-__attribute__((import_module("desk"), import_name("progress"))) int32_t ema_wasm_progress(int32_t runs, double cost,
-                                                                                          double best,
-                                                                                          const double* values);
-
 static void* ema_lent;
 static size_t ema_lent_bytes;
 static bool ema_lent_taken;

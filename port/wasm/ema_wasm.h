@@ -17,8 +17,11 @@ int32_t ema_wasm_size(int32_t structure);
 /* Lends `bytes` bytes at `block`, aligned to 8, until the next call: enough for 20 bytes a row. */
 void ema_wasm_lend(void* block, uint32_t bytes);
 
-/* ema_desk_identify with a progress that calls the host: desk.progress(runs, cost, best, values), of which a return
- * other than 0 stops the search. */
+/* The one function that JavaScript gives: told after each model run of a search with the runs so far, the cost, the
+ * best cost and the values that were tried, or NULL; a return other than 0 stops the search. */
+int32_t ema_wasm_progress(int32_t runs, double cost, double best, const double* values);
+
+/* ema_desk_identify with that progress. */
 int32_t ema_wasm_identify(const double* values, const int32_t* options, const double* command_mm,
                           const double* channels, int32_t rows, const ema_desk_search_t* search,
                           ema_desk_result_t* result, int32_t* bad_row);

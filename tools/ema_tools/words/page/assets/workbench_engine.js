@@ -81,7 +81,7 @@ const EmaWorkbench = (() => {
         const values = at ? Array.from(new Float64Array(desk.api.memory.buffer, at, 4)) : null;
         return desk.progress(runs, cost, best, values) ? 1 : 0;
       };
-      const { instance } = await WebAssembly.instantiate(bytes, { desk: { progress: told } });
+      const { instance } = await WebAssembly.instantiate(bytes, { env: { ema_wasm_progress: told } });
       desk = new Desk(instance);
       return desk;
     }
