@@ -76,3 +76,7 @@ add_custom_target(demo
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     DEPENDS venv page_library ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)
+# The page's workbench holds the module.
+if(TARGET ema_wasm)
+    add_dependencies(demo ema_wasm)
+endif()

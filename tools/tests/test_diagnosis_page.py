@@ -5,18 +5,23 @@ from __future__ import annotations
 import base64
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-
 from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.data.records import read_record
+from ema_tools.tasks.workbench import bench
 from ema_tools.words.page import charts, first_screen, heat, names, signals, uplot
 from ema_tools.words.page import diagnosis_page as page_of
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.results import parse_result
 from test_report_page import _structure, _without_scripts
+
+from support import RECORDINGS
 
 
 def parsed(data: dict[str, Any]) -> Diagnosed:
@@ -182,7 +187,9 @@ def test_bare_result_and_addition_have_a_page(tmp_path: Path) -> None:
 
 def test_a_workbench_has_its_place_and_what_it_needs(tmp_path: Path) -> None:
     result = parsed(diagnosis("missing"))
-    html = page_of.render(result, "ema report", '<div id="bench"></div>')
+    html = page_of.render(
+        replace(result, workbench=bench(reference_actuator(), read_record(RECORDINGS / "story" / "today.csv"))), "ema report"
+    )
     assert html.index('id="rest"') < html.index('<section id="workbench"') < html.index('id="records"')
     assert "wasm-unsafe-eval" in html and "wasm-unsafe-eval" not in page_of.render(result, "ema report")
 

@@ -113,6 +113,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     from ema_tools.data.motion_records import MotionRecord
     from ema_tools.data.records import Record
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
@@ -125,6 +126,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
         found = replace(found, unlike=unlike(model, measured, found.simulation))
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
+    result = replace(result, workbench=bench(model, measured) if json_path and isinstance(measured, Record) else None)
     save(json_path, result, force)
     show.comparison(output(), result, model.name)
 
@@ -286,6 +288,7 @@ def identify(
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
     from ema_tools.tasks.several_values import searched_of, several_values
+    from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.terminal import show
 
@@ -324,6 +327,7 @@ def identify(
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
     more = values(several) if several is not None else {}
     result = identification(found, measured.file, origin, drawn, shape, warnings=warned or None, **more)
+    result = replace(result, workbench=bench(found.healthy, measured) if json_path else None)
     save(json_path, result, force)
     show.identification(output(), result)
     for name in silent(measured):
@@ -371,6 +375,7 @@ def diagnose(
     from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
+    from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.terminal import show
 
@@ -384,12 +389,13 @@ def diagnose(
     way, fixes = chosen(model, records, references, other, method), fixes_of(model, fixed)
     with progress("diagnosing", 100) as bar:
         found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way, fixes)
-    drawn = None
+    drawn = entry = None
     if (json_path or page) and isinstance(measured, Record) and not model.absent:
+        entry = bench(found.known, measured)
         drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
-    result = diagnosis(found, origin, drawn, way.because)
+    result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
     save(json_path, result, force)
     _page(page, result, force)
     kept = fitted if found.recommended else None
@@ -489,6 +495,7 @@ def add(
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
     from ema_tools.tasks.simulate import with_settings
+    from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.addition import addition, addition_by_balance, setting
     from ema_tools.words.terminal import show
 
@@ -559,7 +566,7 @@ def add(
     if json_path or page:
         drawn = curves(measured, before=simulated(model, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
-    result = replace(result, method_reason=way.because)
+    result = replace(result, method_reason=way.because, workbench=bench(model, measured) if drawn else None)
     save(json_path, result, force)
     _page(page, result, force)
     show.added(output(), result)

@@ -6,7 +6,7 @@ Every step prints the command that does the same by hand; docs/WALK_THROUGH.md g
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -35,6 +35,7 @@ from ema_tools.tasks.export import header_text
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.objective_shape import shape_of
 from ema_tools.tasks.own_machine import of_own_machine, own_machine
+from ema_tools.tasks.workbench import bench
 from ema_tools.words.answers.addition import addition
 from ema_tools.words.answers.calibration import calibration
 from ema_tools.words.answers.comparison import comparison
@@ -174,7 +175,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("diagnosing", 100) as bar:
         found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
     drawn = curves(unit.today, before=simulated(found.known, unit.today), after=simulated(found.fitted, unit.today))
-    missing = diagnosis(found, _origin(unit), drawn)
+    missing = replace(diagnosis(found, _origin(unit), drawn), workbench=bench(found.known, unit.today))
     _write(folder / _ON_PAGE[0], missing)
     _say(output, missing.where.sentence)
     _say(output, missing.sentence)

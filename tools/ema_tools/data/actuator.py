@@ -394,12 +394,15 @@ def read_actuator(path: str | Path, complete: bool = True) -> Actuator:
 
     Raises InputError in one line that names file, section.field, range and the nearest known name.
     """
-    file = readable(Path(path).name)
-    text = read_text(path)
+    return actuator_of(read_text(path), readable(Path(path).name), complete)
+
+
+def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
+    """The actuator whose file, called `file`, holds `text`; as `read_actuator`."""
     try:
         document = tomlkit.parse(text)
     except TOMLKitError as error:
-        if Path(path).suffix.lower() == ".csv":
+        if Path(file).suffix.lower() == ".csv":
             raise InputError(
                 f"{file}: a recording where an actuator is wanted: give the actuator's TOML file first, then the recording"
             ) from None

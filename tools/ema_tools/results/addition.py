@@ -16,6 +16,7 @@ from ema_tools.results.parts import (
     StepEntry,
     WeightedErrors,
 )
+from ema_tools.results.workbench import BenchEntry
 
 
 @dataclass(frozen=True)
@@ -54,3 +55,4 @@ class Addition:
     held: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # effects of the model that stayed as they were
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
+    workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves

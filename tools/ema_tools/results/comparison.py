@@ -7,6 +7,7 @@ from typing import Literal
 
 from ema_tools.results.codec import SPARE
 from ema_tools.results.parts import CurvesEntry, Place, Provenance
+from ema_tools.results.workbench import BenchEntry
 
 
 @dataclass(frozen=True)
@@ -44,3 +45,4 @@ class ComparisonResult:
     unlocated_event_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
+    workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves

@@ -19,6 +19,7 @@ from ema_tools.results.parts import (
 )
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Validity
+from ema_tools.results.workbench import BenchEntry
 
 Verdict = Literal["adequate", "missing", "unknown"]
 Method = Literal["balance", "simulation"]
@@ -67,6 +68,7 @@ class DiagnosisResult:
     sensor: Sensor | None = None
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
+    workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves
 
 
 @dataclass(frozen=True)
@@ -232,3 +234,4 @@ class DiagnosisByBalanceResult:
     unknown: Unexplained | None = None  # none: nothing is drawn of it
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
+    workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves

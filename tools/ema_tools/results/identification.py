@@ -7,6 +7,7 @@ from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
 from ema_tools.results.parts import CurvesEntry, Provenance
+from ema_tools.results.workbench import BenchEntry
 
 # Values that can be identified.
 KEYS = ("csj_Nm", "blk_mm")
@@ -217,6 +218,7 @@ class IdentificationResult:
     )  # why the search would not reach its lowest cost with its settings
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
+    workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves
 
     @property
     def estimates(self) -> dict[str, EstimateEntry]:

@@ -12,7 +12,7 @@ from importlib import resources
 from ema_tools.library.registry import separating
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.words.page import charts, heat, names, rest, where_pictures
+from ema_tools.words.page import charts, heat, names, rest, where_pictures, workbench
 from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Value
@@ -30,19 +30,16 @@ from ema_tools.words.page.first_screen import (
 )
 from ema_tools.words.page.uplot import ABSENT, library
 
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
-# The workbench compiles the module and computes beside the page; both come from the page itself.
-_WORKBENCH_POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; img-src data:"
-)
+_POLICY = "default-src 'none'; {scripts}; style-src 'unsafe-inline'; img-src data:"
+_SCRIPTS = "script-src 'unsafe-inline'"
 # A head that begins with this stands over words, not over numbers.
 _LEFT = "<"
 _WORDS = ' class="words"'
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
 
 
-def render(result: Diagnosed, command: str, workbench: str | None = None) -> str:
-    """The page as text. `command` made it and stands in its provenance; `workbench`: markup of the section with that name, with its script, where there is one."""
+def render(result: Diagnosed, command: str) -> str:
+    """The page as text. `command` made it and stands in its provenance."""
     found = signal_section.traces(result)
     drawn = heat.maps(result, found)
     bins = heat.bins_of_rows(result, found) if found is not None else {}
@@ -53,13 +50,14 @@ def render(result: Diagnosed, command: str, workbench: str | None = None) -> str
         ("which", "Which", _which(result)),
         ("ladder", "Ladder", _ladder(result)),
         ("rest", "Is the rest noise?", rest.section(result, found)),
-        ("workbench", "Workbench", workbench or ""),
+        ("workbench", "Workbench", workbench.markup(result.workbench) if result.workbench is not None else ""),
         ("records", "Records", _records(result)),
         ("provenance", "Provenance", _provenance(result, command)),
     ]
     there = [one for one in sections if one[2]]
     data = signal_section.packed_signals(result, found, bins) if found is not None else {}
-    return _document(result, there, json.dumps(data, separators=(",", ":"), allow_nan=False), _WORKBENCH_POLICY if workbench else _POLICY)
+    policy = _POLICY.format(scripts=_SCRIPTS if result.workbench is None else workbench.POLICY)
+    return _document(result, there, json.dumps(data, separators=(",", ":"), allow_nan=False), policy)
 
 
 def _document(result: Diagnosed, sections: list[tuple[str, str, str]], data: str, policy: str) -> str:

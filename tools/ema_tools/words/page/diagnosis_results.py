@@ -15,6 +15,7 @@ from ema_tools.results.localisation import BinPicture, BinsEntry, BlockEntry, Lo
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
+from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.recorded import Curves, curves_of
 from ema_tools.words.sentences.balance import forward_sentence
 
@@ -119,6 +120,7 @@ class Diagnosed:
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
+    workbench: BenchEntry | None = None
     found: DiagnosisResult | DiagnosisByBalanceResult | Addition = field(kw_only=True, repr=False)
 
     def found_bins(self) -> tuple[BinPicture, ...]:
@@ -170,6 +172,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,
         found=found,
+        workbench=found.workbench,
     )
 
 

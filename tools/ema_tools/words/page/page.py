@@ -12,7 +12,7 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map
+from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
@@ -24,7 +24,7 @@ _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "bac
 
 
 # The browser itself sees to it that the page asks nothing of any network.
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+_POLICY = f"default-src 'none'; {workbench.POLICY}; style-src 'unsafe-inline'; img-src data:"
 
 
 class _Page:
@@ -45,10 +45,10 @@ class _Page:
         return f'<div class="plot" id="{identity}" role="img" aria-label="{escape(label)}" style="height:{figure["height"]}px"></div>'
 
 
-def render(results: list[Result], command: str, workbench: str | None = None) -> str:
-    """The page as text. `command` made it and stands in its provenance. One diagnosis, or one addition, has a page of its own, which takes the markup of a `workbench`."""
+def render(results: list[Result], command: str) -> str:
+    """The page as text. `command` made it and stands in its provenance. One diagnosis, or one addition, has a page of its own."""
     if len(results) == 1 and isinstance(results[0], Diagnosed):
-        return diagnosis_page.render(results[0], command, workbench)
+        return diagnosis_page.render(results[0], command)
     page = _Page()
     identified = [result for result in results if isinstance(result, ShownIdentification)]
     compared = [result for result in results if isinstance(result, ShownComparison)]
@@ -66,6 +66,10 @@ def render(results: list[Result], command: str, workbench: str | None = None) ->
         else:
             _compared(page, result, f"result-{index}")
         page.add("</div></section>")
+    # one workbench a page, of the first result that brings what it needs
+    bench = next((result.workbench for result in results if not isinstance(result, Mapped) and result.workbench is not None), None)
+    if bench is not None:
+        page.add(workbench.section(bench))
     with_case = [result for result in identified if result.case is not None]
     if with_case:
         _paper(page, with_case)

@@ -23,6 +23,7 @@ from ema_tools.results.identification import KEYS, IdentificationResult, Profile
 from ema_tools.results.identification import EstimateEntry as ResultEstimate
 from ema_tools.results.parts import Place
 from ema_tools.results.reading import result_of
+from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.diagnosis_results import Diagnosed, diagnosed
 from ema_tools.words.page.recorded import Curves, Series, curves_of, fault
 
@@ -100,6 +101,7 @@ class ShownIdentification:
     profiles: dict[str, ShownProfile] = field(default_factory=dict)
     map: ShownMap | None = None
     undetermined: dict[str, str] = field(default_factory=dict)
+    workbench: BenchEntry | None = None
 
     @property
     def title(self) -> str:
@@ -130,6 +132,7 @@ class ShownComparison:
     where: tuple[Place, ...]
     curves: Curves | None
     provenance: dict[str, str] = field(default_factory=dict)
+    workbench: BenchEntry | None = None
 
     @property
     def title(self) -> str:
@@ -218,6 +221,7 @@ def identified(found: IdentificationResult, source: str, stem: str) -> ShownIden
         profiles=_profiles(found.shape, source) if found.shape is not None else {},
         map=_map(found.shape, source) if found.shape is not None and found.shape.map is not None else None,
         undetermined=found.undetermined,
+        workbench=found.workbench,
     )
 
 
@@ -275,6 +279,7 @@ def compared(found: ComparisonResult, source: str, stem: str) -> ShownComparison
         where=tuple(sorted((place for place in found.where if place.surprise > 0.0), key=lambda place: -place.surprise)),
         curves=curves_of(found.curves, source) if found.curves is not None else None,
         provenance=found.provenance,
+        workbench=found.workbench,
     )
 
 

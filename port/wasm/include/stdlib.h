@@ -1,0 +1,10 @@
+/* What the desk asks of <stdlib.h>; see ema_wasm.c. */
+#ifndef EMA_WASM_STDLIB_H
+#define EMA_WASM_STDLIB_H
+
+#include <stddef.h>
+
+void* malloc(size_t bytes);
+void free(void* block);
+
+#endif

@@ -1,0 +1,21 @@
+"""What the page's workbench needs of a result: the actuator and the record themselves, so that the page can simulate and fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchEntry:
+    """One actuator and one record. `columns` by name, those that are recorded: little-endian float32 in base64, the very numbers that the module takes."""
+
+    actuator: str  # the text of its file
+    actuator_file: str
+    header: str  # what `ema export` writes of it
+    record_file: str
+    start_s: float  # time of the first row
+    period_s: float  # from row to row
+    columns: dict[str, str]
+    usual: dict[str, float] = field(
+        default_factory=dict
+    )  # values of each effect at the lower end of its usual size on this machine, by full name

@@ -1,0 +1,48 @@
+"""An actuator and a record as the page's workbench takes them."""
+
+from __future__ import annotations
+
+import base64
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.records import Record
+from ema_tools.design.typical import typical_change
+from ema_tools.library.definitions import load_definitions
+from ema_tools.results.workbench import BenchEntry
+from ema_tools.tasks.export import header_text
+
+# Longer records are left out: the page would grow beyond what a browser opens at once [layout]
+_ROWS_MAX = 60_000
+
+
+def bench(actuator: Actuator, record: Record) -> BenchEntry | None:
+    """The workbench's part of a result; None for a very long record, and for an actuator whose controller is not known, which cannot be simulated."""
+    if record.rows > _ROWS_MAX or actuator.absent:
+        return None
+    usual: dict[str, float] = {}
+    for effect in load_definitions().physical:
+        usual |= typical_change(actuator, effect.name, _peak_current_A(actuator, record)) or {}
+    return BenchEntry(
+        actuator=actuator.written_text(),
+        actuator_file=actuator.file or "actuator.toml",
+        header=header_text(actuator),
+        record_file=record.file,
+        start_s=record.first_time_s,
+        period_s=record.period_s,
+        columns={name: _packed(record.recorded(name)) for name in record.present},
+        usual=usual,
+    )
+
+
+def _packed(values: Reals) -> str:
+    return base64.b64encode(np.asarray(values, dtype="<f4").tobytes()).decode("ascii")
+
+
+def _peak_current_A(actuator: Actuator, record: Record) -> float:
+    """The largest current of the record; where it was not recorded, the most that the supply drives through the winding."""
+    if record.current_A is not None:
+        return float(np.max(np.abs(record.current_A)))
+    return actuator["drive.supply_V"] / actuator["motor.resistance_ohm"]

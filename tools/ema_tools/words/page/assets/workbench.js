@@ -1,0 +1,518 @@
+// The workbench in the page: one model and one record in memory, a worker that fits, and what is drawn of them. States errors, never a verdict.
+(async () => {
+  "use strict";
+  const { CHANNELS, Desk, noiseOf, weightsOf, errorOf, startOf, readCsv } = EmaWorkbench;
+  const root = document.querySelector("[data-workbench]");
+  const data = JSON.parse(document.getElementById("workbench-data").textContent);
+  const FITTED_MAX = 4; // EMA_IDENTIFIED_MAX
+  const TIMES = 101; // redraws that the median is taken of
+  const SHOWN = { position_mm: ["Rod position", "mm"], motor_position_mm: ["Motor position", "mm"], current_A: ["Motor current", "A"], voltage_V: ["Motor voltage", "V"] };
+
+  function make(tag, attributes = {}, ...children) {
+    const element = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes)) {
+      if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+      else if (value === true) element.setAttribute(name, "");
+      else if (value !== false && value !== undefined) element.setAttribute(name, value);
+    }
+    element.append(...children);
+    return element;
+  }
+  const digits = (value, count = 4) => (value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-4 ? value.toExponential(count - 1) : value.toPrecision(count)).replace("-", "\u2212");
+
+  const message = make("p", { class: "bench-message", role: "status", "aria-live": "polite" }, "Unpacking the module \u2026");
+  root.append(message);
+  const say = (text, refused = false) => {
+    message.textContent = text;
+    message.classList.toggle("refused", refused);
+  };
+  const lacking = [["DecompressionStream", "unpack it"], ["WebAssembly", "run it"], ["Worker", "fit beside the page"]].find(([name]) => !(name in window));
+  if (lacking) return say(`This browser cannot ${lacking[1]}: open the page in one of 2023 or later.`, true);
+
+  async function inflated(text) {
+    const bytes = Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
+    return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
+  }
+  // float32 numbers whose first bytes stand together, then the second ones, and so on
+  async function column(text, rows) {
+    const planes = await inflated(text);
+    const bytes = new Uint8Array(4 * rows);
+    for (let k = 0; k < bytes.length; k += 1) bytes[k] = planes[(k % 4) * rows + (k >> 2)];
+    return Float64Array.from(new Float32Array(bytes.buffer));
+  }
+
+  const module = await inflated(data.module);
+  const desk = await Desk.open(module);
+  const given = { ...data.record };
+  for (const [name, text] of Object.entries(data.record.columns)) given[name] = await column(text, data.record.rows);
+  let record = null;
+  let noise = null;
+  let startMm = 0;
+  let view = [0, 0];
+  let rodAlone = false;
+  let running = null; // what the worker does
+  let last = null; // the last fit
+  const times = [];
+
+  const effects = data.effects;
+  const rows = [...data.rows, ...effects.flatMap((effect) => effect.rows)];
+  const rowOf = Object.fromEntries(rows.map((row) => [row.name, row]));
+  const values = Float64Array.from(data.model.values);
+  const model = { values, options: data.model.options };
+  const isOn = (effect) => values[effect.rows[0].id] !== effect.rows[0].zero;
+
+  // ---- the worker: the same engine and module, so that the page stays alive while it fits
+
+  const source = `${document.getElementById("workbench-engine").textContent}
+    let desk = null;
+    onmessage = async ({ data }) => {
+      try {
+        if (data.open) {
+          desk = await EmaWorkbench.Desk.open(data.open);
+          desk.load(data.record);
+          return;
+        }
+        let told = 0;
+        const found = desk.fit(data.model, data.search, (runs, cost, best, values) => {
+          const now = performance.now();
+          postMessage({ id: data.id, runs, cost, best, values: cost === best || now - told > 30 ? values : null });
+          told = now;
+          return false;
+        });
+        postMessage({ id: data.id, found });
+      } catch (error) {
+        postMessage({ id: data.id, error: error.message, offender: error.offender });
+      }
+    };`;
+  const workerUrl = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
+  let worker = null;
+  let asked = 0;
+  function openWorker() {
+    if (worker) worker.terminate();
+    worker = new Worker(workerUrl);
+    const columns = Object.fromEntries(["command_mm", ...CHANNELS].filter((name) => record[name]).map((name) => [name, record[name]]));
+    worker.postMessage({ open: module, record: columns });
+  }
+  // One fit in the worker; `told(runs, cost, best, values)` hears of every model run. Resolves with null where it was stopped.
+  function fitBeside(search, changed, told) {
+    asked += 1;
+    const id = asked;
+    return new Promise((resolve, reject) => {
+      running = { stop: () => resolve(null) };
+      worker.onmessage = ({ data: heard }) => {
+        if (heard.id !== id) return;
+        if (heard.error) reject(Object.assign(new Error(refusal(heard)), heard));
+        else if (heard.found) resolve(heard.found);
+        else told(heard.runs, heard.cost, heard.best, heard.values);
+      };
+      worker.onerror = () => reject(new Error("the worker ended: reload the page"));
+      worker.postMessage({ id, model: { values: changed, options: model.options }, search });
+    });
+  }
+  function refusal(error) {
+    const name = data.names[error.offender];
+    const what = error.error || error.message;
+    return name ? `${name}: ${what}: move it back` : `${what}: change the model or the record`;
+  }
+
+  // ---- what is computed and drawn
+
+  const weights = () => weightsOf(noise, rodAlone);
+  const errorAt = (objective) => errorOf(objective, record, noise, weights());
+  let shown = null;
+  function compute() {
+    const simulated = desk.simulate(model, startMm);
+    const objective = desk.objective(model, weights(), startMm);
+    const signals = {};
+    for (const name of CHANNELS.filter((one) => record[one])) {
+      const residual = record[name].map((value, row) => value - simulated[name][row]);
+      const norm = (list) => Math.sqrt(list.reduce((sum, value) => sum + value * value, 0));
+      const whole = norm(record[name]);
+      signals[name] = { measured: record[name], simulated: simulated[name], residual, rms: norm(residual) / Math.sqrt(residual.length), percent: whole > 0 ? (100 * norm(residual)) / whole : null };
+    }
+    shown = { objective, error: errorAt(objective), signals };
+  }
+  function draw(mark = null) {
+    for (const [name, { canvas, title }] of Object.entries(plots)) {
+      const signal = shown.signals[name];
+      EmaPlots.draw(canvas, signal, view, record.start_s, record.period_s, mark);
+      let sum = 0;
+      for (let k = view[0]; k <= view[1]; k += 1) sum += signal.residual[k] ** 2;
+      const rms = Math.sqrt(sum / (view[1] - view[0] + 1));
+      title.textContent = `residual ${digits(rms, 3)} ${SHOWN[name][1]} rms in view${signal.percent === null ? "" : `, ${digits(signal.percent, 3)} % of the whole`}`;
+      canvas.setAttribute("aria-label", `${SHOWN[name][0]}, measured and simulated against time, and their difference: ${title.textContent}`);
+    }
+  }
+  let pending = null;
+  // Once a frame at most; what is reported is from the first change to the drawn picture.
+  function redraw() {
+    if (pending !== null) return;
+    pending = performance.now();
+    requestAnimationFrame(() => {
+      const from = pending;
+      pending = null;
+      try {
+        compute();
+        draw();
+        tellError();
+        if (message.classList.contains("refused")) say("");
+      } catch (error) {
+        say(refusal(error), true);
+        return;
+      }
+      times.push(performance.now() - from);
+      if (times.length > TIMES) times.shift();
+      timing.textContent = `${record.file}: ${(record.period_s * record.command_mm.length).toPrecision(3)} s redrawn in ${medianTime().toFixed(0)} ms, median of ${times.length}`;
+    });
+  }
+  const medianTime = () => [...times].sort((a, b) => a - b)[times.length >> 1] ?? NaN;
+  function tellError() {
+    errorOut.value = digits(shown.error, 4);
+    errorOf1.textContent = rodAlone ? "times the sensor noise, rod position alone" : "times the sensor noise, all signals";
+  }
+
+  // ---- values and effects
+
+  const inputs = {};
+  function setValue(row, value, silent = false) {
+    values[row.id] = value;
+    const { slider, number } = inputs[row.name];
+    if (value < Number(slider.min)) slider.min = value;
+    if (value > Number(slider.max)) slider.max = value;
+    slider.value = value;
+    if (document.activeElement !== number) number.value = Number(value.toPrecision(7));
+    if (!silent) redraw();
+  }
+  function valueRow(row, ticked) {
+    const identity = `bench-${row.name.replace(/\W/g, "-")}`;
+    const tick = make("input", { type: "checkbox", checked: ticked, "aria-label": `fit ${row.label}`, title: "fit this value" });
+    const slider = make("input", { type: "range", min: row.low, max: row.high, step: "any", id: identity });
+    const number = make("input", { type: "number", step: "any", "aria-label": `${row.label}${row.unit ? `, ${row.unit}` : ""}` });
+    slider.addEventListener("input", () => setValue(row, Number(slider.value)));
+    number.addEventListener("input", () => Number.isFinite(number.valueAsNumber) && setValue(row, number.valueAsNumber));
+    inputs[row.name] = { tick, slider, number };
+    return make("div", { class: "bench-row", title: row.remark }, tick, make("label", { for: identity }, row.label, row.unit ? make("small", {}, ` ${row.unit}`) : ""), number, slider);
+  }
+  const switches = {};
+  // Off, an effect leaves the model as it was without it, to the bit.
+  function turn(effect, on, tick = true) {
+    const [size] = effect.rows;
+    for (const row of effect.rows) {
+      const off = effect.active ? (row === size ? size.zero : values[row.id]) : row.value;
+      setValue(row, on ? row.on : off, true);
+    }
+    if (tick) inputs[size.name].tick.checked = on;
+    if (!on) for (const row of effect.rows) inputs[row.name].tick.checked = false;
+    showEffect(effect);
+  }
+  function showEffect(effect) {
+    switches[effect.name].box.checked = isOn(effect);
+    switches[effect.name].rows.hidden = !isOn(effect);
+    switches[effect.name].equation.hidden = !isOn(effect);
+  }
+  function effectPart(effect) {
+    const box = make("input", { type: "checkbox", onchange: () => { turn(effect, box.checked); redraw(); } });
+    const part = make("div", { class: "bench-rows" }, ...effect.rows.map((row) => valueRow(row, false)));
+    const equation = make("p", { class: "equation", title: effect.source }, effect.equation);
+    switches[effect.name] = { box, rows: part, equation };
+    return make("div", { class: "bench-effect" }, make("label", {}, box, make("span", {}, effect.title, " ", make("code", {}, effect.name))), equation, part);
+  }
+  // Any values by name, as the actuator's file has them.
+  function load(changes) {
+    for (const [name, value] of Object.entries(changes)) {
+      if (!rowOf[name]) throw new Error(`${name}: the workbench has no such value: it has ${Object.keys(rowOf).join(", ")}`);
+      setValue(rowOf[name], value, true);
+    }
+    effects.forEach(showEffect);
+    redraw();
+  }
+  function reset() {
+    for (const row of rows) setValue(row, row.value, true);
+    for (const row of rows) inputs[row.name].tick.checked = row.name === "screw.csj_Nm" || row.name === "screw.blk_mm";
+    effects.forEach(showEffect);
+    fall.hidden = true;
+    redraw();
+  }
+
+  // ---- fits
+
+  function searchOf(fitted) {
+    return {
+      identified_count: fitted.length,
+      identified_id: fitted.map((row) => row.id),
+      identified_lower: fitted.map((row) => row.bounds[0]),
+      identified_upper: fitted.map((row) => row.bounds[1]),
+      identified_min_shift_percent: fitted.map(() => 5),
+      weight: weights(),
+    };
+  }
+  function busy(on) {
+    for (const button of [fitButton, rankButton, resetButton]) button.disabled = on;
+    stopButton.disabled = !on;
+  }
+  const fallen = [];
+  function drawFall() {
+    const ratio = window.devicePixelRatio || 1;
+    const [width, height] = [fall.clientWidth, fall.clientHeight];
+    fall.width = width * ratio;
+    fall.height = height * ratio;
+    const context = fall.getContext("2d");
+    context.scale(ratio, ratio);
+    const logs = fallen.map(([, best]) => Math.log10(best));
+    const [low, high] = [Math.min(...logs), Math.max(...logs)];
+    const end = fallen[fallen.length - 1];
+    context.strokeStyle = getComputedStyle(root).getPropertyValue("--after").trim() || "#0a6aa8";
+    context.lineWidth = 2;
+    context.beginPath();
+    fallen.forEach(([run], k) => context.lineTo(4 + (run / end[0]) * (width - 8), height - 6 - ((logs[k] - low) / (high - low || 1)) * (height - 24)));
+    context.stroke();
+    context.fillStyle = getComputedStyle(root).color;
+    context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
+    context.fillText(`error ${digits(fallen[0][1], 3)}, now ${digits(end[1], 3)} after ${end[0]} model runs, logarithmic`, 4, 11);
+    fall.setAttribute("aria-label", `Error during the fit: ${digits(fallen[0][1], 3)} at first, ${digits(end[1], 3)} after ${end[0]} model runs`);
+  }
+  async function fit() {
+    const fitted = rows.filter((row) => inputs[row.name].tick.checked);
+    if (!fitted.length) return say("Nothing is ticked: tick the values that are to be fitted.", true);
+    if (fitted.length > FITTED_MAX) return say(`${fitted.length} values are ticked; the module's annealer takes up to ${FITTED_MAX}: untick some.`, true);
+    const none = fitted.find((row) => values[row.id] === 0);
+    if (none) return say(`${none.name} is zero, from where the module fits nothing: move its slider first.`, true);
+    for (const row of fitted) row.bounds = [Math.min(row.bounds[0], values[row.id]), Math.max(row.bounds[1], values[row.id])];
+    busy(true);
+    fall.hidden = false;
+    fallen.length = 0;
+    let best = null;
+    const search = searchOf(fitted);
+    const from = Float64Array.from(values);
+    const began = performance.now();
+    try {
+      const found = await fitBeside(search, from, (runs, cost, lowest, tried) => {
+        if (cost === lowest && tried) best = tried;
+        fallen.push([runs, errorAt(lowest)]);
+        requestAnimationFrame(drawFall);
+        say(`Fitting ${fitted.map((row) => row.label).join(", ")}: ${runs} model runs, error ${digits(errorAt(lowest), 4)}`);
+      });
+      const numbers = found ? found.estimate : best;
+      if (numbers) fitted.forEach((row, k) => setValue(row, numbers[k], true));
+      if (found) last = { from: Array.from(from), search, ...found, random_state: String(found.random_state), model_steps: Number(found.model_steps) };
+      redraw();
+      const edge = found ? fitted.filter((_, k) => found.at_bound[k]).map((row) => row.label) : [];
+      say(
+        found
+          ? `Fitted by the module's annealer: error ${digits(errorAt(found.objective_before), 4)} before, ${digits(errorAt(found.objective_after), 4)} after ${found.evaluations} model runs in ${((performance.now() - began) / 1000).toFixed(1)} s${edge.length ? `; on a bound of the search: ${edge.join(", ")}` : ""}.`
+          : "Stopped; the model has the best values so far.",
+      );
+    } catch (error) {
+      say(error.message, true);
+    } finally {
+      running = null;
+      busy(false);
+    }
+  }
+  // Every effect that the model does not hold, each fitted from its usual size beside both faults: what error is left.
+  async function rank() {
+    const faults = ["screw.csj_Nm", "screw.blk_mm"].map((name) => rowOf[name]).filter((row) => values[row.id] > 0);
+    const candidates = [{ title: "No effect, both faults alone", name: "", fitted: [], shapes: [{}], rows: [] }, ...effects.filter((effect) => effect.ranked && !isOn(effect))];
+    const ranked = [];
+    busy(true);
+    rankPart.hidden = false;
+    try {
+      for (const [place, candidate] of candidates.entries()) {
+        let best = null;
+        for (const shape of candidate.shapes) {
+          const from = Float64Array.from(values);
+          for (const row of candidate.rows) from[row.id] = shape[row.name] ?? row.on;
+          const fitted = [...faults, ...candidate.fitted.map((name) => rowOf[name])].filter((row) => from[row.id] !== 0);
+          say(`Ranking ${place + 1} of ${candidates.length}: ${candidate.title}`);
+          const found = await fitBeside(searchOf(fitted), from, () => {}).catch((error) => (error.offender >= 0 ? undefined : Promise.reject(error)));
+          if (found === null) return say(`Stopped after ${ranked.length} of ${candidates.length}.`);
+          if (!found || (best && found.objective_after >= best.objective)) continue;
+          const changes = Object.fromEntries([...candidate.rows.map((row) => [row.name, from[row.id]]), ...fitted.map((row, k) => [row.name, found.estimate[k]])]);
+          best = { candidate, changes, objective: found.objective_after, runs: found.evaluations, edge: fitted.filter((_, k) => found.at_bound[k]) };
+        }
+        if (best) ranked.push(best);
+        ranked.sort((a, b) => a.objective - b.objective);
+        showRank(ranked);
+      }
+      say(`Ranked ${ranked.length}: least error first. This is no verdict: ema diagnose weighs them.`);
+    } catch (error) {
+      say(error.message, true);
+    } finally {
+      running = null;
+      busy(false);
+    }
+  }
+  function showRank(ranked) {
+    rankBody.replaceChildren(
+      ...ranked.map(({ candidate, changes, objective, edge }) => {
+        const faults = ["screw.csj_Nm", "screw.blk_mm"].map((name) => changes[name] ?? values[rowOf[name].id]);
+        const own = candidate.rows.map((row) => `${row.field} ${digits(changes[row.name], 3)}${edge.includes(row) ? " (on a bound)" : ""}`).join(", ");
+        return make("tr", { "data-effect": candidate.name },
+          make("th", { scope: "row" }, candidate.title),
+          make("td", {}, digits(errorAt(objective), 4)),
+          make("td", {}, digits(faults[0], 4)),
+          make("td", {}, digits(faults[1], 4)),
+          make("td", { class: "left" }, own || "\u2013"),
+          make("td", {}, make("button", { type: "button", "aria-label": `load ${candidate.title}`, onclick: () => load(changes) }, "load")));
+      }),
+    );
+  }
+  function stop() {
+    if (!running) return;
+    running.stop();
+    openWorker();
+  }
+
+  // ---- records and files
+
+  function useRecord(next) {
+    desk.load(next);
+    record = next;
+    noise = noiseOf(next);
+    if (!noise.position_mm) throw new Error(`${next.file}: position_mm never moves: give a record in which the rod moves`);
+    startMm = startOf(next, data.start.blk_upper_mm, data.start.noise_mm);
+    view = [0, next.command_mm.length - 1];
+    times.length = 0;
+    plotPart.replaceChildren();
+    for (const name of Object.keys(plots)) delete plots[name];
+    for (const name of CHANNELS.filter((one) => next[one])) {
+      const title = make("small");
+      const canvas = make("canvas", { role: "img", "data-channel": name });
+      plots[name] = { canvas, title };
+      zoomable(canvas);
+      plotPart.append(make("figure", {}, make("h3", {}, `${SHOWN[name][0]}, ${SHOWN[name][1]} `, title), canvas));
+    }
+    openWorker();
+  }
+  function zoomable(canvas) {
+    let from = null;
+    const at = (event) => event.clientX - canvas.getBoundingClientRect().left;
+    canvas.addEventListener("pointerdown", (event) => {
+      from = at(event);
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => from !== null && draw([from, at(event)]));
+    canvas.addEventListener("pointerup", (event) => {
+      const ends = [from, at(event)].sort((a, b) => a - b);
+      from = null;
+      const zoomed = ends.map((px) => EmaPlots.rowAt(canvas, px, view));
+      if (ends[1] - ends[0] > 6 && zoomed[1] - zoomed[0] > 8) view = zoomed;
+      draw();
+    });
+    canvas.addEventListener("pointercancel", () => { from = null; draw(); });
+    canvas.addEventListener("dblclick", whole);
+  }
+  function whole() {
+    view = [0, record.command_mm.length - 1];
+    draw();
+  }
+  async function take(file) {
+    const before = record;
+    try {
+      if (running) throw new Error(`${file.name}: a fit is running: stop it first`);
+      useRecord(readCsv(await file.text(), file.name, data.record.period_s));
+      compute();
+      draw();
+      tellError();
+      redraw();
+      say(`${file.name}: ${record.command_mm.length} rows with ${CHANNELS.filter((name) => record[name]).join(", ")}.`);
+    } catch (error) {
+      if (record !== before || !shown) useRecord(before);
+      redraw();
+      await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+      say(error.message, true);
+    }
+  }
+  const valueOf = (row) => values[row.id];
+  const texts = { toml: () => EmaText.toml(data.actuator.toml, rows, valueOf), header: () => EmaText.header(data.actuator.header, rows, valueOf) };
+  function save(name, text) {
+    const url = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+    make("a", { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 1000);
+  }
+
+  // ---- the page's part
+
+  const plots = {};
+  const plotPart = make("div", { class: "bench-plots" });
+  const errorOut = make("output", { "aria-label": "error" });
+  const errorOf1 = make("span");
+  const timing = make("p", { class: "note" });
+  const fall = make("canvas", { class: "bench-fall", role: "img", "aria-label": "Error during the fit", hidden: true });
+  const fitButton = make("button", { type: "button", class: "first", onclick: fit }, "Fit ticked values");
+  const rankButton = make("button", { type: "button", onclick: rank }, "Rank all effects");
+  const stopButton = make("button", { type: "button", onclick: stop, disabled: true }, "Stop");
+  const resetButton = make("button", { type: "button", onclick: reset }, "Reset");
+  const picker = make("input", { type: "file", accept: ".csv,text/csv", id: "bench-file", onchange: () => picker.files[0] && take(picker.files[0]) });
+  const drop = make("div", { class: "bench-drop" }, make("label", { for: "bench-file" }, "Another record of this actuator: drop a CSV anywhere on the page, or choose one. Columns time_s, command_mm, position_mm and, where there are any, motor_position_mm, current_A, voltage_V. "), picker);
+  const rod = make("input", { type: "checkbox", onchange: () => { rodAlone = rod.checked; redraw(); } });
+  const rankBody = make("tbody");
+  const rankPart = make("div", { class: "bench-rank scroll", role: "region", "aria-label": "Table: effects ranked", tabindex: "0", hidden: true },
+    make("table", {}, make("caption", {}, "Error left, in times the sensor noise, after each effect was fitted beside CSJ and BLK by the module's annealer: its size and one value of its shape, the others as usual. No verdict: effects that look alike fit alike."),
+      make("thead", {}, make("tr", {}, ...["Effect", "Error left", "CSJ, Nm", "BLK, mm", "Values", ""].map((text, k) => make("th", { scope: "col", ...(k === 0 || k === 4 ? { class: "left" } : {}) }, text)))), rankBody));
+  const panel = make("form", { class: "bench-panel", "aria-label": "Model", onsubmit: (event) => event.preventDefault() },
+    make("div", { class: "bench-tools" }, fitButton, rankButton, stopButton, resetButton), fall,
+    make("p", { class: "note" }, `A tick beside a value: it is fitted, up to ${FITTED_MAX} at once.`),
+    make("fieldset", {}, make("legend", {}, "Machine"), ...data.rows.map((row) => valueRow(row, row.name === "screw.csj_Nm" || row.name === "screw.blk_mm"))),
+    make("label", { class: "bench-row" }, rod, "Compare the rod position alone, as in flight"),
+    make("fieldset", {}, make("legend", {}, "Effects"), ...effects.map(effectPart)),
+    drop,
+    make("div", { class: "bench-tools" },
+      make("button", { type: "button", onclick: () => save(data.actuator.file.replace(/(\.toml)?$/, ".toml"), texts.toml()) }, "Actuator (TOML)"),
+      make("button", { type: "button", onclick: () => save("ema_actuator_data.h", texts.header()) }, "C header")));
+  const legend = make("ul", { class: "legend" }, ...[["measured", "measured"], ["after", "simulated here"], ["before", "measured minus simulated"]].map(([key, text]) => make("li", {}, make("span", { class: `key ${key}` }), text)));
+  const wholeButton = make("button", { type: "button", onclick: whole }, "Whole record");
+  try {
+    root.append(
+      make("div", { class: "bench-head" }, make("p", { class: "bench-error" }, "Error ", errorOut, " ", errorOf1), timing),
+      make("div", { class: "bench-body" }, make("div", {}, legend, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them; double click for the whole record."))), panel),
+      rankPart);
+    useRecord(given);
+    for (const row of rows) setValue(row, row.value, true);
+    effects.forEach(showEffect);
+    compute();
+    draw();
+    tellError();
+    redraw();
+    say("");
+  } catch (error) {
+    return say(refusal(error), true);
+  }
+  let over = 0;
+  const files = (event) => event.dataTransfer && [...event.dataTransfer.types].includes("Files");
+  document.addEventListener("dragenter", (event) => { if (files(event)) { over += 1; drop.classList.add("over"); } });
+  document.addEventListener("dragleave", (event) => { if (files(event) && --over <= 0) drop.classList.remove("over"); });
+  document.addEventListener("dragover", (event) => files(event) && event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    if (!files(event)) return;
+    event.preventDefault();
+    over = 0;
+    drop.classList.remove("over");
+    if (event.dataTransfer.files[0]) take(event.dataTransfer.files[0]);
+  });
+  window.addEventListener("resize", () => draw());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
+
+  // For other parts of the page, and for whoever looks at the workbench from outside.
+  window.emaWorkbench = {
+    load,
+    texts,
+    state: () => ({
+      error: shown.error,
+      objective: shown.objective,
+      rms: Object.fromEntries(Object.entries(shown.signals).map(([name, signal]) => [name, signal.rms])),
+      percent: Object.fromEntries(Object.entries(shown.signals).map(([name, signal]) => [name, signal.percent])),
+      values: Array.from(values),
+      noise,
+      weight: weights(),
+      start_mm: startMm,
+      file: record.file,
+      rows: record.command_mm.length,
+      redraws: times.length,
+      median_ms: medianTime(),
+      last,
+      running: running !== null,
+      message: message.textContent,
+    }),
+  };
+})();

@@ -1,0 +1,189 @@
+"""The page's workbench: the module's own C, compiled to WebAssembly, simulates and fits in the page. `section` is all that a page needs.
+
+The HTML brings its own style, scripts and data, and reads nothing else of the page but the colours of its style sheet. The page's policy must allow
+`script-src 'wasm-unsafe-eval'` and `worker-src blob:`. What the page's other parts may call, once the workbench stands: `emaWorkbench.load({"screw.csj_Nm": 0.2, ...})`.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import zlib
+from collections.abc import Sequence
+from html import escape
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ema_tools.data.actuator import Actuator, Row, actuator_of, shown
+from ema_tools.library.definitions import Effect, EffectParameter, library_folder, load_definitions
+from ema_tools.library.registry import record_of
+from ema_tools.results.workbench import BenchEntry
+
+# What a page that holds a workbench must allow beside its own scripts.
+POLICY = "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
+
+_MODULE = "ema.wasm"
+_ABSENT = f"The workbench is left out: {_MODULE} was not built. It needs clang with lld (packages clang and lld); then build the project and write the page again."
+# Values beside the effects': each with the share of the healthy value up to which its slider goes, and the bounds of its fit.
+_FAULTS = {
+    "screw.csj_Nm": ("CSJ, static dry friction", ("search.csj_lower_Nm", "search.csj_upper_Nm")),
+    "screw.blk_mm": ("BLK, backlash at the rod", ("search.blk_lower_mm", "search.blk_upper_mm")),
+}
+_OTHERS = {"screw.viscous_Nm_s_per_rad": "Viscous friction", "motor.resistance_ohm": "Winding resistance"}
+_SIZE_REACH = 10.0  # a slider reaches so many times the lower end of an effect's usual size [judgement]
+_SHAPE_REACH = 6.0  # and from a share of a shape's usual value to as many times it [judgement]
+_OTHER_REACH = 3.0  # and alike of a value of the machine [judgement]
+_FAULT_REACH = 4.0  # and up to so many times a healthy value [judgement]
+_WHOLE = "periods"  # a value that is a whole number: tried, not fitted
+
+
+def module_path() -> Path:
+    """Where the module's WebAssembly is, or would be."""
+    return library_folder() / _MODULE
+
+
+def section(entry: BenchEntry, identity: str = "workbench") -> str:
+    """The workbench as one section of a page.
+
+    Raises InputError when the result's actuator cannot be read.
+    """
+    return (
+        f'<section id="{identity}" aria-labelledby="{identity}-title"><div class="wrap"><h2 id="{identity}-title">Workbench</h2>'
+        f"{markup(entry)}</div></section>"
+    )
+
+
+def markup(entry: BenchEntry) -> str:
+    """What stands under the section's title, scripts and data included; a note where the module was not built. Raises InputError as `section`."""
+    if not module_path().is_file():
+        return f'<p class="note">{escape(_ABSENT)}</p>'
+    assets = resources.files("ema_tools.words.page") / "assets"
+    style, engine, text, plot, script = (
+        (assets / name).read_text(encoding="utf-8")
+        for name in ("workbench.css", "workbench_engine.js", "workbench_text.js", "workbench_plot.js", "workbench.js")
+    )
+    # `<` would let a text in the data end the script element.
+    data = json.dumps(payload(entry), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return (
+        "<p>The module's own C runs in this page. Switch effects on, move values, fit them to the record: the error follows. "
+        "What it shows is an error, not a verdict: effects that look alike fit alike, and <code>ema diagnose</code> judges.</p>"
+        f'<div class="bench" data-workbench></div><noscript><p>The workbench needs JavaScript.</p></noscript><style>\n{style}</style>\n'
+        f'<script type="application/json" id="workbench-data">{data}</script>\n'
+        f'<script id="workbench-engine">\n{engine}</script>\n<script>\n{text}{plot}{script}</script>'
+    )
+
+
+def payload(entry: BenchEntry) -> dict[str, Any]:
+    """What the scripts take: the model as flat arrays, its rows, the record and the module, both packed."""
+    actuator = actuator_of(entry.actuator, entry.actuator_file)
+    known = load_definitions()
+    values, options = actuator.arrays()
+    columns = {name: np.frombuffer(base64.b64decode(text), dtype="<f4") for name, text in entry.columns.items()}
+    reach_mm = float(np.max(np.abs(columns["command_mm"])))
+    return {
+        "module": _deflated(module_path().read_bytes()),
+        "model": {"values": values.tolist(), "options": options.tolist()},
+        "rows": [_fault(actuator, name) for name in _FAULTS] + [_other(actuator, name) for name in _OTHERS if actuator[name] > 0.0],
+        "effects": [
+            _effect(actuator, effect, entry.usual, reach_mm)
+            for effect in known.effects
+            if not effect.is_learned or effect.name in actuator.active_effects
+        ],
+        "start": {"blk_upper_mm": actuator["search.blk_upper_mm"], "noise_mm": actuator["verdict.position_noise_mm"]},
+        "record": {
+            "file": entry.record_file,
+            "start_s": entry.start_s,
+            "period_s": entry.period_s,
+            "rows": int(columns["command_mm"].size),
+            "columns": {name: _deflated(_planes(column)) for name, column in columns.items()},
+        },
+        "actuator": {"name": actuator.name, "file": entry.actuator_file, "toml": entry.actuator, "header": entry.header},
+        # the module's position in the list of a value that it refuses
+        "names": list(known.ids),
+    }
+
+
+def _deflated(raw: bytes) -> str:
+    return base64.b64encode(zlib.compress(raw, 9)).decode("ascii")
+
+
+def _planes(values: np.ndarray[Any, Any]) -> bytes:
+    """The bytes of float32 numbers, the first of each, then the second, and so on: neighbouring rows differ in the last ones alone, so that the others pack well."""
+    return values.view(np.uint8).reshape(-1, 4).T.tobytes()
+
+
+def _row(actuator: Actuator, row: Row, label: str, slider: tuple[float, float], bounds: tuple[float, float]) -> dict[str, Any]:
+    """A value with its slider's range and the bounds of its fit, both wide enough for what the model has."""
+    value = actuator[row.name]
+    low, high = (min(slider[0], value), max(slider[1], value))
+    fit = (min(bounds[0], value), max(bounds[1], value))
+    remark = row.text + (f" [{row.unit}]" if row.unit else "")
+    place = shown(row).rsplit(".", 1)[0]
+    return {
+        "name": shown(row), "id": load_definitions().ids[row.name], "table": place, "field": row.field, "label": label, "unit": row.unit,
+        "remark": remark, "value": value, "zero": row.nominal, "low": low, "high": high, "bounds": fit,
+    }  # fmt: skip
+
+
+def _fault(actuator: Actuator, name: str) -> dict[str, Any]:
+    label, (lower, upper) = _FAULTS[name]
+    bounds = actuator[lower], actuator[upper]
+    slider = 0.0, min(bounds[1], _FAULT_REACH * actuator[name]) or bounds[1]
+    return _row(actuator, load_definitions().by_name[name], label, slider, bounds)
+
+
+def _other(actuator: Actuator, name: str) -> dict[str, Any]:
+    bounds = actuator[name] / _OTHER_REACH, actuator[name] * _OTHER_REACH
+    return _row(actuator, load_definitions().by_name[name], _OTHERS[name], bounds, bounds)
+
+
+def _effect(actuator: Actuator, effect: Effect, usual: dict[str, float], reach_mm: float) -> dict[str, Any]:
+    """One effect: its values, what they are where it is switched on, and how it is ranked."""
+    active = effect.name in actuator.active_effects
+    rows = effect.parameters[:1] if effect.is_learned else effect.parameters
+    shown_rows = []
+    for row in rows:
+        typical = usual.get(shown(row), row.nominal)
+        bounds = _bounds(row, row is effect.size, actuator[row.name] if active else typical, reach_mm)
+        entry = _row(actuator, row, row.field, bounds, bounds)
+        # where nothing says what is usual, a tenth of the range is seen at once
+        first = typical if typical != row.nominal or row is not effect.size else 0.1 * bounds[1]
+        shown_rows.append({**entry, "on": actuator[row.name] if active else min(max(first, bounds[0]), bounds[1])})
+    return {
+        "name": effect.name,
+        "title": effect.name.replace("_", " ").capitalize(),
+        "equation": effect.equation,
+        "source": effect.source,
+        "active": active,
+        "rows": shown_rows,
+        "ranked": not effect.is_learned and not active,
+        "fitted": [shown(row) for row in _fitted(effect)],
+        "shapes": [{f"effects.{effect.name}.{_WHOLE}": number} for number in record_of(effect.name).onboard.shapes.get(_WHOLE, ())] or [{}],
+    }
+
+
+def _fitted(effect: Effect) -> Sequence[EffectParameter]:
+    """What is fitted of an effect that is ranked: its size and, of its shape, the first value that is no whole number, as many as the module's session takes beside both faults."""
+    return (effect.size, *(row for row in effect.parameters[1:] if row.field != _WHOLE))[:2]
+
+
+def _bounds(row: EffectParameter, is_size: bool, usual: float, reach_mm: float) -> tuple[float, float]:
+    """From where to where a value of an effect is moved and fitted."""
+    if row.field.endswith("phase_rad"):
+        return -math.pi, math.pi
+    limit = record_of(row.effect).below_peak
+    if is_size and limit is not None:
+        # of the peak, of which the usual value is a share
+        return min(limit.tried) / limit.typical * usual, usual / limit.typical
+    if is_size:
+        upper = min(row.upper, _SIZE_REACH * abs(usual)) or row.upper
+        return (row.lower if row.lower == row.nominal else max(row.lower, -upper)), upper
+    if row.unit == "mm" and row.lower < 0.0:
+        return max(row.lower, -reach_mm), min(row.upper, reach_mm)
+    if row.lower > 0.0 and usual > 0.0:
+        return max(row.lower, usual / _SHAPE_REACH), min(row.upper, usual * _SHAPE_REACH)
+    return row.lower, row.upper

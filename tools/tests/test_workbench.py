@@ -1,0 +1,273 @@
+"""The workbench's engine: the module as WebAssembly in Node against the host's library, bit for bit; its texts and its reader against Python's."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ema_tools.data.actuator import Actuator, actuator_of, read_actuator, reference_actuator
+from ema_tools.data.records import Record, read_record, start_of
+from ema_tools.design.typical import typical_change
+from ema_tools.library.definitions import Effect, load_definitions
+from ema_tools.plant.native import OUTPUTS, SearchSettings, library
+from ema_tools.tasks.export import header_text
+from ema_tools.tasks.several_values import noise_of_signals
+from ema_tools.tasks.workbench import bench
+from ema_tools.words.page import workbench
+from host_program import PROGRAM, run
+from support import RECORDINGS, ROOT
+from workbench_support import columns, in_node, model, needs_module, needs_node, packed, search, unpacked, weights
+
+TODAY = RECORDINGS / "story" / "today.csv"
+UNIT = RECORDINGS / "unit" / "unit.toml"
+_ROWS = 3000
+_PEAK_A = 3.0
+
+
+def _actuators() -> dict[str, Actuator]:
+    reference = reference_actuator()
+    cascade = {
+        "control.structure": 1.0, "control.position_gain_per_s": 30.0, "control.speed_gain_s_per_m": 40.0, "control.speed_integral_per_m": 200.0,
+        "control.every_steps": 2.0, "drive.mode": 1.0, "drive.current_scale_A": 12.0, "drive.current_loop_s": 0.002, "encoder.side": 1.0,
+        "encoder.resolution_mm": 0.001, "encoder.delay_s": 0.002, "screw.load_torque_Nm": 0.02, "screw.dynamic_ratio": 0.8,
+    }  # fmt: skip
+    return {"reference": reference, "unit": read_actuator(UNIT), "cascade": reference.changed(cascade)}
+
+
+def _with_effect(actuator: Actuator, effect: Effect) -> Actuator:
+    """The actuator with three times the usual size of an effect, or with a learned table of some shape."""
+    if effect.is_learned:
+        nodes = {f"effects.{row.name}": 0.01 * np.sin(1.7 * place) for place, row in enumerate(effect.nodes)}
+        return actuator.changed({**nodes, f"effects.{effect.size.name}": 1.0})
+    values = typical_change(actuator, effect.name, _PEAK_A)
+    assert values is not None
+    size = f"effects.{effect.size.name}"
+    return actuator.changed({**values, size: values[size] * (1.0 if effect.name == "current_limit" else 3.0)})
+
+
+@needs_node
+@needs_module
+def test_every_effect_has_the_bits_of_the_host_library() -> None:
+    command = read_record(TODAY).command_mm[:_ROWS]
+    record = Record(period_s=0.001, command_mm=command, position_mm=command)
+    cases = []
+    for name, actuator in _actuators().items():
+        cases.append((name, "none", actuator))
+        cases += [(name, effect.name, _with_effect(actuator, effect)) for effect in load_definitions().effects]
+    jobs: list[dict[str, Any]] = [{"kind": "simulate", "model": model(actuator), "start_mm": 0.25} for _, _, actuator in cases]
+    jobs[0]["record"] = columns(record)
+    plain: dict[str, bytes] = {}
+    same = []
+    for (name, effect, actuator), found in zip(cases, in_node(jobs), strict=True):
+        host = library(32).simulate(*actuator.arrays(), command, 0.25)
+        for output in OUTPUTS:
+            assert unpacked(found["answer"][output]).tobytes() == getattr(host, output).tobytes(), (name, effect, output)
+        bits = b"".join(getattr(host, output).tobytes() for output in OUTPUTS)
+        if plain.setdefault(name, bits) == bits and effect != "none":
+            same.append((name, effect))
+    # an effect that were left out would have the bits of the model without it
+    assert [effect for name, effect in same if name == "reference"] == []
+
+
+@needs_node
+@needs_module
+def test_objective_and_fit_end_where_the_host_library_does() -> None:
+    sheet = reference_actuator()
+    record = read_record(TODAY, sheet)
+    noise = noise_of_signals(record)
+    actuator = sheet.changed({"effects.stribeck_friction.rise": 0.15})
+    weight = weights(noise)
+    settings = SearchSettings(
+        identified=("screw.csj_Nm", "screw.blk_mm", "stribeck_friction.rise"),
+        lower=(0.01, 0.0, 0.0), upper=(1.5, 0.1, 1.5), min_shift_percent=(5.0, 5.0, 5.0), weight=weight,
+    )  # fmt: skip
+    start = start_of(actuator, record)
+    jobs = [
+        {"kind": "objective", "model": model(actuator), "weight": weight, "start_mm": start, "record": columns(record)},
+        {"kind": "fit", "model": model(actuator), "search": search(settings)},
+        {"kind": "noise"},
+    ]
+    objective, fit, heard = (one["answer"] for one in in_node(jobs))
+    assert objective == library(32).objective(*actuator.arrays(), record.command_mm, record.table(), weight, start)
+    host = library(32).identify(*actuator.arrays(), record.command_mm, record.table(), settings)
+    assert fit["estimate"][:3] == [one.estimate for one in host.identified]
+    assert (fit["evaluations"], fit["objective_before"], fit["objective_after"]) == (
+        host.evaluations, host.objective_before, host.objective_after,
+    )  # fmt: skip
+    assert int(fit["random_state"]) == host.random_state and int(fit["model_steps"]) == host.model_steps
+    best = [lowest for _, _, lowest in fit["runs"]]
+    assert best == sorted(best, reverse=True) and best[-1] == fit["objective_after"]
+    assert heard == pytest.approx(noise, rel=1e-12)
+
+
+@needs_node
+@needs_module
+@PROGRAM
+def test_fit_of_both_faults_ends_where_the_c_program_does(tmp_path: Path) -> None:
+    actuator = reference_actuator()
+    record = read_record(RECORDINGS / "case_a.csv", actuator)
+    settings = SearchSettings(
+        identified=("screw.csj_Nm", "screw.blk_mm"),
+        lower=(actuator["search.csj_lower_Nm"], actuator["search.blk_lower_mm"]),
+        upper=(actuator["search.csj_upper_Nm"], actuator["search.blk_upper_mm"]),
+        min_shift_percent=(5.0, 10.0),
+        weight=(1.0, 0.0, 0.0, 0.0),
+    )
+    (found,) = in_node([{"kind": "fit", "model": model(actuator), "search": search(settings), "record": columns(record)}])
+    assert run(tmp_path, "--json", "c.json", str(RECORDINGS / "case_a.csv")).returncode == 0
+    program = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))
+    fit = found["answer"]
+    # the program writes the digits that give a float32 back
+    single = [np.float32(program[name]["estimate"]) for name in ("csj_Nm", "blk_mm")]
+    assert [np.float32(one) for one in fit["estimate"][:2]] == single
+    assert np.float32(fit["objective_after"]) == np.float32(program["objective_after_mm2s"])
+    assert fit["evaluations"] == program["evaluations"] > 100
+
+
+@needs_node
+@needs_module
+def test_a_fit_can_be_stopped_and_a_bad_model_is_named() -> None:
+    actuator = reference_actuator()
+    record = read_record(RECORDINGS / "case_a.csv", actuator)
+    settings = SearchSettings(
+        identified=("screw.csj_Nm",), lower=(0.01,), upper=(1.5,), min_shift_percent=(5.0,), weight=(1.0, 0.0, 0.0, 0.0)
+    )
+    bad = model(actuator)
+    place = load_definitions().ids["motor.resistance_ohm"]
+    bad["values"][place] = -1.0
+    jobs = [
+        {"kind": "fit", "model": model(actuator), "search": search(settings), "record": columns(record), "stop_after": 7},
+        {"kind": "simulate", "model": bad, "start_mm": 0.0},
+        {"kind": "fit", "model": model(actuator), "search": search(replace(settings, upper=(0.1,)))},
+        {"kind": "simulate", "model": model(actuator), "start_mm": 0.0},
+    ]
+    stopped, refused, outside, after = in_node(jobs)
+    assert len(stopped["answer"]["runs"]) == 7
+    assert refused["offender"] == place and refused["error"] == library(32).status_text(2)
+    assert "error" in outside and "answer" in after
+
+
+_CHANGES: list[dict[str, float]] = [
+    {},
+    {"screw.csj_Nm": 0.2, "screw.blk_mm": 0.06590185314416885},
+    {"screw.csj_Nm": 0.2017943412065506, "effects.stribeck_friction.rise": 0.3, "effects.stribeck_friction.speed_rad_s": 5.0},
+    {"effects.cogging_torque.amplitude_Nm": 1e-07, "effects.cogging_torque.phase_rad": -0.5, "effects.stribeck_friction.rise": 1e-5},
+    {"effects.pitch_ripple.ratio": 0.0, "effects.quadratic_viscous.drag_Nm_s2_per_rad2": -1.25e-7, "motor.resistance_ohm": 1.0},
+]
+
+
+@needs_node
+@needs_module
+@pytest.mark.parametrize("file", [ROOT / "actuators" / "reference.toml", UNIT])
+def test_downloads_are_what_ema_writes(file: Path) -> None:
+    actuator = read_actuator(file)
+    entry = bench(actuator, read_record(TODAY))
+    assert entry is not None
+    given = workbench.payload(entry)
+    rows = [*given["rows"], *(row for effect in given["effects"] for row in effect["rows"])]
+    # rows stand in the order of the lists, as they are written
+    order = {name: place for place, name in enumerate(load_definitions().ids)}
+    jobs = [{"kind": "texts", "toml": entry.actuator, "header": entry.header, "rows": rows, "values": changes} for changes in _CHANGES]
+    for changes, found in zip(_CHANGES, in_node(jobs, module=False), strict=True):
+        changed = actuator.changed(changes)
+        assert found["answer"]["header"] == header_text(changed)
+        text = found["answer"]["toml"]
+        assert actuator_of(text, file.name) == changed
+        assert text == changed.written_text(), sorted(changes, key=lambda name: order[name.removeprefix("effects.")])
+
+
+@needs_node
+def test_numbers_are_written_as_python_writes_them() -> None:
+    numbers = [
+        0.1,
+        1.0,
+        -2.5,
+        1e-5,
+        1.5e-300,
+        123456789.125,
+        1e16,
+        123456.0,
+        0.00012345678901,
+        999999.9996,
+        9999999995.0,
+        1e22,
+        5e-5,
+        -0.3,
+        1e5,
+        1e6,
+    ]
+    numbers += np.random.default_rng(1).normal(0.0, 1.0, 200).tolist()
+    (found,) = in_node([{"kind": "numbers", "numbers": packed(numbers)}], module=False)
+    from ema_tools.tasks.export import literal
+
+    assert found["answer"] == [[repr(value), f"{value:.9g}", literal(value)] for value in numbers]
+
+
+def _csv(rows: int = 120, header: str = "time_s,command_mm,position_mm,current_A,note_1", change: tuple[int, str] | None = None) -> str:
+    lines = [f"{0.001 * k:.3f},{0.01 * k:.6f},{0.01 * k - 0.001:.6f},{0.1 * k},7" for k in range(rows)]
+    if change is not None:
+        lines[change[0]] = change[1]
+    return "\n".join(["# a record", header, *lines]) + "\n"
+
+
+@needs_node
+def test_csv_is_read_as_python_reads_it_and_refused_with_a_line_that_helps(tmp_path: Path) -> None:
+    good = _csv()
+    bad = {
+        _csv(header="time_s,command_mm,rod,current_A,note"): "column position_mm is missing",
+        _csv(header="time_s,command_mm,position_mm,position_mm,note"): "column position_mm stands there twice",
+        _csv(change=(50, "0.050,x,1,2,7")): "line 53: command_mm = x: not a number",
+        _csv(change=(50, "0.050,1,,2,7")): "line 53: position_mm = (empty): not a number",
+        _csv(change=(50, "0.050,1,2")): "line 53: 3 fields where the header has 5",
+        _csv(change=(50, "0.0555,1,1,2,7")): "line 53: time_s = 0.0555: not one period",
+        _csv(rows=40): "40 rows: give at least 100",
+        "": "holds no rows",
+        _csv().replace("0.001,", "0.002,", 1): "not one period",
+    }
+    jobs = [
+        {"kind": "csv", "text": text, "file": "dropped.csv", "period_s": 0.001}
+        for text in (good, "\ufeff" + good.replace("\n", "\r\n"), *bad)
+    ]
+    jobs.append({"kind": "csv", "text": good, "file": "dropped.csv", "period_s": 0.002})
+    first, second, *refused, other_rate = in_node(jobs, module=False)
+    path = tmp_path / "good.csv"
+    path.write_text(good, encoding="utf-8")
+    record = read_record(path)
+    for found in (first["answer"], second["answer"]):
+        for name in record.present:
+            assert unpacked(found[name]).tobytes() == record.recorded(name).tobytes(), name
+        assert "note_1" not in found and "motor_position_mm" not in found
+    for words, found in zip(bad.values(), refused, strict=True):
+        assert found["error"].startswith("dropped.csv: ") and words in found["error"] and found["error"].count(": ") >= 2
+    assert "every 0.001000 s where the actuator records every 0.002000 s" in other_rate["error"]
+
+
+def test_section_holds_all_that_it_needs_or_says_why_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = bench(reference_actuator(), read_record(TODAY))
+    assert entry is not None and not re.search(r"verdict is|healthy|faulty", workbench.section(entry).split("<style>")[0])
+    monkeypatch.setattr(workbench, "module_path", lambda: tmp_path / "ema.wasm")
+    left_out = workbench.section(entry)
+    assert "ema.wasm was not built" in left_out and "<script" not in left_out
+    assert bench(replace(reference_actuator(), absent=frozenset({"control.kp_per_m"})), read_record(TODAY)) is None
+
+
+@needs_module
+def test_every_slider_reaches_what_is_usual_and_the_size_of_the_page_stays_small() -> None:
+    actuator = reference_actuator()
+    entry = bench(actuator, read_record(TODAY))
+    assert entry is not None
+    given = workbench.payload(entry)
+    assert {effect["name"] for effect in given["effects"]} == {effect.name for effect in load_definitions().physical}
+    for effect in given["effects"]:
+        assert effect["ranked"] and not effect["active"]
+        assert effect["rows"][0]["on"] != effect["rows"][0]["zero"], effect["name"]
+        for row in effect["rows"]:
+            known = load_definitions().by_name[row["name"].removeprefix("effects.")]
+            assert known.lower <= row["bounds"][0] <= row["on"] <= row["bounds"][1] <= known.upper, row["name"]
+    assert len(workbench.section(entry)) < 400_000

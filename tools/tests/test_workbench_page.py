@@ -1,0 +1,303 @@
+"""The workbench in a real browser: opened from disk without network, it answers as the host's library does."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ema_tools.data.actuator import Actuator, actuator_of, read_actuator
+from ema_tools.data.records import Record, read_record, start_of, write_record
+from ema_tools.library.definitions import load_definitions
+from ema_tools.plant.native import CHANNELS, SearchSettings, library
+from ema_tools.tasks.export import header_text
+from support import RECORDINGS, REFERENCE, run_ema
+from workbench_support import needs_module
+
+sync_api = pytest.importorskip(
+    "playwright.sync_api", reason="no playwright: install tools/requirements-test.txt to look at the page in a browser"
+)
+
+_BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"))), None)
+_TODAY = RECORDINGS / "story" / "today.csv"
+_REDRAW_MS = 50.0
+
+pytestmark = [
+    pytest.mark.slow,
+    needs_module,
+    pytest.mark.skipif(_BROWSER is None, reason="no browser to look at the page: install chromium"),
+]
+
+
+class Bench:
+    """An open page with its workbench, and what the page complained of."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.complaints: list[str] = []
+        page.on("console", lambda message: self.complaints.append(message.text))
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+
+    def open(self, path: Path) -> Bench:
+        self.page.goto(path.as_uri())
+        self.until("!!window.emaWorkbench")
+        return self
+
+    def until(self, condition: str, seconds: float = 120.0) -> None:
+        """Waits from outside: the page's policy forbids what Playwright would evaluate in it to wait."""
+        end = time.monotonic() + seconds
+        while not self.page.evaluate(condition):
+            assert time.monotonic() < end, (condition, self.complaints, self.page.locator(".bench-message").inner_text())
+            self.page.wait_for_timeout(20)
+
+    def state(self) -> dict[str, Any]:
+        found: dict[str, Any] = self.page.evaluate("emaWorkbench.state()")
+        return found
+
+    def redrawn(self, before: int) -> dict[str, Any]:
+        self.until(f"emaWorkbench.state().redraws > {before}")
+        return self.state()
+
+    def press(self, name: str) -> None:
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def settled(self) -> dict[str, Any]:
+        self.until("!emaWorkbench.state().running")
+        self.page.wait_for_timeout(100)
+        return self.state()
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a comparison, as `ema report` writes it."""
+    folder = tmp_path_factory.mktemp("workbench")
+    assert run_ema("compare", REFERENCE, _TODAY, "--precision", "32", "--json", folder / "compare.json").code == 0
+    assert run_ema("report", folder / "compare.json", "-o", folder / "page.html").code == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=_BROWSER, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def opened(made: Path, chromium: Any) -> Iterator[Bench]:
+    context = chromium.new_context(offline=True, viewport={"width": 1280, "height": 900}, accept_downloads=True)
+    bench = Bench(context.new_page()).open(made / "page.html")
+    yield bench
+    context.close()
+    assert bench.complaints == []
+
+
+def _host_error(actuator: Actuator, record: Record, state: dict[str, Any]) -> float:
+    """The error as the host's library has it, with the page's weights."""
+    weight = tuple(state["weight"])
+    objective = library(32).objective(*actuator.arrays(), record.command_mm, record.table(), weight, start_of(actuator, record))
+    assert state["objective"] == objective
+    count = sum(one > 0.0 for one in weight)
+    return float(np.sqrt(objective / (record.rows * record.period_s * count)) / state["noise"]["position_mm"])
+
+
+def _values(actuator: Actuator) -> list[float]:
+    found: list[float] = actuator.arrays()[0].tolist()
+    return found
+
+
+def test_first_it_shows_what_ema_compare_says(opened: Bench, made: Path) -> None:
+    state = opened.state()
+    compared = json.loads((made / "compare.json").read_text(encoding="utf-8"))
+    for name in CHANNELS:
+        # of its curves; the numbers of ema compare leave out the record's ends, where its filters have none
+        measured, simulated = (np.array(compared["curves"][key][name]) for key in ("measured", "model"))
+        assert state["rms"][name] == pytest.approx(float(np.sqrt(np.mean((measured - simulated) ** 2))), rel=1e-5)
+        assert state["percent"][name] == pytest.approx(compared["channels"][name]["relative_percent"], rel=0.01)
+    actuator = read_actuator(REFERENCE)
+    assert state["error"] == pytest.approx(_host_error(actuator, read_record(_TODAY), state), rel=1e-9)
+    assert f"Error {state['error']:.4g}" in opened.page.locator(".bench-error").inner_text().replace("\n", " ")
+    assert "verdict" not in opened.page.locator(".bench").inner_text().lower()
+
+
+def test_an_effect_switched_on_gives_the_error_of_ema_add(opened: Bench, tmp_path: Path) -> None:
+    added = run_ema(
+        "add",
+        REFERENCE,
+        "stribeck_friction",
+        "--set",
+        "rise=0.25",
+        "--set",
+        "speed_rad_s=9",
+        "--set",
+        "shape=1.2",
+        "-o",
+        tmp_path / "new.toml",
+    )
+    assert added.code == 0, added.err
+    actuator = read_actuator(tmp_path / "new.toml")
+    before = opened.state()["redraws"]
+    opened.page.get_by_label("Stribeck friction").first.check()
+    switched = opened.redrawn(before)
+    sizes = {"rise": "0.25", "speed_rad_s": "9", "shape": "1.2"}
+    for field, value in sizes.items():
+        before = opened.state()["redraws"]
+        opened.page.locator(f"#bench-effects-stribeck_friction-{field}").evaluate(
+            "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }", value
+        )
+        opened.redrawn(before)
+    state = opened.state()
+    assert state["values"] == _values(actuator) and state["error"] != switched["error"]
+    assert state["error"] == pytest.approx(_host_error(actuator, read_record(_TODAY), state), rel=1e-9)
+    # and what it writes is that actuator
+    for name, expected in (("Actuator (TOML)", actuator.written_text()), ("C header", header_text(actuator))):
+        with opened.page.expect_download() as download:
+            opened.press(name)
+        text = Path(download.value.path()).read_text(encoding="utf-8")
+        assert text == expected
+    before = state["redraws"]
+    opened.page.get_by_label("Stribeck friction").first.uncheck()
+    assert opened.redrawn(before)["values"] == _values(read_actuator(REFERENCE))
+
+
+def test_a_slider_redraws_at_once(opened: Bench) -> None:
+    opened.page.locator("#bench-screw-csj_Nm").scroll_into_view_if_needed()
+    for k in range(40):
+        before = opened.state()["redraws"]
+        opened.page.locator("#bench-screw-csj_Nm").evaluate(
+            "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }", str(0.1 + 0.003 * k)
+        )
+        opened.redrawn(before)
+    state = opened.state()
+    assert state["redraws"] > 40
+    assert state["median_ms"] <= _REDRAW_MS
+    assert f"redrawn in {state['median_ms']:.0f} ms" in opened.page.locator(".bench-head .note").inner_text()
+
+
+def _settings(state: dict[str, Any]) -> tuple[SearchSettings, list[float]]:
+    search, names = state["last"]["search"], list(load_definitions().ids)
+    settings = SearchSettings(
+        identified=tuple(names[place] for place in search["identified_id"]),
+        lower=tuple(search["identified_lower"]),
+        upper=tuple(search["identified_upper"]),
+        min_shift_percent=tuple(search["identified_min_shift_percent"]),
+        weight=tuple(search["weight"]),
+    )
+    return settings, state["last"]["from"]
+
+
+def test_a_fit_ends_at_the_optimum_of_the_library_bit_for_bit(opened: Bench) -> None:
+    record = read_record(_TODAY)
+    options = read_actuator(REFERENCE).arrays()[1]
+    seen = set()
+    for rod_alone in (True, False):
+        if rod_alone:
+            opened.page.get_by_label("Compare the rod position alone").check()
+        else:
+            opened.page.get_by_label("Compare the rod position alone").uncheck()
+            opened.page.get_by_label("Stribeck friction").first.check()
+        opened.page.wait_for_timeout(100)
+        opened.press("Fit ticked values")
+        opened.until("emaWorkbench.state().running || /^Fitted/.test(emaWorkbench.state().message)")
+        state = opened.settled()
+        assert state["message"].startswith("Fitted by the module's annealer"), state["message"]
+        settings, start = _settings(state)
+        assert settings.identified is not None and settings.weight is not None
+        seen.add(settings.identified)
+        assert (settings.weight == (1.0, 0.0, 0.0, 0.0)) is rod_alone
+        host = library(32).identify(np.array(start), options, record.command_mm, record.table(), settings)
+        last = state["last"]
+        assert last["estimate"][: len(host.identified)] == [one.estimate for one in host.identified]
+        assert (last["evaluations"], last["objective_after"]) == (host.evaluations, host.objective_after)
+        assert last["random_state"] == str(host.random_state)
+        # the page has the model that was found, and the error that goes with it
+        ids = load_definitions().ids
+        assert [state["values"][ids[one.name]] for one in host.identified] == [one.estimate for one in host.identified]
+        assert state["objective"] == pytest.approx(host.objective_after, rel=1e-6)
+    assert seen == {("screw.csj_Nm", "screw.blk_mm"), ("screw.csj_Nm", "screw.blk_mm", "stribeck_friction.rise")}
+    assert "model runs, logarithmic" not in opened.page.locator(".bench-message").inner_text()
+    assert opened.page.locator(".bench-fall").get_attribute("aria-label").startswith("Error during the fit: ")
+
+
+def test_all_effects_are_ranked_until_stopped(opened: Bench) -> None:
+    opened.press("Rank all effects")
+    opened.until("document.querySelectorAll('.bench-rank tbody tr').length >= 3")
+    opened.press("Stop")
+    state = opened.settled()
+    assert state["message"].startswith("Stopped after ")
+    rows = opened.page.locator(".bench-rank tbody tr")
+    names = [rows.nth(k).get_attribute("data-effect") for k in range(rows.count())]
+    errors = [float(rows.nth(k).locator("td").first.inner_text()) for k in range(rows.count())]
+    assert errors == sorted(errors) and names[0] == "stribeck_friction" and "" in names
+    # the best of them goes into the model by its button, with the error that the table says
+    before = opened.state()["redraws"]
+    opened.page.get_by_role("button", name="load Stribeck friction").click()
+    assert opened.redrawn(before)["error"] == pytest.approx(errors[0], rel=1e-3)
+    # and the worker works on after a stop
+    opened.press("Fit ticked values")
+    opened.until("/^Fitted/.test(emaWorkbench.state().message)")
+
+
+def test_another_record_is_taken_and_a_bad_one_refused(opened: Bench, tmp_path: Path) -> None:
+    other = RECORDINGS / "case_a.csv"
+    opened.page.locator("#bench-file").set_input_files(str(other))
+    opened.until("emaWorkbench.state().file === 'case_a.csv'")
+    opened.page.wait_for_timeout(100)
+    state, record = opened.state(), read_record(other)
+    assert state["error"] == pytest.approx(_host_error(read_actuator(REFERENCE), record, state), rel=1e-9)
+    (tmp_path / "bad.csv").write_text("time_s,command_mm\n" + "".join(f"{k},0\n" for k in range(200)), encoding="utf-8")
+    opened.page.locator("#bench-file").set_input_files(str(tmp_path / "bad.csv"))
+    opened.until("emaWorkbench.state().message.includes('bad.csv')")
+    assert "column position_mm is missing" in opened.state()["message"] and opened.state()["file"] == "case_a.csv"
+    # dropped on the page: a record of other length with the rod position alone
+    write_record(tmp_path / "drop.csv", Record(period_s=0.001, command_mm=record.command_mm[:2000], position_mm=record.position_mm[:2000]))
+    opened.page.evaluate(
+        """(text) => {
+          const carried = new DataTransfer();
+          carried.items.add(new File([text], "drop.csv"));
+          document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: carried, bubbles: true, cancelable: true }));
+        }""",
+        (tmp_path / "drop.csv").read_text(encoding="utf-8"),
+    )
+    opened.until("emaWorkbench.state().file === 'drop.csv'")
+    state = opened.state()
+    assert state["rows"] == 2000 and set(state["rms"]) == {"position_mm"}
+
+
+def test_what_the_module_refuses_is_said(opened: Bench) -> None:
+    number = opened.page.get_by_label("CSJ, static dry friction, Nm", exact=True)
+    number.fill("-1")
+    opened.until("emaWorkbench.state().message !== ''")
+    assert opened.state()["message"].startswith("screw.csj_Nm: ")
+    number.fill("0.2")
+    opened.until("emaWorkbench.state().message === ''")
+    for label in ("fit Viscous friction", "fit Winding resistance"):
+        opened.page.get_by_label(label).check()
+    opened.page.get_by_label("Stribeck friction").first.check()
+    opened.press("Fit ticked values")
+    assert opened.state()["message"].startswith("5 values are ticked; the module's annealer takes up to 4")
+    opened.press("Reset")
+    assert actuator_of(opened.page.evaluate("emaWorkbench.texts.toml()"), "reference.toml") == read_actuator(REFERENCE)
+
+
+def test_zoom_and_back(opened: Bench) -> None:
+    canvas = opened.page.locator("canvas[data-channel=current_A]")
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    assert box is not None
+    title = opened.page.locator(".bench-plots h3 small").nth(2)
+    whole = title.inner_text()
+    opened.page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 60)
+    opened.page.mouse.down()
+    opened.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 60, steps=4)
+    opened.page.mouse.up()
+    assert title.inner_text() != whole
+    canvas.dblclick(position={"x": 200, "y": 60})
+    assert title.inner_text() == whole
