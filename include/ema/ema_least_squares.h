@@ -184,9 +184,9 @@ typedef struct {
 ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_squares_config_t* config,
                                     const ema_record_t* record);
 
-/* Runs at most `steps` model steps. Preparing a model, and deciding on a step, count as 160 of them each, about what
- * they take, and are not divided: a slice that has less left leaves them to the next one. A value of which no model can
- * be made costs the most and is left. Errors: EMA_ERR_NULL. Once done, a call does nothing. */
+/* Runs for `steps` plain steps of work (ema_objective_run). Preparing a model, and deciding on a step, count as 160 of
+ * them each, about what they take, and are not divided: a slice that has less left leaves them to the next one. A value
+ * of which no model can be made costs the most and is left. Errors: EMA_ERR_NULL. Once done, a call does nothing. */
 ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps);
 
 bool ema_least_squares_done(const ema_least_squares_t* self);

@@ -2,7 +2,7 @@
  *
  * E = sum over channels of weight * integral of (measured - simulated)^2 dt. With the rod position alone at weight 1
  * this is E_int in mm^2 s, the objective of Dalla Vedova et al. Nothing of the simulated run is stored, and the work
- * comes in slices of model steps; the result does not depend on how it was sliced. E only grows, so a run is given up
+ * comes in slices of work; the result does not depend on how it was sliced. E only grows, so a run is given up
  * once it exceeds a limit.
  */
 #ifndef EMA_OBJECTIVE_H
@@ -45,7 +45,9 @@ typedef struct {
 ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record,
                                  const ema_real weight[EMA_CHANNEL_COUNT], ema_real start_mm, ema_real limit);
 
-/* Runs at most `steps` model steps. Cost: that many model steps. Returns the state; further calls after the end do
+/* Runs for `steps` plain steps of work: so many model steps where nothing happens and no effect acts, fewer otherwise
+ * (ema_work.h), and never less than one. Cost: that work, and the rest of the step that reaches it: at most
+ * EMA_STEP_WORK_MAX. Returns the state; further calls after the end do
  * nothing. */
 ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t steps);
 

@@ -135,8 +135,8 @@ ema_status_t ema_onboard_check(const ema_signatures_t* table, const ema_actuator
 ema_status_t ema_onboard_start(ema_onboard_t* self, const ema_signatures_t* table, const ema_actuator_t* actuator,
                                const ema_record_t* record, ema_real start_mm);
 
-/* Makes at most `steps` model steps; returns how many it made, 0 once it is done. Cost: that many model steps, and one
- * product per row and channel of the table at every end of a bin. */
+/* Runs for `steps` plain steps of work (ema_objective_run); returns how many model steps it made, 0 once it is done.
+ * Cost: that work, and one product per row and channel of the table at every end of a bin. */
 uint32_t ema_onboard_run(ema_onboard_t* self, uint32_t steps);
 
 bool ema_onboard_done(const ema_onboard_t* self);

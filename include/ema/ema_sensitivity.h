@@ -43,6 +43,7 @@ typedef struct {
     ema_residual_t residual;
     uint32_t parameters;
     uint32_t channels;
+    uint32_t prepared;   /* runs whose model is made */
     uint32_t next_run;   /* whose turn it is */
     ema_real command_mm; /* of the present model step, for all of them */
     ema_output_t row_output[1U + EMA_IDENTIFIED_MAX];
@@ -75,8 +76,8 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
 /* From now on all runs read their learned tables from `actuator`: see ema_model_learned. Cost: constant. */
 void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actuator);
 
-/* Makes at most `steps` model steps over all runs together; returns how many it made, 0 once it is done. Cost: that
- * many model steps. */
+/* Runs for `steps` plain steps of work over all runs together (ema_objective_run); returns how many model steps it
+ * made, 0 once it is done. */
 uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps);
 
 bool ema_sensitivity_done(const ema_sensitivity_t* self);

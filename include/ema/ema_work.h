@@ -108,7 +108,22 @@ typedef struct {
     ema_real speed_rad_s[EMA_SERIES_TERMS + 1U];
 } ema_series_t;
 
+/* Work is counted in plain steps, as slices are: a model step in which nothing happens and no effect acts is one (each
+ * of its substeps, where the plant needs several), and these count besides what they take, as counted on the target. */
+#define EMA_WORK_SERIES 5U /* the end of a segment that an event may cut short, and the search for that */
+#define EMA_WORK_FORCES 1U /* what effects say at a point */
+
+/* The most that one model step counts, by its structure: itself, a try of the whole and, for each substep, a try and
+ * EMA_EVENTS_MAX events; twice that with a delay of the output. What was found by looking is a quarter of it and less:
+ * docs/BUDGETS.md. */
+#define EMA_STEP_WORK_MAX(substeps)                                                                                    \
+    (2U                                                                                                                \
+     * (1U + (6U * EMA_WORK_FORCES)                                                                                    \
+        + ((substeps)                                                                                                  \
+           * (1U + (2U * EMA_WORK_FORCES) + (EMA_EVENTS_MAX * ((3U * EMA_WORK_FORCES) + (2U * EMA_WORK_SERIES)))))))
+
 typedef struct {
+    uint32_t spent;                   /* by the slice so far, in plain steps; only whoever runs one reads it */
     const ema_circuit_t* circuit;     /* that it drives */
     const ema_responses_t* responses; /* of it over the span, where they are prepared */
     ema_real span_s;                  /* of the segment */

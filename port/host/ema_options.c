@@ -20,7 +20,7 @@ const char* const ema_usage_text =
     "  --config FILE  the healthy actuator: lines `section.field = value`, as `ema export --flat` writes them\n"
     "  --json FILE    also write the result to FILE, which must not exist\n"
     "  --force        replace FILE when it exists\n"
-    "  --slice N      model steps per slice (200); changes no result\n"
+    "  --slice N      plain steps of work per slice (200); changes no result\n"
     "  --seed N       seed of the search (the actuator's)\n"
     "  --int16        keep the record as scaled 16-bit integers, as a small target does\n"
     "  --help         this text\n"

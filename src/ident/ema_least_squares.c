@@ -225,7 +225,8 @@ static void ema_squares_mean(ema_squares_point_t* point)
 static uint32_t ema_squares_march(ema_least_squares_t* self, uint32_t steps)
 {
     uint32_t made = 0U;
-    while ((made < steps) && !ema_cursor_ended(&self->cursor)) {
+    self->work.spent = 0U;
+    while ((self->work.spent < steps) && !ema_cursor_ended(&self->cursor)) {
         ema_state_t* const state = &self->state[self->next_run];
         if (self->next_run == 0U) {
             self->command_mm = ema_record_asked(self->cursor.record, self->cursor.row, state->step);
@@ -266,7 +267,8 @@ static uint32_t ema_squares_try(ema_least_squares_t* self, uint32_t steps)
 {
     uint32_t made = 0U;
     bool falls = true;
-    while (falls && (made < steps) && !ema_cursor_ended(&self->cursor)) {
+    self->work.spent = 0U;
+    while (falls && (self->work.spent < steps) && !ema_cursor_ended(&self->cursor)) {
         ema_output_t* const output = &self->row_output[0];
         const ema_real command_mm = ema_record_asked(self->cursor.record, self->cursor.row, self->state[0].step);
         ema_tick(&self->plant[0], &self->state[0], &self->work, command_mm, output);
@@ -515,21 +517,21 @@ ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps)
     }
     uint32_t left = steps;
     while ((left > 0U) && (self->phase != EMA_SQUARES_DONE)) {
-        uint32_t made = EMA_SQUARES_STEPS;
+        uint32_t spent = EMA_SQUARES_STEPS;
         if (self->phase == EMA_SQUARES_MARCHING) {
-            made = ema_squares_march(self, left);
-            self->model_steps += made;
+            self->model_steps += ema_squares_march(self, left);
+            spent = self->work.spent;
         } else if (self->phase == EMA_SQUARES_TRYING) {
-            made = ema_squares_try(self, left);
-            self->model_steps += made;
+            self->model_steps += ema_squares_try(self, left);
+            spent = self->work.spent;
         } else if ((left < EMA_SQUARES_STEPS) && (left < steps)) {
-            made = left;
+            spent = left;
         } else if (self->phase == EMA_SQUARES_PREPARING) {
             ema_squares_prepare(self);
         } else {
             ema_squares_decide(self);
         }
-        left -= (made < left) ? made : left;
+        left = (left > spent) ? (left - spent) : 0U;
     }
     return EMA_OK;
 }

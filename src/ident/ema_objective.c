@@ -52,7 +52,8 @@ static inline ema_real ema_objective_row(const ema_objective_t* objective, const
 
 ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t steps)
 {
-    for (uint32_t left = steps; (left > 0U) && (objective->state == EMA_OBJECTIVE_RUNNING); --left) {
+    objective->model.work.spent = 0U;
+    while ((objective->state == EMA_OBJECTIVE_RUNNING) && (objective->model.work.spent < steps)) {
         ema_state_t* const state = &objective->model.state;
         const ema_real command_mm = ema_cursor_command(&objective->cursor, state->step);
         ema_output_t simulated;

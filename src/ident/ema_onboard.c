@@ -163,7 +163,8 @@ uint32_t ema_onboard_run(ema_onboard_t* self, uint32_t steps)
     ema_cursor_t* const cursor = &self->cursor;
     ema_scores_t* const scores = &self->scores;
     uint32_t made = 0U;
-    while ((made < steps) && !ema_cursor_ended(cursor)) {
+    self->model.work.spent = 0U;
+    while ((self->model.work.spent < steps) && !ema_cursor_ended(cursor)) {
         const ema_real command_mm = ema_cursor_command(cursor, self->model.state.step);
         ema_output_t simulated;
         ema_tick(&self->model.plant, &self->model.state, &self->model.work, command_mm, &simulated);

@@ -7,24 +7,16 @@
 #include "ema_math.h"
 #include "ema_prepare.h"
 #include "ema_residual.h"
+#include "ema_sensitivity_begin.h"
 #include "ema_tick.h"
 
-ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record,
-                                   const ema_real weight[EMA_CHANNEL_COUNT], const ema_value_id_t* ids,
-                                   const ema_real* delta, uint32_t count, ema_real start_mm)
+ema_status_t ema_sensitivity_begin(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record,
+                                   const ema_real weight[EMA_CHANNEL_COUNT], uint32_t count)
 {
-    if ((self == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL) || (ids == NULL)
-        || (delta == NULL)) {
-        return EMA_ERR_NULL;
-    }
     if (record->count < 1U) {
         return EMA_ERR_SHORT;
     }
-    bool valid = count <= EMA_IDENTIFIED_MAX;
-    for (uint32_t k = 0; valid && (k < count); ++k) {
-        valid = ((size_t)ids[k] < EMA_VALUE_COUNT) && !ema_actuator_is_learned(ids[k]);
-    }
-    if (!valid || !ema_record_weights(record, weight)) {
+    if ((count > EMA_IDENTIFIED_MAX) || !ema_record_weights(record, weight)) {
         return EMA_ERR_RANGE;
     }
     ema_clear(self, sizeof *self);
@@ -34,13 +26,45 @@ ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actu
         self->weight[channel] = weight[channel];
         self->channels += (weight[channel] > EMA_R(0.0)) ? 1U : 0U;
     }
-    ema_status_t status = ema_run_prepare(&self->plant[0], &self->state[0], &self->work, actuator, start_mm);
+    return EMA_OK;
+}
+
+ema_status_t ema_sensitivity_model(ema_sensitivity_t* self, const ema_actuator_t* actuator, ema_real start_mm)
+{
+    const uint32_t run = self->prepared;
+    ++self->prepared;
+    return ema_run_prepare(&self->plant[run], &self->state[run], &self->work, actuator, start_mm);
+}
+
+ema_status_t ema_sensitivity_moved(ema_sensitivity_t* self, ema_actuator_t* actuator, ema_value_id_t id, ema_real delta,
+                                   ema_real start_mm)
+{
+    const ema_real value = ema_value_of(actuator, id);
+    (void)ema_actuator_set(actuator, id, value + delta);
+    self->delta[self->prepared - 1U] = delta;
+    const ema_status_t status = ema_sensitivity_model(self, actuator, start_mm);
+    (void)ema_actuator_set(actuator, id, value);
+    return status;
+}
+
+ema_status_t ema_sensitivity_start(ema_sensitivity_t* self, ema_actuator_t* actuator, const ema_record_t* record,
+                                   const ema_real weight[EMA_CHANNEL_COUNT], const ema_value_id_t* ids,
+                                   const ema_real* delta, uint32_t count, ema_real start_mm)
+{
+    if ((self == NULL) || (actuator == NULL) || (record == NULL) || (weight == NULL) || (ids == NULL)
+        || (delta == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    bool valid = true;
+    for (uint32_t k = 0; valid && (k < count) && (k < EMA_IDENTIFIED_MAX); ++k) {
+        valid = ((size_t)ids[k] < EMA_VALUE_COUNT) && !ema_actuator_is_learned(ids[k]);
+    }
+    ema_status_t status = valid ? ema_sensitivity_begin(self, actuator, record, weight, count) : EMA_ERR_RANGE;
+    if (status == EMA_OK) {
+        status = ema_sensitivity_model(self, actuator, start_mm);
+    }
     for (uint32_t k = 0; (status == EMA_OK) && (k < count); ++k) {
-        const ema_real value = ema_value_of(actuator, ids[k]);
-        (void)ema_actuator_set(actuator, ids[k], value + delta[k]);
-        self->delta[k] = delta[k];
-        status = ema_run_prepare(&self->plant[1U + k], &self->state[1U + k], &self->work, actuator, start_mm);
-        (void)ema_actuator_set(actuator, ids[k], value);
+        status = ema_sensitivity_moved(self, actuator, ids[k], delta[k], start_mm);
     }
     return status;
 }
@@ -87,7 +111,8 @@ bool ema_sensitivity_done(const ema_sensitivity_t* self)
 uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
 {
     uint32_t made = 0U;
-    while ((made < steps) && !ema_cursor_ended(&self->cursor)) {
+    self->work.spent = 0U;
+    while ((self->work.spent < steps) && !ema_cursor_ended(&self->cursor)) {
         ema_state_t* const state = &self->state[self->next_run];
         if (self->next_run == 0U) {
             self->command_mm = ema_record_asked(self->cursor.record, self->cursor.row, state->step);

@@ -69,6 +69,7 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
                        EMA_R(0.0),
                        EMA_R(0.0)};
     const uint32_t sites = plant->active.sites;
+    work->spent += EMA_WORK_FORCES;
     forces->input = applied->input;
     forces->level_forward_Nm = EMA_R(0.0);
     forces->level_backward_Nm = EMA_R(0.0);

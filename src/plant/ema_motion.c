@@ -204,6 +204,7 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t
 void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
                      ema_real span_s)
 {
+    ++work->spent;
     if (!plant->tries_whole_step || !ema_motion_try(plant, state, work, responses, span_s, true)) {
         for (uint32_t k = 0; k < plant->substeps; ++k) {
             ema_motion_located(plant, state, work, span_s / (ema_real)plant->substeps);

@@ -81,6 +81,7 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
 static inline void ema_motion_plain_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
 {
     uint32_t left = plant->substeps;
+    work->spent += left;
     do {
         if (!ema_motion_plain(plant, state, &work->applied)) {
             ema_motion_located(plant, state, work, plant->substep_s);

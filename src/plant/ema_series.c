@@ -116,6 +116,7 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
 void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end)
 {
     ema_series_t* const series = &work->series;
+    work->spent += EMA_WORK_SERIES;
     ema_series_build(series, plant, work->circuit, &work->span);
     ema_series_angle(series, work->span.span_s, work->terms);
     end->current_A = ema_series_at(series->current_A, EMA_R(1.0));

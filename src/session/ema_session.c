@@ -21,8 +21,8 @@
 #define EMA_FIRST_STEP EMA_R(0.2)
 #define EMA_STALL_PER_PARAMETER 20U
 
-/* What ending a model run and preparing the next costs, in model steps without effects: a slice that has less left does
- * not begin it. Measured on the target. */
+/* What ending a model run and preparing the next costs, in plain steps: a slice that has less left does not begin it.
+ * Measured on the target. */
 #define EMA_RUN_STEPS 160U
 
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator,
@@ -176,9 +176,9 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
     while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_SEARCHING)) {
         const uint32_t before = session->run.model.state.step;
         const ema_objective_state_t state = ema_objective_run(&session->run, left);
-        const uint32_t made = session->run.model.state.step - before;
-        left -= made;
-        session->model_steps += made;
+        const uint32_t spent = session->run.model.work.spent;
+        left = (left > spent) ? (left - spent) : 0U;
+        session->model_steps += session->run.model.state.step - before;
         if ((state != EMA_OBJECTIVE_RUNNING) && ((left >= EMA_RUN_STEPS) || (left == steps))) {
             status = ema_runs_next(session);
             if (ema_annealer_outcome(&session->annealer) != EMA_OUTCOME_ACTIVE) {
@@ -191,10 +191,12 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
             /* the run goes on */
         }
     }
-    while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_ASSESSING)) {
-        const uint32_t made = ema_sensitivity_run(&session->sensitivity, left);
-        left -= made;
-        session->model_steps += made;
+    if ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_ASSESSING)) {
+        if (session->sensitivity.prepared <= session->sensitivity.parameters) {
+            ema_assess_model(session);
+            return EMA_OK;
+        }
+        session->model_steps += ema_sensitivity_run(&session->sensitivity, left);
         if (ema_sensitivity_done(&session->sensitivity)) {
             session->evaluations += 1U + session->config->identified_count;
             session->phase = EMA_PHASE_DONE;

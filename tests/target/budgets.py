@@ -10,6 +10,7 @@ import argparse
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,11 @@ UNIT_SLICES = (8, 200)
 SQUARES = (2, 8)
 SQUARES_CALLS = (("run, 200 steps", "slice_200"), ("result", "result"))
 COUNTED_ALL = "counted all"
+LOOKED_ALL = "looked everywhere"
+# Lines of ema_worst: one model run by name, command and friction, and the longest slice of a session.
+LOOKED = re.compile(r"^(\w+) (\w+) (free|seized) slice (\d+) of (\d+) step (\d+) of (\d+) start (\d+)$", re.MULTILINE)
+LOOKED_SESSION = re.compile(r"^session (\S+) (\w+) slice (\d+)$", re.MULTILINE)
+SHOWN = 8
 CALLS = ("init", "feed", "run", "result")
 # Ways to keep the command of a guarded session, by the names of their counts.
 GUARDED = {"guarded": "the command recorded", "guarded_function": "the command a function"}
@@ -77,6 +83,52 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Looked:
+    """The most that one model run has taken under one command: instructions, and the work that was counted for them, in plain steps."""
+
+    name: str
+    command: str
+    seized: bool
+    slice: int
+    slice_work: int
+    step: int
+    step_work: int
+    start: int
+
+
+@dataclass(frozen=True)
+class Worst:
+    """What was looked for over effects and commands, and over sessions by name and record."""
+
+    runs: tuple[Looked, ...]
+    sessions: dict[tuple[str, str], int]
+
+    def slices(self) -> list[Looked]:
+        """The run with the longest slice of each effect, the longest first."""
+        return self._of_each(lambda run: run.slice)
+
+    def steps(self) -> list[Looked]:
+        """The run with the longest step of each effect, the longest first."""
+        return self._of_each(lambda run: run.step)
+
+    def _of_each(self, key: Callable[[Looked], int]) -> list[Looked]:
+        names = dict.fromkeys(run.name for run in self.runs)
+        return sorted((max((run for run in self.runs if run.name == name), key=key) for name in names), key=key, reverse=True)
+
+
+def worst_of(output: str) -> Worst:
+    """The lines of ema_worst. Raises BudgetError when it did not come to its end."""
+    runs = tuple(
+        Looked(name, command, friction == "seized", *(int(number) for number in numbers))
+        for name, command, friction, *numbers in LOOKED.findall(output)
+    )
+    sessions = {(name, fed): int(taken) for name, fed, taken in LOOKED_SESSION.findall(output)}
+    if LOOKED_ALL not in output.splitlines() or not runs or not sessions:
+        raise BudgetError(f"ema_worst did not come to its end: {output.strip()[-200:]}")
+    return Worst(runs, sessions)
+
+
+@dataclass(frozen=True)
 class Measured:
     """Everything that the document tells."""
 
@@ -90,6 +142,7 @@ class Measured:
     day: int
     squares: int
     levels: tuple[Level, ...]
+    worst: Worst
 
     def number(self, name: str) -> int:
         """One of the counts, whole."""
@@ -123,7 +176,7 @@ class Measured:
             Target("code", "code and constants with all effects", 24 * 1024, self.code, "bytes"),
             Target(
                 "whole",
-                "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns`: no bit of an answer moves",
+                "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns -fno-ipa-cp`: no bit of an answer moves",
                 24 * 1024,
                 self.whole,
                 "bytes",
@@ -140,6 +193,14 @@ class Measured:
             ),
             *tick,
             *identify,
+            Target(
+                "slice",
+                "the longest slice of 200 plain steps, any effect, command or record",
+                126_000,
+                max(self.worst.slices()[0].slice, *self.worst.sessions.values()),
+                "instructions",
+            ),
+            Target("step", "the longest model step, any effect or command", 42_000, self.worst.steps()[0].step, "instructions"),
             Target(
                 "effect",
                 f"a model step with its dearest effect, `{self.dearest()}`: 6 times one without",
@@ -247,6 +308,9 @@ def measure(given: argparse.Namespace) -> Measured:
     if run.exit_code != 0:
         raise BudgetError(f"ema_count ended with {run.exit_code}: {run.output.strip()[-200:]}")
     counts = counts_of(run.output)
+    looked = emulate.run(given.board, given.worst, [], shift=SHIFT)
+    if looked.exit_code != 0:
+        raise BudgetError(f"ema_worst ended with {looked.exit_code}: {looked.output.strip()[-200:]}")
     stacks = stack.worst_of(given.objects, given.include)
     around = stack.load(given.count_objects)
     for call in CALLS:
@@ -271,7 +335,7 @@ def measure(given: argparse.Namespace) -> Measured:
         )
         for level, program, objects in given.level
     ]
-    return Measured(given.compiler, counts, code, whole, bare, stacks, guarded, day, squares, tuple(levels))
+    return Measured(given.compiler, counts, code, whole, bare, stacks, guarded, day, squares, tuple(levels), worst_of(looked.output))
 
 
 def grouped(value: float) -> str:
@@ -335,7 +399,8 @@ def document(found: Measured) -> str:
         ("ema_session_run, 1 step", "slice_1"),
         ("ema_session_run, 200 steps", "slice_200"),
         ("ema_session_run, 1000 steps", "slice_1000"),
-        ("ema_session_result", "session_result"),
+        ("ema_session_result, the search not ended", "session_result"),
+        ("ema_session_result, done", "session_result_done"),
     ]
     lines += calls_table(found, calls)
     lines += [
@@ -347,6 +412,7 @@ def document(found: Measured) -> str:
         "",
     ]
     lines += effects_table(found)
+    lines += worst_section(found)
     lines += [
         "## How long an identification takes",
         "",
@@ -410,6 +476,64 @@ def calls_table(found: Measured, calls: list[tuple[str, str]]) -> list[str]:
             for text, name in calls
         ],
     )
+
+
+def worst_section(found: Measured) -> list[str]:
+    """What a slice takes at most."""
+    worst = found.worst
+    per_work = max(run.slice / run.slice_work for run in worst.runs)
+    work = grouped(max(run.step_work for run in worst.runs))
+    starts = [run.start for run in worst.runs]
+    start = f"{grouped(min(starts))} to {grouped(max(starts))}"
+    lines = [
+        "## The longest slice",
+        "",
+        "The work of a slice is counted in plain steps: a model step is one, and what has to be located in it, or asked of effects, counts besides as much as it takes (`ema_work.h`). A slice",
+        "ends with the step that reaches its length. Looked for with every effect, free and with the highest friction of a search, under the chirp's quick end, a jump from end to end in every step,",
+        "noise over the whole travel, a square wave, a dither and long drives against the ends of travel; and in whole sessions on records of a reversed sensor, of noise, and of a rod that",
+        "does not move.",
+        "",
+    ]
+    lines += table(
+        ["longest slice of 200", "under", "instructions", "us at 168 MHz", "work, plain steps"],
+        [
+            *(
+                [
+                    run.name + (", seized" if run.seized else ""),
+                    run.command,
+                    grouped(run.slice),
+                    f"{run.slice * 1e6 / CLOCK_HZ:.0f}",
+                    grouped(run.slice_work),
+                ]
+                for run in worst.slices()[:SHOWN]
+            ),
+            *(
+                [f"session, {name.replace('+', ' and ')}", fed.replace("_", " "), grouped(taken), f"{taken * 1e6 / CLOCK_HZ:.0f}", ""]
+                for (name, fed), taken in worst.sessions.items()
+            ),
+        ],
+    )
+    lines += table(
+        ["longest model step", "under", "instructions", "us at 168 MHz", "work, plain steps"],
+        [
+            [
+                run.name + (", seized" if run.seized else ""),
+                run.command,
+                grouped(run.step),
+                f"{run.step * 1e6 / CLOCK_HZ:.0f}",
+                grouped(run.step_work),
+            ]
+            for run in worst.steps()[:SHOWN]
+        ],
+    )
+    lines += [
+        "By its structure a model step counts at most 7 plain steps and 107 for each of its substeps (`EMA_STEP_WORK_MAX`), and twice that with an output delay: eight events in every substep.",
+        f"The most that was found is {work}. A plain step of a slice has taken at most {per_work:.0f} instructions, so that a slice of n takes at most n + that many times",
+        f"them. Preparing a run, which is not divided, takes {start} instructions, and the search's own decision",
+        "before it up to three times as much with four values.",
+        "",
+    ]
+    return lines
 
 
 def guarded_section(found: Measured) -> list[str]:
@@ -483,8 +607,8 @@ def unit_section(found: Measured) -> list[str]:
         found, [(f"ema_session_run, {steps_of(count).replace('model ', '')}", f"unit_slice_{count}") for count in UNIT_SLICES]
     )
     lines += [
-        "While it holds, a contact that yields takes a model step in many parts: candidates of high friction, which the motor hardly moves, make the longest slices. The structures are the same as",
-        "without, and so is the memory.",
+        "While it holds, a contact that yields takes a model step in many parts, most of all with candidates of high friction, which the motor hardly moves; they count for what they take. The",
+        "longest slices are those in which the search decides and the next run is prepared. The structures are the same as without, and so is the memory.",
         "",
     ]
     lines += table(
@@ -555,8 +679,11 @@ def summary(found: Measured) -> str:
         ["stack, deepest call", f"{grouped(max(size for size, _ in found.stacks.values()))} bytes"],
         ["`ema_session_feed`", f"{grouped(found.counts['session_feed_most'])} instructions"],
         [
-            "a slice of 200 model steps",
-            f"{grouped(found.counts['slice_200_mean'])} instructions, at most {grouped(found.counts['slice_200_most'])}",
+            "a slice of 200 plain steps",
+            (
+                f"{grouped(found.counts['slice_200_mean'])} instructions, at most {grouped(found.counts['slice_200_most'])}; "
+                f"with any effect, command or record at most {grouped(max(found.worst.slices()[0].slice, *found.worst.sessions.values()))}"
+            ),
         ],
         ["1 ms of model time in the search", f"{grouped(per_ms)} instructions"],
         [
@@ -628,6 +755,7 @@ def main() -> int:
     parser.add_argument("--size", required=True, help="the cross compiler's size")
     parser.add_argument("--compiler", required=True, help="version of the cross compiler")
     parser.add_argument("--count", type=Path, required=True, help="the program ema_count")
+    parser.add_argument("--worst", type=Path, required=True, help="the program ema_worst")
     parser.add_argument("--flash", type=Path, required=True, help="the program ema_flash")
     parser.add_argument("--bare", type=Path, required=True, help="the program ema_flash without effects")
     parser.add_argument("--whole", type=Path, required=True, help="the program ema_flash, compiled as one by -flto")

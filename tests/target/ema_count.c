@@ -165,9 +165,20 @@ static void count_slices(uint32_t slice)
     if (status != EMA_OK) {
         fail("slices", status);
     }
+    ema_result_t result;
+    ticks_t once = {0};
+    const uint32_t done = ema_counter_now();
+    status = ema_session_result(&recorded.session, &result);
+    take(&once, done, ema_counter_now());
+    if ((status != EMA_OK) || (result.verdict != EMA_VERDICT_FAULT)) {
+        fail("result", status);
+    }
     char label[32];
     (void)snprintf(label, sizeof label, "slice_%" PRIu32, slice);
     print_mean(label, &run);
+    if (slice > 200U) {
+        print_mean("session_result_done", &once);
+    }
 }
 
 static void count_selftest(void)

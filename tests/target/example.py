@@ -55,7 +55,7 @@ REASON_EFFECT = 256
 class Machine:
     """A machine and what must come of it; `true`: CSJ and BLK in Nm and mm, or None where an effect is hidden and the estimates mean nothing; `title`: in docs/FIRMWARE.md.
 
-    Of a recorded unit `shifts` of CSJ and BLK in % take the place of `true`; a model step with its standing effects takes longer, so its slices are shorter.
+    Of a recorded unit `shifts` of CSJ and BLK in % take the place of `true`.
     """
 
     program: str
@@ -65,7 +65,6 @@ class Machine:
     effect: str = "none"
     size: float = 0.0
     shifts: tuple[float, float] | None = None
-    slice_steps: int = 200
     values: int = 2
 
 
@@ -82,11 +81,12 @@ MACHINES = (
         0.3,
     ),
 )
+SLICE_STEPS = "200"
 _UNIT = "a unit with standing errors, by its own model"
 UNIT = (
-    Machine("ace_unit_sound", f"{_UNIT}: sound, 3 degC warmer", HEALTHY, None, shifts=(0.0, 0.0), slice_steps=8, values=4),
-    Machine("ace_unit_worn", "the same: +20 %, +50 %, 3 degC colder", FAULT, None, shifts=(20.0, 50.0), slice_steps=8, values=4),
-    Machine("ace_unit_hidden", "the same: sound, with such a dead time", UNDECIDED, None, "inverter_dead_time", 0.3, None, 8, 4),
+    Machine("ace_unit_sound", f"{_UNIT}: sound, 3 degC warmer", HEALTHY, None, shifts=(0.0, 0.0), values=4),
+    Machine("ace_unit_worn", "the same: +20 %, +50 %, 3 degC colder", FAULT, None, shifts=(20.0, 50.0), values=4),
+    Machine("ace_unit_hidden", "the same: sound, with such a dead time", UNDECIDED, None, "inverter_dead_time", 0.3, values=4),
 )
 
 
@@ -169,7 +169,7 @@ def refusal_problems(board: str, program: Path) -> list[str]:
     problems = []
     for arguments, code, name, count in (
         (["200", "500"], OVERRUN, "overrun", "overruns"),
-        (["200", "2000", "0"], LATE, "late", "late_ticks"),
+        ([SLICE_STEPS, "2000", "0"], LATE, "late", "late_ticks"),
     ):
         run = emulate.run(board, program, arguments, shift=SHIFT)
         lines = lines_of(run.output)
@@ -193,8 +193,7 @@ def main() -> int:
     try:
         page = given.page.read_text(encoding="utf-8").splitlines()
         for machine in UNIT if given.unit else MACHINES:
-            arguments = [str(machine.slice_steps)]
-            run = emulate.run(given.board, given.target / machine.program, arguments, shift=SHIFT)
+            run = emulate.run(given.board, given.target / machine.program, [SLICE_STEPS], shift=SHIFT)
             sys.stdout.write(f"{machine.program}\n{run.output}\n")
             problems += [f"{machine.program}: {problem}" for problem in problems_of(run.output, run.exit_code, machine)]
             if row_of(run.output, machine) not in page:

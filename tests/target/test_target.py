@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import struct
 import tempfile
@@ -173,6 +174,12 @@ class Stacks(unittest.TestCase):
             stack.load(Path(folder))
 
 
+LOOKED = """healthy chirp free slice 70000 of 203 step 4000 of 13 start 17000
+healthy noise seized slice 80000 of 210 step 9000 of 30 start 17001
+presliding chirp free slice 90000 of 290 step 29000 of 114 start 31890
+session healthy wrong_sign slice 86000
+looked everywhere
+"""
 LEVELS = (budgets.Level("-O0", 60_000, 700), budgets.Level("-O2", 29_000, 500))
 
 
@@ -191,7 +198,16 @@ def measured(**changed: float) -> budgets.Measured:
     }
     counts |= {
         f"{name}_{which}": 300
-        for name in ("selftest", "session_init", "session_feed", "session_result", "slice_1", "slice_200", "slice_1000")
+        for name in (
+            "selftest",
+            "session_init",
+            "session_feed",
+            "session_result",
+            "session_result_done",
+            "slice_1",
+            "slice_200",
+            "slice_1000",
+        )
         for which in ("mean", "most")
     }
     counts |= {
@@ -237,7 +253,17 @@ def measured(**changed: float) -> budgets.Measured:
     }
     counts |= {"onboard_whole": 4_000_000} | changed
     return budgets.Measured(
-        "12.2.1", counts, 25_000, 24_000, 20_000, {"ema_session_run": (500, ("ema_session_run",))}, 28_000, 25_200, 30_000, LEVELS
+        "12.2.1",
+        counts,
+        25_000,
+        24_000,
+        20_000,
+        {"ema_session_run": (500, ("ema_session_run",))},
+        28_000,
+        25_200,
+        30_000,
+        LEVELS,
+        budgets.worst_of(LOOKED),
     )
 
 
@@ -270,8 +296,21 @@ class Budgets(unittest.TestCase):
         self.assertRegex(" ".join(budgets.problems_of(large, budgets.document(large))), "table of signatures.*mend it")
 
     def test_a_reason_too_many(self) -> None:
-        small = budgets.Measured("12.2.1", measured().counts, 20_000, 19_000, 10_000, measured().stacks, 22_000, 20_200, 25_000, LEVELS)
+        small = dataclasses.replace(measured(), code=20_000, bare=10_000)
         self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
+
+    def test_the_longest_slice(self) -> None:
+        worst = budgets.worst_of(LOOKED)
+        self.assertEqual([(run.name, run.slice) for run in worst.slices()], [("presliding", 90_000), ("healthy", 80_000)])
+        self.assertEqual(
+            [(run.name, run.step, run.seized) for run in worst.steps()], [("presliding", 29_000, False), ("healthy", 9_000, True)]
+        )
+        for line in ("session healthy noise slice 127000", "healthy jumps free slice 127000 of 200 step 9000 of 30 start 17000"):
+            late = dataclasses.replace(measured(), worst=budgets.worst_of(f"{line}\n{LOOKED}"))
+            self.assertRegex(" ".join(budgets.problems_of(late, budgets.document(late))), "longest slice.*mend it")
+        for output in ("", LOOKED.replace("looked everywhere\n", ""), "looked everywhere\n"):
+            with self.subTest(output), self.assertRaises(budgets.BudgetError):
+                budgets.worst_of(output)
 
     def test_the_page(self) -> None:
         page = "before\n<!-- budgets: x -->\n<!-- end of budgets -->\nafter\n"

@@ -1,0 +1,248 @@
+/* The dearest step and the dearest slice, looked for on the emulated target: every effect, free and with as much dry
+ * friction as a search may try, over commands that no ground test has; and whole sessions on records that no machine
+ * makes. Run it with -icount shift=6, as ema_count.
+ *
+ * Prints a line for each: name, command, and the most that a slice, a step and the preparation of a run have taken.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ema/ema_session.h"
+#include "ema_counter.h"
+#include "ema_recorded.h"
+
+/* 25 ticks are 1000 ns, 1000 / 64 instructions. */
+#define TICKS 8U
+#define INSTRUCTIONS 5U
+#define ROWS 2000U
+#define SLICE 200U
+/* Model runs of a session: enough for every kind of slice. */
+#define RUNS 40U
+
+static ema_real buffer[2U * ROWS];
+static ema_record_t record;
+static ema_objective_t objective;
+
+typedef struct {
+    const char* effect;
+    ema_value_id_t id;
+    ema_real value;
+} costed_t;
+
+static const costed_t costed[] = {
+#define EMA_COSTED(effect, field, value) {#effect, EMA_EFFECT_VALUE_ID(effect, field), value},
+#include "ema_costed.def"
+};
+
+#define COSTED (sizeof costed / sizeof costed[0])
+
+typedef struct {
+    uint32_t ticks;
+    uint32_t spent; /* of the same */
+} worst_t;
+
+static unsigned long long instructions(uint64_t ticks)
+{
+    return (unsigned long long)(((ticks * INSTRUCTIONS) + (TICKS - 1U)) / TICKS);
+}
+
+/* Between -1 and 1, the same on every run. */
+static ema_real draw(uint32_t* drawn)
+{
+    *drawn = (*drawn * 1664525U) + 1013904223U;
+    return ((ema_real)(*drawn >> 8U) / EMA_R(8388608.0)) - EMA_R(1.0);
+}
+
+typedef ema_real (*command_fn)(uint32_t row, ema_real travel_mm, uint32_t* drawn);
+
+static ema_real chirp(uint32_t row, ema_real travel_mm, uint32_t* drawn)
+{
+    (void)travel_mm;
+    (void)drawn;
+    ema_sample_t sample = {0};
+    /* its quick end */
+    (void)ema_recorded_row('a', EMA_RECORDED_ROWS - ROWS + row, &sample);
+    return sample.command_mm;
+}
+
+static ema_real jumps(uint32_t row, ema_real travel_mm, uint32_t* drawn)
+{
+    (void)drawn;
+    return ((row & 1U) != 0U) ? travel_mm : -travel_mm;
+}
+
+static ema_real noise(uint32_t row, ema_real travel_mm, uint32_t* drawn)
+{
+    (void)row;
+    return draw(drawn) * travel_mm;
+}
+
+static ema_real square(uint32_t row, ema_real travel_mm, uint32_t* drawn)
+{
+    (void)travel_mm;
+    (void)drawn;
+    return (((row / 150U) & 1U) != 0U) ? EMA_R(3.0) : EMA_R(-3.0);
+}
+
+static ema_real dither(uint32_t row, ema_real travel_mm, uint32_t* drawn)
+{
+    (void)row;
+    (void)travel_mm;
+    return draw(drawn) * EMA_R(0.05);
+}
+
+static ema_real ends(uint32_t row, ema_real travel_mm, uint32_t* drawn)
+{
+    (void)drawn;
+    return (((row / 700U) & 1U) != 0U) ? travel_mm : -travel_mm;
+}
+
+static const struct {
+    const char* name;
+    command_fn at;
+} commands[] = {{"chirp", chirp},   {"jumps", jumps},   {"noise", noise},
+                {"square", square}, {"dither", dither}, {"ends", ends}};
+
+#define COMMANDS (sizeof commands / sizeof commands[0])
+
+static void fail(const char* what, ema_status_t status)
+{
+    (void)printf("failed %s: %s\n", what, ema_status_text(status));
+    exit(1);
+}
+
+/* One model run against the record, in slices; returns what starting it took. */
+static uint32_t run(const char* name, const ema_actuator_t* actuator, uint32_t slice, worst_t* worst)
+{
+    static const ema_real weight[EMA_CHANNEL_COUNT] = {[EMA_CHANNEL_POSITION] = EMA_R(1.0)};
+    uint32_t from = ema_counter_now();
+    const ema_status_t status = ema_objective_start(&objective, actuator, &record, weight, EMA_R(0.0), EMA_COST_MAX);
+    const uint32_t start = ema_counter_now() - from;
+    if (status != EMA_OK) {
+        fail(name, status);
+    }
+    ema_objective_state_t state = EMA_OBJECTIVE_RUNNING;
+    while (state == EMA_OBJECTIVE_RUNNING) {
+        from = ema_counter_now();
+        state = ema_objective_run(&objective, slice);
+        const uint32_t ticks = ema_counter_now() - from;
+        if (ticks > worst->ticks) {
+            worst->ticks = ticks;
+            worst->spent = objective.model.work.spent;
+        }
+    }
+    if (state != EMA_OBJECTIVE_DONE) {
+        fail(name, EMA_ERR_DIVERGED);
+    }
+    return start;
+}
+
+static void look(const char* name, const ema_actuator_t* actuator, const char* friction)
+{
+    for (size_t k = 0; k < COMMANDS; ++k) {
+        const ema_record_config_t config = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL};
+        uint32_t drawn = 1U;
+        ema_status_t status = ema_record_init(&record, &config);
+        for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
+            ema_sample_t sample = {0};
+            sample.command_mm = commands[k].at(row, actuator->params.travel_mm, &drawn);
+            status = ema_record_append(&record, &sample);
+        }
+        if (status != EMA_OK) {
+            fail(name, status);
+        }
+        worst_t slice = {0};
+        worst_t step = {0};
+        const uint32_t start = run(name, actuator, SLICE, &slice);
+        (void)run(name, actuator, 1U, &step);
+        (void)printf("%s %s %s slice %llu of %" PRIu32 " step %llu of %" PRIu32 " start %llu\n", name, commands[k].name,
+                     friction, instructions(slice.ticks), slice.spent, instructions(step.ticks), step.spent,
+                     instructions(start));
+    }
+}
+
+static void look_free_and_seized(const char* name, ema_actuator_t* actuator)
+{
+    look(name, actuator, "free");
+    (void)ema_actuator_set(actuator, EMA_VALUE_ID(csj_Nm), actuator->params.csj_upper_Nm);
+    look(name, actuator, "seized");
+}
+
+/* What a session is fed in the place of the sensors' signals. */
+typedef enum { EMA_FED_WRONG_SIGN, EMA_FED_NOISE, EMA_FED_NOTHING, EMA_FED_KINDS } ema_fed_t;
+
+static const char* const fed_names[EMA_FED_KINDS] = {"wrong_sign", "noise", "nothing"};
+
+/* The longest slice of a session on such a record, grease and winding of the day searched too. */
+static void look_session(const char* name, const ema_actuator_t* actuator, ema_fed_t fed)
+{
+    static ema_session_t session;
+    static ema_session_config_t config;
+    const ema_record_config_t recorded = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL};
+    uint32_t drawn = 1U;
+    ema_status_t status = ema_session_config_default(&config, actuator, &recorded);
+    if (status == EMA_OK) {
+        status = ema_session_config_day(&config);
+    }
+    if (status == EMA_OK) {
+        config.annealer.evaluation_budget = RUNS;
+        status = ema_session_init(&session, &config);
+    }
+    for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
+        ema_sample_t sample = {0};
+        (void)ema_recorded_row('b', row, &sample);
+        if (fed == EMA_FED_WRONG_SIGN) {
+            sample.channel[EMA_CHANNEL_POSITION] = -sample.channel[EMA_CHANNEL_POSITION];
+        } else if (fed == EMA_FED_NOISE) {
+            sample.command_mm = draw(&drawn) * actuator->params.travel_mm;
+            sample.channel[EMA_CHANNEL_POSITION] = draw(&drawn) * actuator->params.travel_mm;
+        } else {
+            sample.channel[EMA_CHANNEL_POSITION] = EMA_R(0.0);
+        }
+        status = ema_session_feed(&session, &sample);
+    }
+    uint32_t worst = 0U;
+    while ((status == EMA_OK) && (ema_session_phase(&session) != EMA_PHASE_DONE)) {
+        const uint32_t from = ema_counter_now();
+        status = ema_session_run(&session, SLICE);
+        const uint32_t ticks = ema_counter_now() - from;
+        worst = (ticks > worst) ? ticks : worst;
+    }
+    if (status != EMA_OK) {
+        fail(name, status);
+    }
+    (void)printf("session %s %s slice %llu\n", name, fed_names[fed], instructions(worst));
+}
+
+static void look_sessions(const char* name, const ema_actuator_t* actuator)
+{
+    for (uint32_t fed = 0; fed < (uint32_t)EMA_FED_KINDS; ++fed) {
+        look_session(name, actuator, (ema_fed_t)fed);
+    }
+}
+
+int main(void)
+{
+    ema_actuator_t healthy;
+    ema_counter_start();
+    (void)ema_actuator_defaults(&healthy);
+    ema_actuator_t actuator = healthy;
+    look_free_and_seized("healthy", &actuator);
+    for (size_t k = 0; k < COSTED;) {
+        const char* const name = costed[k].effect;
+        actuator = healthy;
+        for (; (k < COSTED) && (strcmp(costed[k].effect, name) == 0); ++k) {
+            (void)ema_actuator_set(&actuator, costed[k].id, costed[k].value);
+        }
+        look_free_and_seized(name, &actuator);
+    }
+    healthy.options.day_values = 1;
+    look_sessions("healthy", &healthy);
+    (void)ema_actuator_set(&healthy, EMA_EFFECT_VALUE_ID(presliding, stretch_rad), EMA_R(0.02));
+    (void)ema_actuator_set(&healthy, EMA_EFFECT_VALUE_ID(pitch_ripple, ratio), EMA_R(0.03));
+    look_sessions("presliding+pitch_ripple", &healthy);
+    (void)printf("looked everywhere\n");
+    return 0;
+}
