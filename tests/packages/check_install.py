@@ -64,14 +64,19 @@ def check(arguments: argparse.Namespace) -> str:
 
     package = next(moved.rglob("ema.pc")).parent
     flags = run(["pkg-config", "--cflags", "--libs", "ema"], work, {"PKG_CONFIG_PATH": str(package)})
-    expect(run(["pkg-config", "--modversion", "ema"], work, {"PKG_CONFIG_PATH": str(package)}).strip() == "0.1.0", "ema.pc has another version")
+    expect(
+        run(["pkg-config", "--modversion", "ema"], work, {"PKG_CONFIG_PATH": str(package)}).strip() == "0.1.0", "ema.pc has another version"
+    )
     compiler = environment().get("CC", "cc")
     run([compiler, "-std=c11", "main.c", *shlex.split(flags), "-o", "by_pkg_config"], project)
     by_pkg_config = run([project / "by_pkg_config"], work)
     expect(by_cmake == by_pkg_config, f"by pkg-config {by_pkg_config}, by find_package {by_cmake}")
     ways = "find_package, pkg-config"
     if shutil.which("c++"):
-        run(["c++", "-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "headers.cpp", *shlex.split(flags), "-o", "from_cpp"], project)
+        run(
+            ["c++", "-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "headers.cpp", *shlex.split(flags), "-o", "from_cpp"],
+            project,
+        )
         run([project / "from_cpp"], work)
         ways += ", C++11"
 
@@ -82,7 +87,19 @@ def check(arguments: argparse.Namespace) -> str:
     expect(levels(command) == ["-Os"], f"without an operating system: compiled with {levels(command)}, not -Os")
     names = sorted(path.name for path in prefix.rglob("*.a"))
     expect(names == ["libema.a"], f"without an operating system: {names} are installed, not libema.a alone")
-    run(["cmake", "-S", project, "-B", work / "arm_found", toolchain, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_FIND_ROOT_PATH_MODE_PACKAGE=BOTH"], work)
+    run(
+        [
+            "cmake",
+            "-S",
+            project,
+            "-B",
+            work / "arm_found",
+            toolchain,
+            f"-DCMAKE_PREFIX_PATH={prefix}",
+            "-DCMAKE_FIND_ROOT_PATH_MODE_PACKAGE=BOTH",
+        ],
+        work,
+    )
     run(["cmake", "--build", work / "arm_found"], work)
     run(["cmake", "-S", root, "-B", work / "arm_flags", *ALONE, toolchain, "-DCMAKE_C_FLAGS=-mcpu=cortex-m4 -mthumb -O2"], work)
     expect(levels(command_of(work / "arm_flags")) == ["-O2"], "the user's -O2 on a target without an operating system is not the last word")

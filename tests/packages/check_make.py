@@ -33,7 +33,9 @@ def check(arguments: argparse.Namespace) -> str:
         run(["make", "-B", f"EMA={work / 'ema'}", f"DEFINES={defines}"], project)
         said[name] = run([project / "outside"], project)
     expect(said["all"].startswith("0 ok: ") and said["all"] == said["none"], f"without effects the bits are others: {said}")
-    expect(said["used"].startswith("0 ok: ") and said["used"] == said["held"] != said["all"], f"an effect that is held has other bits: {said}")
+    expect(
+        said["used"].startswith("0 ok: ") and said["used"] == said["held"] != said["all"], f"an effect that is held has other bits: {said}"
+    )
     expect(said["left_out"].startswith("12 "), f"an effect that is left out is not refused: {said['left_out']}")
     return "every file side by side, all effects, none, and one alone"
 
