@@ -5,10 +5,22 @@ include(CheckCCompilerFlag)
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES AND PROJECT_IS_TOP_LEVEL)
     set(CMAKE_BUILD_TYPE Release CACHE STRING "Kind of build" FORCE)
 endif()
+# Without a word of the user's the module is built for speed at a desk and for size where flash is short: on a Cortex-M that takes as few instructions. A toolchain's
+# own flags, and an -O of the user's among CMAKE_C_FLAGS or CFLAGS, stay.
 if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED EMA_RELEASE_FLAGS_SET)
-    # -O3 without CMake's -DNDEBUG: the module has no assertions to leave out.
-    set(CMAKE_C_FLAGS_RELEASE "-O3" CACHE STRING "Flags of a Release build" FORCE)
-    set(EMA_RELEASE_FLAGS_SET ON CACHE INTERNAL "The Release flags are this project's")
+    string(STRIP "${CMAKE_C_FLAGS_RELEASE}" ema_release_flags)
+    string(STRIP "${CMAKE_C_FLAGS_RELEASE_INIT}" ema_release_default)
+    if(NOT EMA_RELEASE_FLAGS_GIVEN AND ema_release_flags STREQUAL ema_release_default)
+        # CMake's -DNDEBUG is left out: the module has no assertions.
+        set(ema_release_flags "-O3")
+        if(CMAKE_C_FLAGS MATCHES "(^| )-O")
+            set(ema_release_flags "")
+        elseif(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+            set(ema_release_flags "-Os")
+        endif()
+        set(CMAKE_C_FLAGS_RELEASE "${ema_release_flags}" CACHE STRING "Flags of a Release build" FORCE)
+    endif()
+    set(EMA_RELEASE_FLAGS_SET ON CACHE INTERNAL "The Release flags are chosen")
 endif()
 
 # Value-changing optimisation breaks bit equality between machines, so it is refused, not overridden.

@@ -12,6 +12,3 @@ endif()
 set(CMAKE_C_COMPILER "${EMA_ARM_GCC}")
 
 set(CMAKE_C_FLAGS_INIT "-mcpu=${EMA_CORTEX} -mthumb -mfloat-abi=hard -mfpu=${EMA_CORTEX_FPU} -ffunction-sections -fdata-sections -fstack-usage -fcallgraph-info=su")
-# As few instructions as with -O2 and an eighth smaller; results are the same bits.
-set(CMAKE_C_FLAGS_RELEASE "-Os" CACHE STRING "Flags of a Release build")
-set(EMA_RELEASE_FLAGS_SET ON CACHE INTERNAL "The Release flags are this project's")

@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-WHAT = {"run": "the tools", "test": "their tests", "check": "their checks"}
+WHAT = {"run": "the tools", "test": "their tests", "check": "their checks", "package": "the packages' checks"}
 
 
 def fingerprint(locks: list[Path], package: Path) -> str:
@@ -71,7 +71,7 @@ def main() -> int:
     log = venv.parent / f"venv-{arguments.kind}.log"
     log.unlink(missing_ok=True)
     start = time.monotonic()
-    count = sum(1 for line in arguments.lock.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#"))
+    count = sum(1 for line in arguments.lock.read_text(encoding="utf-8").splitlines() if line and not line.startswith(("#", "-")))
     what = WHAT[arguments.kind]
     print(f"Python packages of {what}: installing {count} into {venv.name}, once ...", flush=True)
     if arguments.kind != "test":
@@ -108,8 +108,8 @@ def main() -> int:
             file=sys.stderr,
         )
         return 1
-    # The checks read the sources where they lie.
-    if arguments.kind != "check":
+    # Checks read the sources where they lie, and those of the packages must not find them.
+    if arguments.kind in ("run", "test"):
         link_package(python, arguments.package)
     stamp.write_text(wanted, encoding="utf-8")
     print(f"Python packages of {what}: ready after {time.monotonic() - start:.0f} s", flush=True)

@@ -69,9 +69,9 @@ def check_headers(root: Path, compiler: str) -> tuple[list[str], int]:
 
 
 def check_clang(root: Path, compiler: str) -> tuple[list[str], int]:
-    """Every C file of the module and its ports with clang's float conversion warnings as errors."""
+    """Every C file of the module and its ports with clang's float conversion warnings as errors; not the board's, nor what wants the headers of a standard."""
     problems: list[str] = []
-    files = [file for file in c_files(root, "src", "port", suffixes=(".c",)) if "cortex_m" not in file.parts]
+    files = [file for file in c_files(root, "src", "port", suffixes=(".c",)) if not {"cortex_m", "fmi"} & set(file.parts)]
     for file in files:
         for real64 in (0, 1):
             flags = [

@@ -27,7 +27,7 @@ def test_help_names_every_command() -> None:
 def test_version_is_the_projects() -> None:
     ran = run_ema("--version")
     assert ran.out.strip() == f"ema, version {ema_tools.__version__}"
-    assert f'version = "{ema_tools.__version__}"' in (ROOT / "tools" / "pyproject.toml").read_text(encoding="utf-8")
+    assert f'version = "{ema_tools.__version__}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert f"project(EMA VERSION {ema_tools.__version__} " in (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
 
 

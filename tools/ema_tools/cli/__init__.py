@@ -43,7 +43,7 @@ _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 def cli() -> None:
     """Model, identify and watch over an electromechanical actuator.
 
-    ACTUATOR is a TOML file, REC a recording (CSV, .mat or .parquet).
+    ACTUATOR is a TOML file, or reference, which ships with the tools; REC a recording (CSV, .mat or .parquet).
     """
 
 

@@ -20,7 +20,7 @@ from ema_tools.data import own_unit, story
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.data.cases import CASES, PaperCase
 from ema_tools.data.records import Record, read_record, simulated
-from ema_tools.library.definitions import library_folder
+from ema_tools.library.definitions import is_installed, library_folder, shipped_folder
 from ema_tools.library.faults import FAULTS as CHANGEABLE
 from ema_tools.plant.native import Progress, SearchSettings
 from ema_tools.results.codec import to_json
@@ -93,13 +93,13 @@ class _Unit:
 
 
 def recordings_folder() -> Path:
-    """Folder of the shipped recordings, in the project around this file."""
-    return Path(__file__).resolve().parents[3] / "recordings"
+    """Folder of the shipped recordings."""
+    return shipped_folder() / "recordings"
 
 
 def output_folder() -> Path:
-    """Where the demo leaves its results: beside the libraries, in the build folder."""
-    return library_folder().parent / "demo"
+    """Where the demo leaves its results: beside the libraries in the build folder, from an installed package below the current folder."""
+    return Path("ema_demo") if is_installed() else library_folder().parent / "demo"
 
 
 def written(folder: Path) -> list[Path]:

@@ -23,7 +23,7 @@ from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import one_line, read_text, readable, write_text
 from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forgotten, is_incomplete, left_out
-from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions
+from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions, shipped_folder
 
 ABOUT = ("name", "notes", "source", "command_acts")
 # These sections are settings of the method, not of the machine: what is absent takes its nominal value.
@@ -392,8 +392,11 @@ def reference_actuator() -> Actuator:
 def read_actuator(path: str | Path, complete: bool = True) -> Actuator:
     """Read an actuator. With `complete` off [control] and [drive] may be absent, as may lead and ratio, and with them whatever no balance of forces needs.
 
-    Raises InputError in one line that names file, section.field, range and the nearest known name.
+    `reference` is the actuator that ships with the tools, where no file is called so. Raises InputError in one line that names file, section.field, range and
+    the nearest known name.
     """
+    if str(path) == "reference" and not Path(path).exists():
+        path = shipped_folder() / "actuators" / "reference.toml"
     return actuator_of(read_text(path), readable(Path(path).name), complete)
 
 

@@ -225,12 +225,25 @@ class Definitions:
 
 
 _FOLDER = "EMA_LIBRARY_DIR"
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def is_installed() -> bool:
+    """Whether the package stands by itself, as from a wheel: its libraries and what ships with it lie inside it."""
+    return (_PACKAGE / "lib").is_dir()
 
 
 def library_folder() -> Path:
-    """Folder of the shared libraries: EMA_LIBRARY_DIR, else `build/lib` of the repository around this file."""
+    """Folder of the shared libraries: EMA_LIBRARY_DIR, else that inside an installed package, else `build/lib` of the repository around this file."""
     named = os.environ.get(_FOLDER)
-    return Path(named).resolve() if named else Path(__file__).resolve().parents[3] / "build" / "lib"
+    if named:
+        return Path(named).resolve()
+    return _PACKAGE / "lib" if is_installed() else _PACKAGE.parents[1] / "build" / "lib"
+
+
+def shipped_folder() -> Path:
+    """Where `actuators` and `recordings` lie: inside an installed package, else the repository around this file."""
+    return _PACKAGE / "shipped" if is_installed() else _PACKAGE.parents[1]
 
 
 def named_library(name: str) -> Path:

@@ -1,0 +1,44 @@
+"""The module's files in another project, by make: two include paths, effects left out by a macro, the bits of CMake's build."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+from outside import expect, main, run
+
+HERE = Path(__file__).resolve().parent
+
+
+def check(arguments: argparse.Namespace) -> str:
+    """The whole way; says what was run."""
+    root, work = arguments.root, arguments.work
+    project = shutil.copytree(HERE / "project", work / "project")
+    shutil.copytree(root / "include", work / "ema/include")
+    (work / "ema/src").mkdir()
+    files = [path for path in (root / "src").glob("*/*") if path.suffix in (".c", ".h")]
+    for file in files:
+        shutil.copy(file, work / "ema/src")
+    expect(len(files) == len(list((work / "ema/src").iterdir())), "two files of src have one name, so they cannot lie side by side")
+    said = {}
+    for name, defines in {
+        "all": "",
+        "none": "-DEMA_EFFECTS_CHOSEN=1",
+        "used": "-DSTRIBECK_RISE=0.3f",
+        "held": "-DSTRIBECK_RISE=0.3f -DEMA_EFFECTS_CHOSEN=1 -DEMA_WITH_stribeck_friction=1",
+        "left_out": "-DSTRIBECK_RISE=0.3f -DEMA_EFFECTS_CHOSEN=1 -DEMA_WITH_cogging_torque=1",
+    }.items():
+        run(["make", "-B", f"EMA={work / 'ema'}", f"DEFINES={defines}"], project)
+        said[name] = run([project / "outside"], project)
+    expect(said["all"].startswith("0 ok: ") and said["all"] == said["none"], f"without effects the bits are others: {said}")
+    expect(
+        said["used"].startswith("0 ok: ") and said["used"] == said["held"] != said["all"], f"an effect that is held has other bits: {said}"
+    )
+    expect(said["left_out"].startswith("12 "), f"an effect that is left out is not refused: {said['left_out']}")
+    return "every file side by side, all effects, none, and one alone"
+
+
+if __name__ == "__main__":
+    sys.exit(main("make", check))

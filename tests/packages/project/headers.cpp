@@ -1,0 +1,8 @@
+// The module from C++11.
+#include "ema/ema_session.h"
+
+int main()
+{
+    static ema_actuator_t actuator;
+    return (ema_actuator_defaults(&actuator) == EMA_OK) ? 0 : 1;
+}
