@@ -9,8 +9,8 @@
 #error "EMA needs NaN and infinity to be seen. Build without -ffinite-math-only."
 #endif
 
-/* Contraction makes one rounding of two. Where the compiler takes the standard's word for it no flag is needed; gcc wants
- * -ffp-contract=off, and ema_selftest sees where it was forgotten. */
+/* Contraction makes one rounding of two. Where the compiler takes the standard's word for it no flag is needed; gcc
+ * wants -ffp-contract=off, and ema_selftest sees where it was forgotten. */
 #if defined(__clang__) && !defined(__cplusplus)
 #pragma STDC FP_CONTRACT OFF
 #endif
@@ -23,7 +23,8 @@
 
 #if defined(__FLT_EVAL_METHOD__) && !defined(__cplusplus)
 #if (__FLT_EVAL_METHOD__ != 0) && (__FLT_EVAL_METHOD__ != 16) && !(EMA_REAL64 && (__FLT_EVAL_METHOD__ == 1))
-#error "EMA needs each operation rounded to its own type. Build without excess precision: -msse2 -mfpmath=sse on x86, -std=c11."
+#error                                                                                                                 \
+    "EMA needs each operation rounded to its own type. Build without excess precision: -msse2 -mfpmath=sse on x86, -std=c11."
 #endif
 #endif
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
@@ -19,9 +20,8 @@ from ema_tools.words.page import charts, first_screen, heat, names, signals, upl
 from ema_tools.words.page import diagnosis_page as page_of
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.results import parse_result
-from test_report_page import _structure, _without_scripts
-
 from support import RECORDINGS
+from test_report_page import _structure, _without_scripts
 
 
 def parsed(data: dict[str, Any]) -> Diagnosed:

@@ -1,4 +1,5 @@
-/* A program of another project: prints in hexadecimal what the reference actuator does in 2000 steps of 1 mm, so that builds can be compared to the bit. */
+/* A program of another project: prints in hexadecimal what the reference actuator does in 2000 steps of 1 mm, so that
+ * builds can be compared to the bit. */
 #include <stdio.h>
 
 #include "ema/ema_model.h"
