@@ -8,7 +8,7 @@
 
 #include "ema/ema_model.h"
 #include "ema_fmi_list.h"
-#include "fmi3Functions.h"
+#include <fmi3Functions.h>
 
 /* A controller that passes its command on: full output is asked by a position so far away that the actuator's own is
  * not seen beside it; less than 1e-9 of the full output. */

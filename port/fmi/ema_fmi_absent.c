@@ -2,7 +2,7 @@
  * Arguments are as the standard declares them and nothing reads them, so the build leaves their warning out. */
 #include <stddef.h>
 
-#include "fmi3Functions.h"
+#include <fmi3Functions.h>
 
 #define EMA_FMI_ABSENT(name, ...)                                                                                      \
     fmi3Status name(fmi3Instance instance, __VA_ARGS__)                                                                \
