@@ -18,6 +18,7 @@ import check_layers
 import check_misra
 import check_python
 import check_python_layers
+import check_requirements
 import check_symbols
 import check_tidy
 import check_units
@@ -52,6 +53,49 @@ class Tree(unittest.TestCase):
         """Run a check as ctest does."""
         command = [sys.executable, str(HERE / script), *arguments]
         return subprocess.run(command, capture_output=True, check=False).returncode
+
+
+class Requirements(Tree):
+    """check_requirements.py"""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write(
+            "include/ema/ema_a.h",
+            "#ifndef A\nvoid ema_a(int x);\nconst char* ema_b(int x);\nstatic inline int ema_c(int x)\n{\n    return x;\n}\n#endif\n",
+        )
+        self.write("tests/unit/test_a.c", "int main(void)\n{\n    RUN_TEST(test_first);\n    RUN_TEST(second);\n    return 0;\n}\n")
+        self.write("tests/CMakeLists.txt", "add_test(NAME whole COMMAND x)\n")
+
+    def problems(self, *rows: str) -> str:
+        """What is said of a page with these rows."""
+        self.write(
+            "docs/REQUIREMENTS.md",
+            "| id | requirement | functions | tests |\n|---|---|---|---|\n" + "".join(f"| {row} |\n" for row in rows),
+        )
+        return " ".join(check_requirements.check(self.root)[0])
+
+    def test_good(self) -> None:
+        self.assertEqual(self.problems("EMA-001 | x | `ema_a`, `ema_b` | `a:first`, `whole`", "EMA-002 | y |  | `a:second`"), "")
+        self.assertEqual(self.problems("EMA-001 | x | `ema_a`, `ema_b` | `a:*`"), "")
+
+    def test_gaps(self) -> None:
+        both = "`ema_a`, `ema_b`"
+        for said, rows in (
+            ("EMA-002 is next", (f"EMA-001 | x | {both} | `a:first`", "EMA-003 | y |  | `whole`")),
+            ("ema_d is no function", (f"EMA-001 | x | {both}, `ema_d` | `a:first`",)),
+            ("no test stands behind it", (f"EMA-001 | x | {both} | `a:first`", "EMA-002 | y |  | by hand")),
+            ("runs no test third", (f"EMA-001 | x | {both} | `a:third`",)),
+            ("test_b.c is not there", (f"EMA-001 | x | {both} | `a:first`, `b:first`",)),
+            ("part is no test", (f"EMA-001 | x | {both} | `a:first`, `part`",)),
+            ("ema_b has no requirement", ("EMA-001 | x | `ema_a` | `a:first`",)),
+            ("test_a.c stands behind no requirement", (f"EMA-001 | x | {both} | `whole`",)),
+        ):
+            with self.subTest(said):
+                self.assertIn(said, self.problems(*rows))
+
+    def test_nothing(self) -> None:
+        self.assertEqual(self.exit_code("check_requirements.py", "--root", str(self.root)), 1)
 
 
 class Layers(Tree):
