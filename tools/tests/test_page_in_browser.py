@@ -249,6 +249,7 @@ def test_it_prints_on_few_sheets(opened: Any) -> None:
     assert page.page.evaluate("document.documentElement.dataset.light") is None
 
 
+@pytest.mark.slow
 def test_looks_for_the_documents_are_drawn(browser: Any, tmp_path: Path) -> None:
     # a driver of its own: two cannot run in one thread
     path = diagnosis_page(tmp_path, diagnosis("healthy"))

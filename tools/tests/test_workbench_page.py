@@ -226,6 +226,7 @@ def test_a_fit_ends_at_the_optimum_of_the_library_bit_for_bit(opened: Bench) -> 
     assert opened.page.locator(".bench-fall").get_attribute("aria-label").startswith("Error during the fit: ")
 
 
+@pytest.mark.slow
 def test_all_effects_are_ranked_until_stopped(opened: Bench) -> None:
     opened.press("Rank all effects")
     opened.until("document.querySelectorAll('.bench-rank tbody tr').length >= 3")
