@@ -56,8 +56,10 @@ typedef enum {
 typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDECIDED = 2 } ema_verdict_t;
 
 /* Why a verdict is undecided; a set of bits. A shift is near its threshold when they are closer than standard errors at
- * the stated confidence and bias together; a record does not determine the parameters when there is too much doubt
- * about one, or the rod was never pushed both ways. The last two are those of ema_guarded.h. */
+ * the stated confidence and bias together, or when it lies beyond it and within as many standard deviations of what the
+ * actuator says that healthy runs are read apart (csj_scatter_percent, blk_scatter_percent); a record does not
+ * determine the parameters when there is too much doubt about one, or the rod was never pushed both ways. The last two
+ * are those of ema_guarded.h. */
 /* EMA-D1 */
 #define EMA_REASON_LIST(X)                                                                                             \
     X(EMA_REASON_NOT_FINISHED, 1, "the search has not ended")                                                          \

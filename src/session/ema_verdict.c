@@ -2,6 +2,7 @@
 
 #include "ema_bounds.h"
 #include "ema_math.h"
+#include "ema_scatter.h"
 
 /* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
 #define EMA_OUTSIDE_MAX EMA_R(0.0334)
@@ -13,16 +14,20 @@ static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const e
     uint32_t reasons = estimate->at_bound ? (uint32_t)EMA_REASON_AT_BOUND : 0U;
     const ema_real scatter_percent = (params->confidence_std * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
     const ema_real threshold_percent = identified->min_shift_percent;
+    /* a sound machine that scatters so reads farther off than its threshold, to either side */
+    const ema_real sound_percent =
+        ema_max(threshold_percent, params->confidence_std * ema_scatter_percent(params, identified->id));
     const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy))
                                    + ((params->unseen_percent / EMA_R(100.0)) * threshold_percent);
     /* every comparison is written so that NaN never counts as healthy */
     if (!(scatter_percent <= EMA_R(100.0))) {
         reasons |= (uint32_t)EMA_REASON_NOT_SENSITIVE;
-    } else if (estimate->shift_percent > (threshold_percent + doubt_percent)) {
+    } else if (estimate->shift_percent > (sound_percent + doubt_percent)) {
         *fault = true;
-    } else if (estimate->shift_percent < -(threshold_percent + doubt_percent)) {
+    } else if (estimate->shift_percent < -(sound_percent + doubt_percent)) {
         reasons |= (uint32_t)EMA_REASON_BELOW_HEALTHY;
-    } else if (!(ema_abs(estimate->shift_percent) <= (threshold_percent - doubt_percent))) {
+    } else if (!(estimate->shift_percent <= (threshold_percent - doubt_percent))
+               || !(estimate->shift_percent >= (doubt_percent - sound_percent))) {
         reasons |= (uint32_t)EMA_REASON_NEAR_THRESHOLD;
     } else {
         /* surely inside the threshold */

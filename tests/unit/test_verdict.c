@@ -114,6 +114,28 @@ static void test_shift_against_its_threshold(void)
     JUDGE(lines);
 }
 
+/* Where healthy runs of a unit are read 4 % apart, 12 % are within what a sound one shows: neither a fault nor healthy
+ * above the threshold of 10 %, and no fall below. */
+static void test_what_scatters_more_than_its_threshold_is_undecided_between(void)
+{
+    healthy.params.csj_min_shift_percent = EMA_R(10.0);
+    healthy.params.csj_scatter_percent = EMA_R(4.0);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &config.record));
+    const line_t lines[] = {
+        {9.6, 0.1, 0.0, 0.8, 5.0, 0.0, HEALTHY},
+        {9.8, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        {12.2, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        {12.4, 0.1, 0.0, 0.8, 5.0, 0.0, FAULT},
+        {-11.6, 0.1, 0.0, 0.8, 5.0, 0.0, HEALTHY},
+        {-11.8, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        {-12.4, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_BELOW_HEALTHY)},
+        /* the play of the same unit scatters less than its threshold, which stays */
+        {0.0, 0.1, 12.5, 0.8, 5.0, 0.0, FAULT},
+    };
+    healthy.params.blk_scatter_percent = EMA_R(1.0);
+    JUDGE(lines);
+}
+
 static void test_negative_shift_is_no_fault(void)
 {
     const line_t lines[] = {
@@ -337,6 +359,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_shift_against_its_threshold);
     RUN_TEST(test_what_is_not_seen_is_doubt);
+    RUN_TEST(test_what_scatters_more_than_its_threshold_is_undecided_between);
     RUN_TEST(test_negative_shift_is_no_fault);
     RUN_TEST(test_what_is_no_number_is_never_healthy);
     RUN_TEST(test_sure_fault_stands_beside_a_neighbours_doubt);

@@ -36,11 +36,11 @@ def test_intervals_hold_the_friction_of_a_healthy_machine(factor: float, reach_d
     random = np.random.default_rng([41, runs])
     found = [foretold(draws(random, runs + 1, factor, reach_degC, per_degC)) for _ in range(TRIALS)]
     held = np.mean([abs(true - one.shift) <= 1.96 * one.std for one, true in found])
-    # 95 % is wanted; three runs of a machine that scatters four times as usual show a little too little of it, 91 % over many trials, and 300 are 1.7 % uncertain
-    assert 0.86 <= held <= 0.995
+    # 95 % is wanted; three runs of a machine that scatters more than usual show a little too little of it, 92 % over many trials, and 300 are 1.6 % uncertain
+    assert 0.88 <= held <= 0.995
     # a healthy machine exceeds a threshold of half a percent hardly ever
     above = np.mean([true - one.shift > one.within(0.995) for one, true in found])
-    assert above <= 0.04
+    assert above <= 0.03
 
 
 def test_what_runs_show_of_a_degree_is_followed() -> None:
@@ -67,8 +67,8 @@ def test_a_hot_winding_or_an_aged_grease_alone_is_no_temperature(winding: float,
     found, plain = runs.today(winding, grease), runs.today(0.0, 0.0)
     assert found.shift == 0.0
     assert found.by_temperature == 0.0
-    # today's thermometers err a little on a plain day, and are not asked here
-    assert found.std == pytest.approx(plain.std, rel=0.05)
+    # that they agree on a plain day tells of little scatter, and they are not asked here
+    assert plain.std < found.std < 1.15 * plain.std
 
 
 def test_two_runs_are_enough_and_one_is_none() -> None:

@@ -3,7 +3,7 @@
 Winding and grease are thermometers that are there anyway: copper by its constant, grease by the usual fall of its viscosity. What a degree does to friction differs from screw to screw in size and
 in sign, so the healthy runs have to show it; what they do not show stays open. How many times the usual a machine scatters is as unknown beforehand, and three runs hardly tell it: every factor
 counts by how well friction and the two thermometers' disagreement of all runs fit it, so that an interval of few runs is as wide as it has to be (a Bayesian mixture; A. Gelman et al., Bayesian Data
-Analysis, 3rd ed., 2013, ch. 3 and 5).
+Analysis, 3rd ed., 2013, ch. 3 and 5). So does every size of what a degree does.
 """
 
 from __future__ import annotations
@@ -21,19 +21,23 @@ from ema_tools.base.arrays import Reals
 COPPER_PER_DEGC = 0.00393  # IEC 60028 [physics]
 GREASE_PER_DEGC = 0.028  # a grease loses half of its viscosity in about 25 degC near room temperature [physics]
 FRICTION_PER_DEGC = 0.005  # of dry friction, one standard deviation about none: greases and seals differ in sign as well [physics]
-_FACTOR_SPREAD = 1.2  # of the logarithm of how many times the usual a machine scatters: four times it is no surprise [judgement]
+_SLOPES = FRICTION_PER_DEGC * np.linspace(-3.0, 3.0, 49)  # that are tried [precision]
+_FACTOR_SPREAD = 1.5  # of the logarithm of how many times the usual a machine scatters: four times it is no surprise [judgement]
 _FACTORS = np.exp(np.linspace(math.log(0.3), math.log(15.0), 40))  # that are tried [precision]
 _AGREE = 3.0  # standard deviations by which winding and grease may disagree of a temperature: farther apart, one of them is changed by something else [chance]
-_USUAL_DAY_DEGC = 1.5  # one standard deviation between ground tests in a hangar, as the usual scatter has it [judgement]
+_DAYS_SPREAD = (
+    1.8  # of the logarithm of how many times as far as usual days differ in temperature: a hangar, or a field in all weathers [judgement]
+)
 _DAYS_DEGC = np.exp(np.linspace(math.log(0.2), math.log(20.0), 24))  # that are tried [precision]
+_HARDLY = 1e-6  # of the largest weight of a mixture [precision]
 _NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution lie [chance]
 
 
 @dataclass(frozen=True)
 class Foretold:
-    """Dry friction of today's healthy machine over the mean of its healthy runs, less 1: a mixture of normal distributions, one for each factor of the scatter.
+    """Dry friction of today's healthy machine over the mean of its healthy runs, less 1: a mixture of normal distributions, one for each size of what is not known.
 
-    `weights`, `means`, `stds`: of the mixture, [factors]; `by_temperature`: how uncertain what the temperature does to it is, one standard deviation.
+    `weights`, `means`, `stds`: of the mixture, [parts]; `by_temperature`: how uncertain what the temperature does to it is, one standard deviation.
     """
 
     weights: Reals
@@ -64,6 +68,19 @@ class Foretold:
         return self.within(special.ndtr(_NORMAL_95)) / _NORMAL_95
 
 
+def _weights(fits: Reals) -> Reals:
+    """How much each part counts by the logarithm of how well it fits."""
+    shares = np.exp(fits - np.max(fits))
+    return np.asarray(shares / np.sum(shares))
+
+
+def _mixture(weights: Reals, means: Reals, variances: Reals, by_temperature: float) -> Foretold:
+    """Of parts in arrays of one shape; what hardly counts is left out."""
+    counts = weights > _HARDLY * np.max(weights)
+    kept = weights[counts]
+    return Foretold(kept / np.sum(kept), means[counts], np.sqrt(np.broadcast_to(variances, weights.shape)[counts]), by_temperature)
+
+
 @dataclass(frozen=True)
 class HealthyFriction:
     """What the healthy runs of a machine say of it: friction, winding and grease as read on each run, over their means, less 1, [runs].
@@ -83,18 +100,23 @@ class HealthyFriction:
 
     def today(self, winding: float, grease: float) -> Foretold:
         """What friction should be on a day whose winding and grease are these, over the means of the healthy runs, less 1."""
-        weights, slope, slope_variance = self._told
         warmer, apart = (float(one) for one in self._temperature(winding, grease))
-        warmer -= self._mean_warmth
-        means = slope * warmer
-        if abs(apart - self._mean_apart) > _AGREE * math.sqrt(float(weights @ _FACTORS**2) * self._widened):
+        warmer, apart = warmer - self._mean_warmth, apart - self._mean_apart
+        factor = math.sqrt(float(np.sum(_weights(self._fits) * _FACTORS[:, None] ** 2)))
+        if abs(apart) > _AGREE * factor * math.sqrt(self._widened):
             # one of them is changed by something else: it may be as warm as both allow, and nothing is foretold of it
-            warmer, means = self._both_allow(winding, grease), np.zeros_like(slope)
-            open_variance = warmer**2 * (slope**2 + slope_variance)
-        else:
-            open_variance = warmer**2 * slope_variance + slope**2 * _FACTORS**2 * self._widened * self._reading_variance
-        stds = np.sqrt(self._own * self._widened + open_variance)
-        return Foretold(weights, means, stds, math.sqrt(float(weights @ (warmer**2 * slope_variance))))
+            warmer, weights = self._both_allow(winding, grease), _weights(self._fits)
+            return self._foretold(weights, np.zeros_like(weights), self._own[:, None] * self._widened + (warmer * _SLOPES) ** 2, warmer)
+        # how far they disagree today tells of the scatter as that of any run
+        weights = _weights(self._fits - 0.5 * apart**2 / (_FACTORS[:, None] ** 2 * self._widened) - np.log(_FACTORS)[:, None])
+        return self._foretold(weights, np.broadcast_to(warmer * _SLOPES, weights.shape), self._of_a_run * self._widened, warmer)
+
+    @staticmethod
+    def _foretold(weights: Reals, means: Reals, variances: Reals, warmer: float) -> Foretold:
+        """Of a day `warmer` degC above the healthy runs, by what each factor and slope says, [factors, slopes] each."""
+        slope = float(np.sum(weights * _SLOPES))
+        uncertain = math.sqrt(float(np.sum(weights * (_SLOPES - slope) ** 2)))
+        return _mixture(weights, means, variances, abs(warmer) * uncertain)
 
     def _both_allow(self, winding: float, grease: float) -> float:
         """The temperature of the two that lies nearer to the healthy runs', in degC over it; none where they lie on either side."""
@@ -104,29 +126,30 @@ class HealthyFriction:
 
     def any_day(self) -> Foretold:
         """The same on a day of which no thermometer tells: temperature is part of the scatter, as much as the healthy runs show of it."""
-        weights, slope, slope_variance = self._told
         warmth = self._warmth
         # how far days differ in temperature: every size counts by how well it fits, [factors, sizes]
         variance = _FACTORS[:, None] ** 2 * self._reading_variance + _DAYS_DEGC**2
         fits = -0.5 * (warmth.size - 1) * np.log(variance) - 0.5 * float(warmth @ warmth) / variance
-        fits -= 0.5 * (np.log(_DAYS_DEGC / _USUAL_DAY_DEGC) / _FACTOR_SPREAD) ** 2
-        shares = np.exp(fits - np.max(fits))
-        each = weights[:, None] * shares / np.sum(weights[:, None] * shares)
-        own = self._own[:, None] + (slope**2 + slope_variance)[:, None] * _DAYS_DEGC**2
-        return Foretold(each.ravel(), np.zeros(each.size), np.sqrt(own * self._widened).ravel(), 0.0)
+        fits -= 0.5 * (np.log(_DAYS_DEGC / self._usual_day_degC) / _DAYS_SPREAD) ** 2
+        weights = _weights(self._fits[:, :, None] + fits[:, None, :])
+        variances = (self._own[:, None, None] + (_SLOPES[:, None] * _DAYS_DEGC) ** 2) * self._widened
+        return _mixture(weights, np.zeros_like(weights), variances, 0.0)
 
     @cached_property
-    def _told(self) -> tuple[Reals, Reals, Reals]:
-        """How much each factor counts, and what a degree does to friction with it: mean and variance that the runs leave, [factors] each."""
-        runs, warmth, disagree = self.friction.size, self._warmth, self._apart
+    def _fits(self) -> Reals:
+        """Logarithm of how well each factor and each slope fits the runs, beside what is known of either beforehand, [factors, slopes]."""
         off = self.friction - np.mean(self.friction)
-        slope_variance = 1.0 / (FRICTION_PER_DEGC**-2.0 + float(warmth @ warmth) / self._own)
-        slope = slope_variance * float(warmth @ off) / self._own
-        fits = -0.5 * (runs - 1) * np.log(self._own) - 0.5 * (float(off @ off) / self._own - slope**2 / slope_variance)
-        fits += 0.5 * np.log(slope_variance) - (runs - 1) * np.log(_FACTORS) - 0.5 * float(disagree @ disagree) / _FACTORS**2
-        fits -= 0.5 * (np.log(_FACTORS) / _FACTOR_SPREAD) ** 2
-        weights = np.exp(fits - np.max(fits))
-        return weights / np.sum(weights), slope, slope_variance
+        lasting = self.friction.size - 1
+        left = np.sum((off - _SLOPES[:, None] * self._warmth) ** 2, axis=1)
+        fits = -0.5 * lasting * np.log(self._of_a_run) - 0.5 * left / self._of_a_run
+        by_factor = -lasting * np.log(_FACTORS) - 0.5 * float(self._apart @ self._apart) / _FACTORS**2
+        by_factor -= 0.5 * (np.log(_FACTORS) / _FACTOR_SPREAD) ** 2
+        return np.asarray(fits + by_factor[:, None] - 0.5 * (_SLOPES / FRICTION_PER_DEGC) ** 2)
+
+    @property
+    def _of_a_run(self) -> Reals:
+        """Variance of what is read of friction on a day whose temperature winding and grease tell, each as they scatter, [factors, slopes]."""
+        return np.asarray(self._own[:, None] + _SLOPES**2 * _FACTORS[:, None] ** 2 * self._reading_variance)
 
     @property
     def _own(self) -> Reals:
@@ -163,6 +186,11 @@ class HealthyFriction:
     def _reading_variance(self) -> float:
         by_winding, by_grease = self._thermometers
         return 1.0 / (1.0 / by_winding + 1.0 / by_grease)
+
+    @property
+    def _usual_day_degC(self) -> float:
+        """By how much days differ where temperature is all that makes the winding scatter as usual."""
+        return self.usual[1] / COPPER_PER_DEGC
 
     @staticmethod
     def _each(winding: Reals | float, grease: Reals | float) -> tuple[Reals, Reals]:

@@ -372,6 +372,13 @@ class Compared:
         """Each healthy repeat against the others, in the same way."""
         return [self._with(one, target) for one, target in zip(self.repeats, self.unit.repeats, strict=True)]
 
+    def of_runs(self, read: Sequence[float]) -> list[float]:
+        """What was read of each of `corrected_repeats` or `known_repeats`, as the runs themselves lie about their mean: each is held there against the others, as far apart as today's record
+        against them all, and lies farther from their mean than from that of all."""
+        apart = np.sqrt((len(read) + 1.0) / (len(read) - 1.0))
+        mean = float(np.mean(read))
+        return [mean + (one - mean) / float(apart) for one in read]
+
     def _with(self, record: Record, signals: Reals) -> Record:
         return replace(record, **dict(zip(self.signals, signals, strict=True)))
 

@@ -16,7 +16,7 @@ from ema_tools.fit.detection import FALSE_ALARM, USUAL_WEIGHT, ShiftTest, beyond
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
-from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, IdentifiedValue, SearchSettings
+from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
 from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, identified_of, run
@@ -122,10 +122,12 @@ def scatter_read(known: Actuator, name: str, read: Sequence[float], today: Seque
     return scatter_shown([*shown, *beside], usual, 2 if beside else 1)
 
 
-def thermometers(known: KnownMachine, bases: Sequence[MachineFit]) -> list[dict[str, float]]:
-    """Winding and grease as all signals say that they were on each run, by name: those that scatter and that the signals tell."""
+def thermometers(beside: Compared, bases: Sequence[MachineFit]) -> list[dict[str, float]]:
+    """Winding and grease as all signals say that they were on each run, whose fits against the others are `bases`, by name: those that scatter and that the signals tell."""
+    known = beside.known
     names = [name for name in (_WINDING, _GREASE) if name in known.scatter and all(_told(known, base, name) for base in bases)]
-    return [{name: base.values[name] for name in names} for base in bases]
+    read = {name: beside.of_runs([base.values[name] for base in bases]) for name in names}
+    return [{name: read[name][place] for name in names} for place in range(len(bases))]
 
 
 def _told(known: KnownMachine, base: MachineFit, name: str) -> bool:
@@ -134,9 +136,7 @@ def _told(known: KnownMachine, base: MachineFit, name: str) -> bool:
     return base.std.get(name, math.inf) < _BETTER * usual
 
 
-def friction_of(
-    known: Actuator, read: Sequence[IdentifiedValue], noise: float, today: Sequence[Mapping[str, float]]
-) -> HealthyFriction | None:
+def friction_of(known: Actuator, read: Sequence[float], noise: float, today: Sequence[Mapping[str, float]]) -> HealthyFriction | None:
     """How dry friction goes with temperature, by what was `read` of it on each of several runs and by their winding and grease; None where they are not there, or what the actuator states is
     known of it already."""
     names = (DRY, _WINDING, _GREASE)
@@ -148,7 +148,7 @@ def friction_of(
         return None
     winding, grease = ([one[name] for one in today] for name in names[1:])
     usual = tuple(share_from_run_to_run(known, name) for name in names)
-    return of_runs([one.estimate for one in read], winding, grease, (usual[0], usual[1], usual[2]), noise / known[DRY])
+    return of_runs(read, winding, grease, (usual[0], usual[1], usual[2]), noise / known[DRY])
 
 
 def least_shift(stated_percent: float, scatter_percent: float, runs: int, false_alarm: float | None = None) -> float:
@@ -190,7 +190,7 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     days = [known.changed(beside.known.today(base)) for base in bases]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)
-    today = thermometers(beside.known, bases)
+    today = thermometers(beside, bases)
     std: dict[str, float] = {}
     friction: HealthyFriction | None = None
     for place, estimate in enumerate(answers[0].identified):
@@ -198,9 +198,10 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
         usual = math.hypot(share_from_run_to_run(known, name) * known[name], noise if math.isfinite(noise) else 0.0)
-        std[name] = scatter_read(known, name, [one.estimate for one in read], today, usual)
+        values = beside.of_runs([one.estimate for one in read])
+        std[name] = scatter_read(known, name, values, today, usual)
         if name == DRY and math.isfinite(noise):
-            friction = friction_of(known, read, noise, today)
+            friction = friction_of(known, values, noise, today)
     least = tuple(least_shift(known[MIN_SHIFTS[name]], 100.0 * std[name] / known[name], count) for name in names)
     means = {other: float(np.mean([one[other] for one in today])) for other in today[0]}
     runs = HealthyRuns(known, Baseline({}, {}, count), weighed, doubt, friction, means)
@@ -213,6 +214,6 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
         )
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
-    values = {name: known[name] for name in std}
-    baseline = Baseline(values, {name: one / math.sqrt(count) for name, one in std.items()}, count, std)
+    healthy = {name: known[name] for name in std}
+    baseline = Baseline(healthy, {name: one / math.sqrt(count) for name, one in std.items()}, count, std)
     return replace(runs, baseline=baseline, search=weighed)

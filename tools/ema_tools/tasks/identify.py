@@ -9,13 +9,14 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
+from scipy import special
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval95
 from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
-from ema_tools.fit.detection import FALSE_ALARM, UNSEEN_STDS, ShiftTest, beyond
+from ema_tools.fit.detection import UNSEEN_STDS, ShiftTest
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.temperature import Foretold
@@ -23,7 +24,7 @@ from ema_tools.plant.native import CHANNELS, REASONS, Identification, Identified
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
+from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, clipped, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
     KEYS,
@@ -39,6 +40,7 @@ from ema_tools.tasks.onboard_search import (
 
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
+_SURELY_LESS = 1.645  # standard deviations below which a friction of another temperature must lie of the largest threshold to be healthy: 95 %, to one side [chance]
 NOT_ADEQUATE = REASONS[2]
 
 
@@ -165,7 +167,7 @@ class Identified:
 
     def _most_by_scatter(self, name: str) -> float:
         if self.foretold is not None and name == DRY:
-            return self.foretold.within(beyond(FALSE_ALARM))
+            return self.foretold.within(float(special.ndtr(_BEYOND_SCATTER)))
         return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
 
     def within_climate(self) -> bool:
@@ -181,7 +183,12 @@ class Identified:
         shifts = self.checked.shift if self.checked is not None else {}
         if self.foretold is None or self.answer.verdict != "healthy" or DRY not in shifts or not self._mostly_climate():
             return False
-        return shifts[DRY] + 1.96 * self.foretold.std > self._least(DRY)
+        missed = max(self._least(DRY), 0.01 * clipped(self._stated_least(DRY), math.inf))
+        return shifts[DRY] + _SURELY_LESS * self.foretold.std > missed
+
+    def _stated_least(self, name: str) -> float:
+        """The shift that the actuator's file calls a fault, in %."""
+        return self.healthy[MIN_SHIFTS[name]]
 
     def within_scatter(self) -> bool:
         """Whether a fault is no more than what healthy records of the machine differ by."""

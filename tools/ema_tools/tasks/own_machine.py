@@ -102,7 +102,7 @@ def own_machine(
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
     today = [{one.name: one.estimate for one in answer.day} for answer in answers]
     known = Compared(evidence, repeats, signals)
-    warmth = thermometers(known.known, [one.base({}) for one in known.known_repeats])
+    warmth = thermometers(known, [one.base({}) for one in known.known_repeats])
     foretold: dict[str, Foretold] = {}
     scatter: dict[str, float] = {}
     by_noise: dict[str, float] = {}
@@ -116,11 +116,12 @@ def own_machine(
         by_noise[name] = noise / found[name]
         stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
         scatter[name] = scatter_read(found, name, [one.estimate for one in read], today, stated_or_usual) / found[name]
-        friction = friction_of(found, read, noise, warmth) if name == DRY else None
+        friction = friction_of(found, [one.estimate for one in read], noise, warmth) if name == DRY else None
         if friction is not None:
             foretold[name] = friction.any_day()
             scatter[name] = foretold[name].std / ShiftTest(runs=len(repeats)).spread()
     runs = len(repeats)
+    apart = {name: 100.0 * _apart(found, name, scatter[name], by_noise[name], runs) for name in names}
     asked = float(np.mean([np.mean(np.abs(np.diff(one.command_mm))) / one.period_s for one in repeats]))
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
     for name, one in foretold.items():
@@ -136,7 +137,8 @@ def own_machine(
     shown_mm = found[STRUCTURE] * found[POSITION_NOISE]
     unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
     thresholds = max(unseen[name] / least[name] for name in names)
-    certain = {name: found["verdict.confidence_std"] * by_noise[name] + test.missed() * scatter[name] for name in names}
+    sure = found["verdict.confidence_std"]
+    certain = {name: sure * by_noise[name] + test.missed() * scatter[name] for name in names}
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(
         found.changed(
@@ -145,7 +147,7 @@ def own_machine(
                 # less than a threshold makes no sound unit a faulty one
                 UNSEEN: 100.0 * thresholds if thresholds > 1.0 else 0.0,
                 **{MIN_SHIFTS[name]: value for name, value in least.items()},
-                **{SCATTERS[name]: 100.0 * test.spread(name in found.scatter) * scatter[name] for name in names},
+                **{SCATTERS[name]: value for name, value in apart.items()},
             },
             remarks={MIN_SHIFTS[name]: _remark(MIN_SHIFTS[name], exceeded[name], runs) for name in names},
         ),
@@ -153,11 +155,20 @@ def own_machine(
         {name: 100.0 * value for name, value in scatter.items()},
         least,
         exceeded,
-        {name: least[name] * (1.0 + (thresholds if thresholds > 1.0 else 0.0)) + 100.0 * certain[name] for name in names},
+        {
+            name: max(least[name], sure * apart[name]) + least[name] * (thresholds if thresholds > 1.0 else 0.0) + 100.0 * certain[name]
+            for name in names
+        },
         unseen if thresholds > 1.0 else {},
         runs,
         doubt,
     )
+
+
+def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) -> float:
+    """How far a sound unit is read off its model beside the sensor noise, of which the session counts its own: standard deviation of a share, by the `scatter` of readings."""
+    is_known = name in found.scatter or share_from_run_to_run(found, name) == 0.0
+    return math.sqrt(max((ShiftTest(runs=runs).spread(is_known) * scatter) ** 2 - noise**2, 0.0))
 
 
 def _remark(name: str, exceeded: float, runs: int) -> str:

@@ -12,10 +12,10 @@ from functools import lru_cache
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.hidden.machines import CHANNELS, Machine, exact, scatter_directions
+from ema_tools.benchmarks.hidden.machines import CHANNELS, Machine, exact
 from ema_tools.benchmarks.verdicts.trials import VerdictTrial
 from ema_tools.data.actuator import reference_actuator
-from ema_tools.truth.climate import DRY_PER_DEGC
+from ema_tools.truth.climate import DRY_PER_DEGC, at_temperature
 
 _VALUES = {"csj": "screw.csj_Nm", "blk": "screw.blk_mm"}
 _STEP = 0.02  # of a value, for its slope [precision]
@@ -51,14 +51,25 @@ def half_widths(trial: VerdictTrial, alone: bool) -> Mapping[str, float]:
 
 @lru_cache(maxsize=64)
 def _slopes(number: int, setting: str, command: str) -> tuple[list[Reals], list[Reals]]:
-    """How the true signals move with each fault, per share of its healthy value, and with one standard deviation of what scatters, [CHANNELS, rows] each."""
+    """How the true signals move with each fault, per share of its healthy value, and with one standard deviation of what scatters, [CHANNELS, rows] each.
+
+    What scatters of a value moves the signals just as the value does: two slopes by steps of two sizes would differ by the model's events, and seem to tell one from the other.
+    """
     unit, sheet = VerdictTrial("unit", number, setting, command, 1, 0).unit, reference_actuator()
-    columns = []
-    for name in _VALUES.values():
-        value = unit.values.get(name, sheet[name])
-        up, down = (exact(unit, {name: value * (1.0 + sign * _STEP)}, command) for sign in (1.0, -1.0))
-        columns.append(np.asarray((up - down) / (2.0 * _STEP)))
-    return columns, scatter_directions(unit, command)
+    nominal = {name: unit.values.get(name, sheet[name]) for name in {*_VALUES.values(), *unit.scatter}}
+
+    def slope(name: str) -> Reals:
+        up, down = (exact(unit, {name: nominal[name] * (1.0 + sign * _STEP)}, command) for sign in (1.0, -1.0))
+        return np.asarray((up - down) / (2.0 * _STEP))
+
+    by_value = {name: slope(name) for name in nominal}
+    ways = [by_value[name] * std for name, std in unit.scatter.items()]
+    if unit.is_set.temperature_degC > 0.0:
+        std_degC = unit.is_set.temperature_degC / math.sqrt(3.0)
+        warm, cold = (at_temperature(nominal, sign * std_degC) for sign in (1.0, -1.0))
+        shares = {name: (warm[name] - cold[name]) / (2.0 * nominal[name]) for name in nominal}
+        ways.append(np.asarray(sum(share * by_value[name] for name, share in shares.items())))
+    return [by_value[name] for name in _VALUES.values()], ways
 
 
 def allowed_rms(unit: Machine, healthy: int, share: float) -> float:
