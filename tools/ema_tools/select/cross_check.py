@@ -16,7 +16,8 @@ import numpy as np
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.select.beside_fault import named, on_unit, rivals
-from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, OpenStd, blocked
+from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocked
+from ema_tools.select.open_state import OpenStd, open_state
 
 # What was found: the known machine with another CSJ and BLK explains everything; an effect is missing; something is missing that no effect explains; an effect
 # explains the record as well as a fault does.
@@ -80,7 +81,7 @@ def cross_check(
     hardly = not plainly and (repeats > 0 or not doubted) and not known.at_reach(base) and known.left_of(base) < _HARDLY
     if plainly or hardly:
         plain = _faults(known, base)
-        stands = known.open_std(base, base.cost - known.floor if hardly else 0.0)
+        stands = open_state(known, base, base.cost - known.floor if hardly else 0.0)
         for name, shift in plain.shift.items():
             found = rivals(known, base, name, least[name]) if shift > least[name] else []
             if found:

@@ -41,7 +41,7 @@ _PARTS = 10  # of the record, each of which must be plain: an effect may begin l
 _BLOCK_ROWS = 25  # whose mean tells what lasts from noise [judgement]
 _LASTING = 0.5  # as much may last in a signal, in the noise of one row: noise alone leaves a fifth of it [judgement]
 _OVER_REPEATS = 2.0  # times what healthy repeats show against each other [judgement]
-_TODAY_STEP = 0.25  # of a spread: large against the model's roughness, small against what bends [precision]
+SMALL_SHARE = 0.25  # of a spread: large against the model's roughness, small against what bends [precision]
 _NOISELESS = 2e-4  # of a record without noise: what integration and rounding leave, relative to the signal [precision]
 
 
@@ -62,26 +62,6 @@ class Start:
     effect: str
     values: Mapping[str, float]
     gain: float
-
-
-@dataclass(frozen=True)
-class OpenStd:
-    """A standard error, what of the machine's present state does most to it, by name, and its part that is not noise."""
-
-    std: float
-    most: str
-    beyond: float = 0.0
-
-
-def _marginal(own: Sequence[Reals], today: Sequence[Reals], place: int) -> float:
-    """Standard error of the value at `place` by the slopes [n] of what is free and of what has a spread of 1; infinite where the record says nothing of it."""
-    slopes = np.column_stack([*own, *today])
-    known = np.concatenate([np.zeros(len(own)), np.ones(len(today))])
-    normal = slopes.T @ slopes + np.diag(known)
-    try:
-        return float(np.sqrt(np.linalg.inv(normal)[place, place]))
-    except np.linalg.LinAlgError:
-        return float("inf")
 
 
 class KnownMachine:
@@ -210,7 +190,7 @@ class KnownMachine:
         if name.endswith("phase_rad"):
             return _PHASE_SCALE
         if name in self.scatter and not self.scatter[name].relative:
-            return self.scatter[name].std * _TODAY_STEP / _STEP
+            return self.scatter[name].std * SMALL_SHARE / _STEP
         return max(abs(first), 1e-9 if name.startswith("effects.") else 0.3 * abs(self.actuator[name]))
 
     def base(self, estimates: Mapping[str, float]) -> MachineFit:
@@ -262,27 +242,6 @@ class KnownMachine:
         healthy = self.residual({**base.values, **{name: self.actuator[name] for name in self.faults}})
         explained = float(healthy @ healthy) - base.cost
         return max(base.cost - self.floor, 0.0) / explained if explained > 0.0 else float("inf")
-
-    def open_std(self, base: MachineFit, left: float = 0.0) -> dict[str, OpenStd]:
-        """Standard errors of CSJ and BLK where the machine may be today as far from what is known of it as machines go, by name; with a cost `left` that may lie along either of them."""
-        here = self.residual(base.values)
-        machine = self.actuator.changed(base.values)
-        wanted = [one for one in spreads.of_today(machine) if not set(one.names) & set(self.faults)]
-
-        def slope(changes: Mapping[str, float], step: float) -> Reals:
-            return (self.residual({**base.values, **changes}) - here) / step
-
-        own = each(lambda name: slope({name: (1.0 + _STEP) * base.values[name]}, _STEP * base.values[name]), self.faults)
-        today = each(lambda one: slope(one.changes(machine, _TODAY_STEP), _TODAY_STEP), wanted)
-        found = {}
-        for place, name in enumerate(self.faults):
-            alone = [_marginal(own, [column], place) for column in today]
-            worst = wanted[int(np.argmax(alone))].title if wanted else ""
-            along = float(np.sqrt(left / float(own[place] @ own[place]))) if left > 0.0 else 0.0
-            std = float(np.hypot(_marginal(own, today, place), along))
-            noise = _marginal(own, [], place)
-            found[name] = OpenStd(std, worst, float(np.sqrt(max(std**2 - noise**2, 0.0))))
-        return found
 
     def starts(self, base: MachineFit, only: str | None = None, held: str = "") -> list[Start]:
         """Where the fit of each effect, or of `only` one, begins, one start for each sign: the shape and size whose signature at the base explains most.

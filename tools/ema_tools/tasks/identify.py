@@ -84,7 +84,7 @@ class Identified:
         bias = math.hypot(one.bias if math.isfinite(one.bias) else 0.0, self._unseen(one.name))
         stands = self.checked.open.get(one.name) if self.checked is not None else None
         if stands is not None and math.isfinite(stands.beyond):
-            bias = math.hypot(bias, stands.beyond)
+            bias = math.hypot(bias, stands.beyond, stands.moved)
         if self._shown and math.isfinite(one.std):
             # how the same search reads healthy records apart has their noise in it
             return interval95(one.estimate, bias, max(one.std, self.day_std(one.name)))
@@ -156,7 +156,7 @@ class Identified:
     def _stands(self, checked: CrossCheck) -> bool:
         """Whether the verdict is the same for all that the machine may be today."""
         sure = self.healthy["verdict.confidence_std"]
-        doubt = {name: sure * one.std / abs(self.healthy[name]) for name, one in checked.open.items()}
+        doubt = {name: (sure * one.std + one.moved) / abs(self.healthy[name]) for name, one in checked.open.items()}
         if self.answer.verdict == "fault":
             return any(shift - doubt[name] > self._threshold(name) for name, shift in checked.shift.items())
         return not self._open_by_climate() and all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
