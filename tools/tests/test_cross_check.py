@@ -110,6 +110,21 @@ def test_health_by_a_record_that_cannot_tell_is_undecided_and_says_what_it_hangs
     assert 2.0 < guard.open_std_percent["csj_Nm"] < 8.0
 
 
+def test_what_the_inverter_may_have_lost_today_is_in_the_interval() -> None:
+    """On a quick triangle 0.15 V of dead time read as 6 % more friction, and leave less than the noise: the reading is off, and its interval says so."""
+    triangle = "triangle:amplitude_mm=2,start_hz=1"
+    healthy = [recorded({}, triangle, seed, alone=True, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    worn = {"screw.csj_Nm": 1.28 * CSJ_NM, "effects.inverter_dead_time.drop_V": 0.15}
+    found = identify(KNOWN, recorded(worn, triangle, alone=True), healthy)
+    one = found.answer.identified[0]
+    lower, upper = found.interval95(one)
+    assert lower is not None and upper is not None
+    assert one.shift_percent > 32.0
+    assert lower < 1.28 * CSJ_NM < upper
+    assert found.verdict == "fault" and found.checked is not None
+    assert found.checked.open["screw.csj_Nm"].most == "effects.inverter_dead_time.drop_V"
+
+
 def test_an_effect_that_begins_in_the_middle_is_not_passed_over() -> None:
     before, after = recorded({}, "chirp"), recorded({"effects.stribeck_friction.rise": 0.2}, "chirp")
     half = before.rows // 2
@@ -165,8 +180,8 @@ def test_a_unit_with_standing_errors_is_judged_by_its_own_healthy_runs(number: i
     sound, faulty = on_day({}, 7), on_day(worn, 8)
     assert identify(KNOWN, sound).verdict == "undecided"
     first, second = identify(KNOWN, sound, healthy), identify(KNOWN, faulty, healthy)
-    # where days scatter by more than three records show, friction may lie at its threshold
-    assert first.verdict == "healthy" or (setting and first.verdict == "undecided" and first.objection is None), sentence(first)
+    # where days scatter by more than three records show, friction may lie at its threshold, and what a degree does to it stay open
+    assert first.verdict == "healthy" or (setting and first.verdict == "undecided" and first.objection in (None, "open")), sentence(first)
     assert second.verdict == "fault", sentence(second)
     shifts = {one.name: one.shift_percent for one in second.answer.identified}
     # friction itself differs from day to day by 0.4 %, four times that and its temperature where the days do
