@@ -41,7 +41,7 @@ from ema_tools.tasks.onboard_search import (
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
 _SURELY_LESS = 1.645  # standard deviations below which a friction of another temperature must lie of the largest threshold to be healthy: 95 %, to one side [chance]
-NOT_ADEQUATE = REASONS[2]
+NOT_ADEQUATE, _NEAR_THRESHOLD = REASONS[2], REASONS[16]
 
 
 # Why an answer does not stand: something is missing from the model, known or not; an effect would do as well; other signals say other values; it hangs on what the machine is today;
@@ -135,7 +135,7 @@ class Identified:
         if checked.kind == "missing":
             return "missing" if not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
         if self.answer.verdict == "undecided":
-            return None
+            return "open" if self.answer.reasons == (_NEAR_THRESHOLD,) and self.within_scatter() else None
         if self.doubt:
             return "healthy"
         if any(map(self._moved, self.answer.identified)):
@@ -159,7 +159,11 @@ class Identified:
         doubt = {name: (sure * one.std + one.moved) / abs(self.healthy[name]) for name, one in checked.open.items()}
         if self.answer.verdict == "fault":
             return any(shift - doubt[name] > self._threshold(name) for name, shift in checked.shift.items())
-        return not self._open_by_climate() and all(abs(shift) + doubt[name] <= self._least(name) for name, shift in checked.shift.items())
+        # a fall within the scatter is no wear
+        return not self._open_by_climate() and all(
+            shift + doubt[name] <= self._least(name) and doubt[name] - shift <= self._threshold(name)
+            for name, shift in checked.shift.items()
+        )
 
     def _threshold(self, name: str) -> float:
         """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter or by today's temperature, relative."""
@@ -191,9 +195,10 @@ class Identified:
         return self.healthy[MIN_SHIFTS[name]]
 
     def within_scatter(self) -> bool:
-        """Whether a fault is no more than what healthy records of the machine differ by."""
+        """Whether what is read beyond a threshold is no more than what healthy records of the machine differ by."""
         shifts = self.checked.shift if self.checked is not None else {}
-        return self.answer.verdict == "fault" and all(shift <= self._threshold(name) for name, shift in shifts.items())
+        is_beyond = self.answer.verdict == "fault" or any(shift > self._least(name) for name, shift in shifts.items())
+        return is_beyond and self.answer.verdict != "healthy" and all(shift <= self._threshold(name) for name, shift in shifts.items())
 
     @property
     def objects(self) -> bool:
@@ -276,7 +281,9 @@ def identify(
         foretold = runs.foretold(today)
         known = runs.known.changed(today)
         if foretold is not None:
-            known = known.changed({DRY: known[DRY] * (1.0 + foretold.shift)})
+            # what the runs scatter is known to the module, as a unit's own model tells it
+            percent = 100.0 * foretold.std
+            known = known.changed({DRY: known[DRY] * (1.0 + foretold.shift), SCATTERS[DRY]: percent})
     elif healthy:
         baseline = baseline_of(actuator, healthy, settings, bits)
         known = actuator.changed(baseline.values)
