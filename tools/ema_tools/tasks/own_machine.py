@@ -99,6 +99,8 @@ def own_machine(
     names = identified_of(found)
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
     found, answers = _searched(found, repeats)
+    # what the onboard search reads wrongly of a unit, it reads wrongly of its healthy runs as well
+    found = found.changed({name: _mean(answers, place) for place, name in enumerate(names)})
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
     today = [{one.name: one.estimate for one in answer.day} for answer in answers]
     known = Compared(evidence, repeats, signals)
@@ -165,10 +167,15 @@ def own_machine(
     )
 
 
+def _mean(answers: Sequence[Identification], place: int) -> float:
+    return float(np.mean([answer.identified[place].estimate for answer in answers]))
+
+
 def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) -> float:
     """How far a sound unit is read off its model beside the sensor noise, of which the session counts its own: standard deviation of a share, by the `scatter` of readings."""
     is_known = name in found.scatter or share_from_run_to_run(found, name) == 0.0
-    return math.sqrt(max((ShiftTest(runs=runs).spread(is_known) * scatter) ** 2 - noise**2, 0.0))
+    # runs that lie nearer together than the noise allows do so by chance
+    return math.sqrt((ShiftTest(runs=runs).spread(is_known) * max(scatter, noise)) ** 2 - noise**2)
 
 
 def _remark(name: str, exceeded: float, runs: int) -> str:
