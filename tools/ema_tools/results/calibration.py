@@ -18,7 +18,7 @@ class Calibrated:
     std: float | None  # standard error
     change_percent: float | None  # None where it was zero before
     unit: str
-    source: Literal["balance", "loop"]  # what gave it
+    source: Literal["balance", "loop", "search"]  # what gave it; the last is the onboard module's own
     at_bound: bool
     interval95: tuple[float | None, float | None] = (None, None)  # lower and upper end, by the standard error
 

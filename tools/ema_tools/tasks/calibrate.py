@@ -64,13 +64,13 @@ _FAR = 2.0  # times [judgement]
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """One calibrated value in its unit: before, after, its standard error, and what gave it (`balance` or `loop`)."""
+    """One calibrated value in its unit: before, after, its standard error, and what gave it: `balance`, `loop`, or the onboard module's own `search`."""
 
     name: str
     before: float
     after: float
     std: float
-    source: Literal["balance", "loop"]
+    source: Literal["balance", "loop", "search"]
     at_bound: bool
 
 

@@ -29,7 +29,7 @@ from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.known_machine import Compared, live, repeats_of
-from ema_tools.tasks.calibrate import Calibration, channel_errors
+from ema_tools.tasks.calibrate import Calibration, FittedParameter, channel_errors
 from ema_tools.tasks.healthy_runs import DRY, clipped, friction_of, least_shift, scatter_read, thermometers
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
@@ -219,5 +219,13 @@ def _cost(actuator: Actuator, effect: str, record: Record) -> float:
 
 def of_own_machine(found: Calibration, own: OwnMachine, records: Sequence[Record]) -> Calibration:
     """The calibration with the unit's model in the place of the base values alone."""
-    parameters = tuple(replace(one, after=own.actuator[one.name]) for one in found.parameters)
+
+    def of_unit(one: FittedParameter) -> FittedParameter:
+        after = own.actuator[one.name]
+        if one.name not in own.scatter_percent:
+            return replace(one, after=after)
+        std = 0.01 * own.scatter_percent[one.name] * after / math.sqrt(own.records)
+        return replace(one, after=after, std=std, source="search")
+
+    parameters = tuple(map(of_unit, found.parameters))
     return replace(found, actuator=own.actuator, parameters=parameters, errors_after=channel_errors(own.actuator, records))
