@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+import os
+
+import pytest
+from demo_run import forget_demo_run
 from hypothesis import settings
 
 # An example that takes long is a busy machine, not a defect.
 # the same examples everywhere: what fails for one fails for all
 settings.register_profile("ema", deadline=None, derandomize=True)
 settings.load_profile("ema")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """The run of the demo that all tests share goes with the process that leads them."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        forget_demo_run()
