@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
 import ema_tools
+from ema_tools.cli import cli
+from ema_tools.cli.exit_codes import of_diagnosis, of_identification
+from ema_tools.cli.sections import SECTIONS
 from ema_tools.library.definitions import load_definitions
 from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
@@ -22,6 +28,42 @@ def test_help_names_every_command() -> None:
     for command in COMMANDS:
         assert f"  {command}" in ran.out
         assert run_ema(command, "--help").code == 0
+
+
+def test_help_follows_the_loop_and_leaves_no_command_out() -> None:
+    shown = re.findall(r"^  (\w+)  +\S", run_ema("--help").out, re.MULTILINE)
+    assert shown == [name for names in SECTIONS.values() for name in names]
+    assert set(shown) == set(cli.commands)
+    assert shown.index("compare") < shown.index("diagnose") < shown.index("add")
+    assert "...\n" not in run_ema("--help").out
+
+
+@pytest.mark.parametrize(
+    ("verdict", "guard", "code"),
+    [("healthy", None, 0), ("fault", None, 4), ("undecided", None, 5), ("undecided", "unknown", 5), ("undecided", "missing", 3)],
+)
+def test_the_code_of_identify_is_its_verdict(verdict: str, guard: str | None, code: int) -> None:
+    found = SimpleNamespace(
+        verdict=verdict,
+        missing_effect=object() if guard == "missing" else None,
+        guard=SimpleNamespace(verdict=guard) if guard else None,
+    )
+    assert of_identification(cast(Any, found)) == code
+
+
+@pytest.mark.parametrize(
+    ("verdict", "faulty", "code"), [("adequate", False, 0), ("adequate", True, 4), ("missing", True, 3), ("unknown", True, 5)]
+)
+def test_the_code_of_diagnose_is_its_verdict(verdict: str, faulty: bool, code: int) -> None:
+    found = SimpleNamespace(verdict=verdict, faults={"csj": SimpleNamespace(accepted=faulty)})
+    assert of_diagnosis(cast(Any, found)) == code
+
+
+def test_a_verdict_is_the_exit_code_where_it_is_asked_for() -> None:
+    record = RECORDINGS / "case_a.csv"
+    assert run_ema("identify", REFERENCE, record, "--no-guard").code == 0
+    ran = run_ema("identify", REFERENCE, record, "--no-guard", "--exit-code")
+    assert ran.code == 4 and "Fault" in ran.out
 
 
 def test_version_is_the_projects() -> None:
@@ -128,7 +170,10 @@ BAD = [
     (("compare", REFERENCE, REFERENCE), "reference.toml: "),
     (("identify", REFERENCE, "none.mat"), "none.mat: no such file or directory: check the path"),
     (("calibrate", REFERENCE, RECORDINGS / "healthy.csv", "-o", "n.toml", "--fit", "csj"), "csj: unknown value"),
-    (("effects", "stribek_friction"), "effect stribek_friction: unknown (did you mean stribeck_friction?)"),
+    (
+        ("effects", "stribek_friction"),
+        "effect stribek_friction: unknown (did you mean stribeck_friction, learned_friction or load_dependent_friction?): ema effects lists all ",
+    ),
     (("import", "emps", "none.mat", "-o", "emps"), "none.mat: no such file or directory: check the path"),
     (("report", "none.json", "-o", "p.html"), "none.json: no such file or directory: check the path"),
 ]

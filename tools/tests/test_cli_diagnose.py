@@ -351,7 +351,7 @@ def test_wrong_records_are_refused_by_diagnose_and_add_alike(what: str, bad: dic
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("winding_heatin", "--fit", "hot"), "effect winding_heatin: unknown (did you mean winding_heating?)"),
+        (("winding_heatin", "--fit", "hot"), "effect winding_heatin: unknown (did you mean winding_heating, "),
         (("csj", "--fit", "hot"), "add csj: no effect but a value that every model has, screw.csj_Nm: ema identify finds it"),
         (("learned_torque", "--fit", "healthy_0"), "learned_torque: nothing in the record repeats in a way that it could hold"),
         (

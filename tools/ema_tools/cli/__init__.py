@@ -23,8 +23,10 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError, MissingSignal
+from ema_tools.cli.exit_codes import exit_code_option, leave, of_diagnosis, of_identification
 from ema_tools.cli.importing import import_group
 from ema_tools.cli.options import command_line, fix_option, json_option, method_option, precision_option, save, writable
+from ema_tools.cli.sections import InSections
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
@@ -38,7 +40,7 @@ _NAMED = 5  # records that an actuator's file names as its source [layout]
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
 
-@click.group(context_settings=_CONTEXT)
+@click.group(cls=InSections, context_settings=_CONTEXT)
 @click.version_option(__version__, prog_name="ema")
 def cli() -> None:
     """Model, identify and watch over an electromechanical actuator.
@@ -47,7 +49,7 @@ def cli() -> None:
     """
 
 
-@cli.command()
+@cli.command(short_help="Simulate ACTUATOR under a command.")
 @click.argument("actuator")
 @click.option(
     "--command",
@@ -98,7 +100,7 @@ def simulate(
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
 
-@cli.command()
+@cli.command(short_help="Say where ACTUATOR's model fails on REC.")
 @click.argument("actuator")
 @click.argument("record")
 @precision_option("64")
@@ -131,7 +133,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     show.comparison(output(), result, model.name)
 
 
-@cli.command()
+@cli.command(short_help="Fit ACTUATOR to healthy records of a unit.")
 @click.argument("actuator")
 @click.argument("records", nargs=-1, required=True, metavar="REC...")
 @click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The calibrated actuator to write.")
@@ -227,7 +229,7 @@ def calibrate(
     output().print(f"{out} written", highlight=False)
 
 
-@cli.command()
+@cli.command(short_help="Find CSJ and BLK on REC as the onboard module does.")
 @click.argument("actuator")
 @click.argument("record")
 @click.option(
@@ -258,6 +260,7 @@ def calibrate(
     help="Guard the answer by this table alone, as firmware does with it: written by `ema export --signatures`.",
 )
 @precision_option("32")
+@exit_code_option
 @json_option
 def identify(
     actuator: str,
@@ -271,6 +274,7 @@ def identify(
     no_guard: bool,
     table: str | None,
     precision: str,
+    by_verdict: bool,
     json_path: str | None,
     force: bool,
 ) -> None:
@@ -333,9 +337,11 @@ def identify(
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
+    if by_verdict:
+        leave(of_identification(result))
 
 
-@cli.command()
+@cli.command(short_help="Say which physical effect ACTUATOR's model lacks on REC.")
 @click.argument("actuator")
 @click.argument("record", nargs=-1, required=True, metavar="REC...")
 @click.option(
@@ -350,6 +356,7 @@ def identify(
 @fix_option
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
+@exit_code_option
 @json_option
 def diagnose(
     actuator: str,
@@ -360,6 +367,7 @@ def diagnose(
     fixed: tuple[str, ...],
     page: str | None,
     fitted: str | None,
+    by_verdict: bool,
     json_path: str | None,
     force: bool,
 ) -> None:
@@ -403,6 +411,8 @@ def diagnose(
         found.actuator.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
+    if by_verdict:
+        leave(of_diagnosis(result))
 
 
 def _warn_of_search(actuator: str, warnings: tuple[str, ...]) -> None:
@@ -432,7 +442,7 @@ def _page(path: str | None, result: Result, force: bool) -> None:
         write_text(path, render([parse_result(to_json(result), path, Path(path).stem)], command_line()), force)
 
 
-@cli.command()
+@cli.command(short_help="Put EFFECT into ACTUATOR's model and watch the error fall.")
 @click.argument("actuator")
 @click.argument("effect")
 @click.argument("given", nargs=-1, metavar="[REC...]")
@@ -573,7 +583,7 @@ def add(
     output().print(f"{out} written", highlight=False)
 
 
-@cli.command(name="next")
+@cli.command(name="next", short_help="Find the safe command that tells look-alikes apart.")
 @click.argument("actuator")
 @click.option(
     "--between",
@@ -715,7 +725,7 @@ def next_command(
     print_next(output(), result)
 
 
-@cli.command()
+@cli.command(short_help="Write what firmware compiles in or reads from flash.")
 @click.argument("actuator")
 @click.option("-o", "--output", "out", metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
 @click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
@@ -815,7 +825,7 @@ def export(
     output().print(", ".join(told), highlight=False)
 
 
-@cli.command()
+@cli.command(short_help="Show results that firmware packed.")
 @click.argument("file")
 @json_option
 def telemetry(file: str, json_path: str | None, force: bool) -> None:
@@ -829,7 +839,7 @@ def telemetry(file: str, json_path: str | None, force: bool) -> None:
     print_packets(output(), found)
 
 
-@cli.command(name="map")
+@cli.command(name="map", short_help="Show friction against speed, from steady runs.")
 @click.argument("actuator")
 @click.argument("records", nargs=-1, required=True, metavar="REC...")
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the picture there.")
@@ -858,7 +868,7 @@ def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_
     _written(page)
 
 
-@cli.command()
+@cli.command(short_help="Make one page of several results.")
 @click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")
 @json_option
@@ -873,7 +883,7 @@ def report(results: tuple[str, ...], out: str, json_path: str | None, force: boo
     output().print(f"{out} written", highlight=False)
 
 
-@cli.command(name="demo")
+@cli.command(name="demo", short_help="Find a hidden effect and two faults in shipped records.")
 @click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
 @json_option
 def demo_command(folder: str | None, json_path: str | None, force: bool) -> None:
@@ -923,7 +933,8 @@ def main() -> None:
         sys.exit(1)
     show_any_name(sys.stdout)
     try:
-        cli(prog_name="ema", standalone_mode=False)
+        # the code with which a command left, where it did
+        code = cli(prog_name="ema", standalone_mode=False)
         sys.stdout.flush()
     except (InputError, MissingSignal, LibraryError) as error:
         complain(str(error))
@@ -943,6 +954,8 @@ def main() -> None:
         _drop_output()
         complain(f"{error.filename or 'standard output'}: {reason(error)}: make room or send it elsewhere")
         sys.exit(1)
+    if code:
+        sys.exit(code)
 
 
 def _drop_output() -> None:

@@ -42,6 +42,13 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" (did you mean {found[0]}?)" if found else ""
 
 
+def alike(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+    """The few of `known` that are most like it, best first; none where none is."""
+    names = list(known)
+    begun = [one for one in names if name and one.startswith(name)]
+    return [*dict.fromkeys([*begun, *difflib.get_close_matches(name, names, n=count, cutoff=0.4)])][:count]
+
+
 def all_rows() -> tuple[Row, ...]:
     """Every row of both lists: parameters and options, then the effects' values."""
     known = load_definitions()

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from ema_tools.base.errors import InputError
-from ema_tools.data.actuator import nearest
+from ema_tools.data.actuator import alike
 from ema_tools.library.definitions import Effect, load_definitions
 
 
 def find_effect(name: str) -> Effect:
-    """The effect called `name`. Raises InputError with the nearest name."""
+    """The effect called `name`. Raises InputError with the names that are most like it."""
     known = {effect.name: effect for effect in load_definitions().effects}
     if name not in known:
-        raise InputError(f"effect {name}: unknown{nearest(name, known)}: effects are {', '.join(known)}")
+        near = alike(name, known)
+        hint = f" (did you mean {', '.join(near[:-1])}{' or ' if near[1:] else ''}{near[-1]}?)" if near else ""
+        raise InputError(f"effect {name}: unknown{hint}: ema effects lists all {len(known)}")
     return known[name]
