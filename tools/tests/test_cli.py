@@ -35,7 +35,7 @@ def test_help_follows_the_loop_and_leaves_no_command_out() -> None:
     assert shown == [name for names in SECTIONS.values() for name in names]
     assert set(shown) == set(cli.commands)
     assert shown.index("compare") < shown.index("diagnose") < shown.index("add")
-    assert "...\n" not in run_ema("--help").out
+    assert not [line for line in run_ema("--help").out.splitlines() if line.startswith("  ") and line.endswith("...")]
 
 
 @pytest.mark.parametrize(
