@@ -10,6 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import click
 import pytest
 
 import ema_tools
@@ -357,3 +358,27 @@ def test_every_command_writes_json() -> None:
     for command in (*COMMANDS, "import emps"):
         if command != "import":
             assert "--json" in run_ema(*command.split(), "--help").out, command
+
+
+@pytest.mark.parametrize(
+    ("command", "args", "arguments", "healthy"),
+    [
+        ("identify", ("a", "r", "--healthy", "1", "2", "3", "--seed", "4"), ("a", "r"), ("1", "2", "3")),
+        ("identify", ("a", "r", "--healthy", "1", "--healthy", "2"), ("a", "r"), ("1", "2")),
+        ("identify", ("a", "--healthy", "1", "2", "r"), ("a", "r"), ("1", "2")),
+        ("identify", ("--healthy=1", "--healthy=2", "a", "r"), ("a", "r"), ("1", "2")),
+        ("identify", ("--healthy", "1", "--seed", "4", "a", "r"), ("a", "r"), ("1",)),
+        ("diagnose", ("a", "r1", "r2", "--healthy", "1", "2"), ("a", ("r1", "r2")), ("1", "2")),
+        ("diagnose", ("a", "--healthy", "1", "2", "--holdout", "h", "r1", "r2"), ("a", ("r1", "r2")), ("1", "2")),
+        ("add", ("a", "stribeck", "-o", "n", "--healthy", "1", "2", "--fit", "r"), ("a", "stribeck", ()), ("1", "2")),
+    ],
+)
+def test_healthy_takes_all_files_behind_it(
+    command: str, args: tuple[str, ...], arguments: tuple[str | tuple[str, ...], ...], healthy: tuple[str, ...]
+) -> None:
+    """As a pattern that the shell expands; a second healthy file is never one of today."""
+    known = cli.commands[command]
+    context = known.make_context(command, list(args))
+    taken = tuple(context.params[one.name] for one in known.params if isinstance(one, click.Argument) and one.name)
+    assert taken == arguments
+    assert context.params["healthy"] == healthy

@@ -24,6 +24,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError, MissingSignal
 from ema_tools.cli.exit_codes import exit_code_option, leave, of_diagnosis, of_identification
+from ema_tools.cli.greedy import TakesHealthy, healthy_option
 from ema_tools.cli.importing import import_group
 from ema_tools.cli.options import command_line, fix_option, json_option, method_option, precision_option, save, writable
 from ema_tools.cli.sections import InSections
@@ -222,22 +223,18 @@ def calibrate(
         )
     if own is not None:
         found = of_own_machine(found, own, measured)
-    found.actuator.changed({}, {"source": said}).write(out, force)
+    unit = found.actuator.changed({}, {"source": said})
+    replace(unit, healthy=records if own is not None else ()).write(out, force)
     result = replace(calibration(found, out, origin, own), method_reason=way.because)
     save(json_path, result, force)
     show.calibration(output(), result)
     output().print(f"{out} written", highlight=False)
 
 
-@cli.command(short_help="Find CSJ and BLK on REC as the onboard module does.")
+@cli.command(cls=TakesHealthy, short_help="Find CSJ and BLK on REC as the onboard module does.")
 @click.argument("actuator")
 @click.argument("record")
-@click.option(
-    "--healthy",
-    multiple=True,
-    metavar="REC",
-    help="A record of the healthy machine, from which the healthy CSJ and BLK are taken. May be repeated.",
-)
+@healthy_option("Records of the healthy machine, which say what it is like and how it scatters.")
 @click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Seed of the search; the actuator's own when absent.")
 @click.option("--seeds", type=click.IntRange(min=1), default=1, show_default=True, help="Repeat with this many seeds and show the spread.")
 @click.option(
@@ -281,8 +278,10 @@ def identify(
     """Find CSJ and BLK on RECORD with the onboard module's own search.
 
     Where it finds a fault, or the model does not explain the record, a missing effect is sought behind it.
+    A file that ema calibrate wrote names the unit's healthy runs, and they serve as --healthy where none is given.
     """
     from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.any_record import record_files
     from ema_tools.data.records import read_record, simulated
     from ema_tools.plant.native import SearchSettings
     from ema_tools.plant.signatures_header import read_signatures
@@ -291,15 +290,19 @@ def identify(
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
+    from ema_tools.tasks.own_runs import own_runs
     from ema_tools.tasks.several_values import searched_of, several_values
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.terminal import show
 
+    healthy = record_files(healthy)
     writable(fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
     model = read_actuator(actuator)
     measured = read_record(record, model)
-    references = [read_record(path, model) for path in healthy]
+    # what the onboard module alone would say knows of no other record
+    asked = bool(healthy) or no_guard or table is not None
+    references = [read_record(path, model) for path in healthy] if asked else own_runs(model, measured)
     weight = weight_of(weights)
     signatures = read_signatures(table) if table else None
     if value_names is not None:
@@ -325,7 +328,8 @@ def identify(
             )
     if fitted:
         found.actuator.write(fitted, force)
-    origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit")
+    held = {"healthy": ", ".join(one.file for one in references)} if references else {}
+    origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit", **held)
     drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
     # behind a table the search begins as the table says
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
@@ -334,6 +338,8 @@ def identify(
     result = replace(result, workbench=bench(found.healthy, measured) if json_path else None)
     save(json_path, result, force)
     show.identification(output(), result)
+    if references and not asked:
+        show.say(output(), f"held against {_few([one.file for one in references])}, on which {model.file} was calibrated")
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
@@ -341,15 +347,11 @@ def identify(
         leave(of_identification(result))
 
 
-@cli.command(short_help="Say which physical effect ACTUATOR's model lacks on REC.")
+@cli.command(cls=TakesHealthy, short_help="Say which physical effect ACTUATOR's model lacks on REC.")
 @click.argument("actuator")
 @click.argument("record", nargs=-1, required=True, metavar="REC...")
-@click.option(
-    "--healthy",
-    multiple=True,
-    metavar="REC",
-    help="A record of the healthy machine, or a pattern or folder of them: by simulation under the same command, two or more, those of the hold-out's command serve the hold-out; "
-    "by the balance of any motion, three or more.",
+@healthy_option(
+    "Records of the healthy machine: by simulation under the same command, two or more, those of the hold-out's command serve the hold-out; by the balance of any motion, three or more."
 )
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
 @method_option
@@ -442,7 +444,7 @@ def _page(path: str | None, result: Result, force: bool) -> None:
         write_text(path, render([parse_result(to_json(result), path, Path(path).stem)], command_line()), force)
 
 
-@cli.command(short_help="Put EFFECT into ACTUATOR's model and watch the error fall.")
+@cli.command(cls=TakesHealthy, short_help="Put EFFECT into ACTUATOR's model and watch the error fall.")
 @click.argument("actuator")
 @click.argument("effect")
 @click.argument("given", nargs=-1, metavar="[REC...]")
@@ -454,12 +456,7 @@ def _page(path: str | None, result: Result, force: bool) -> None:
     metavar="REC",
     help="A record that the effect is fitted to, or REC behind the effect; several by the balance of forces. Files, patterns, folders.",
 )
-@click.option(
-    "--healthy",
-    multiple=True,
-    metavar="REC",
-    help="A record of the healthy machine under the same command; give two or more. May be repeated.",
-)
+@healthy_option("Records of the healthy machine under the same command; give two or more.")
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
 @click.option(
     "--known",
@@ -725,7 +722,7 @@ def next_command(
     print_next(output(), result)
 
 
-@cli.command(short_help="Write what firmware compiles in or reads from flash.")
+@cli.command(cls=TakesHealthy, short_help="Write what firmware compiles in or reads from flash.")
 @click.argument("actuator")
 @click.option("-o", "--output", "out", metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
 @click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
@@ -734,7 +731,7 @@ def next_command(
     metavar="FILE.h",
     help="Write the table for the onboard diagnosis there too: static const ema_signatures_t EMA_SIGNATURES.",
 )
-@click.option("--healthy", multiple=True, metavar="REC", help="A healthy record of the ground test; two or more for a table of signatures.")
+@healthy_option("Healthy records of the ground test; two or more for a table of signatures.")
 @click.option(
     "--signals", metavar="NAME,...", help="Signals of the table; the rod position and the current, where they are recorded, unless told."
 )
@@ -760,6 +757,7 @@ def export(
     """Write ACTUATOR as the configuration that firmware compiles in, or as the image that it reads in flash."""
     from ema_tools.base.files import write_bytes, write_text
     from ema_tools.data.actuator import read_actuator
+    from ema_tools.data.any_record import record_files
     from ema_tools.data.records import read_record
     from ema_tools.plant.signatures_header import read_signatures, signatures_in
     from ema_tools.results.files import ExportResult
@@ -776,6 +774,7 @@ def export(
         raise click.UsageError("--table, --beside and --name belong to --image FILE.bin")
     if table and (signatures or healthy or signals):
         raise click.UsageError("--table takes the place of --signatures and its records: give one of the two")
+    healthy = record_files(healthy)
     read = (actuator, *healthy, *filter(None, [table, beside]))
     writable(out, flat, signatures, image, json_path=json_path, force=force, inputs=read)
     model = read_actuator(actuator)

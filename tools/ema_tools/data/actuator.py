@@ -8,6 +8,7 @@ from __future__ import annotations
 import copy
 import difflib
 import math
+import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
@@ -30,6 +31,9 @@ ABOUT = ("name", "notes", "source", "command_acts")
 SETTINGS = ("search", "verdict")
 # How the unit differs from run to run: rows such as screw.csj_Nm = 0.006 below [scatter].
 SCATTER = "scatter"
+
+# The table of a calibrated unit, and its key for the healthy runs that it was calibrated on, from the file's folder.
+CALIBRATION, HEALTHY = "calibration", "healthy"
 
 Row = Parameter | EffectParameter
 
@@ -149,7 +153,7 @@ class Actuator:
     `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from. `remarks`: comments behind values, by their names, that replace those
     of the file. `absent`: values that the file leaves out, as that of a machine whose controller is not known may: what stands for them in `values` fills the module's arrays and is
     never a value of this machine. `scatter`: what the file states of how the unit differs from run to run, one standard deviation by name: relative, or in the value's unit where
-    `scatters_by_share` says no; zero for what does not scatter.
+    `scatters_by_share` says no; zero for what does not scatter. `healthy`: the files of the unit's healthy runs, where this is what a calibration found on them; a changed one is another.
     """
 
     values: Mapping[str, float]
@@ -159,6 +163,7 @@ class Actuator:
     remarks: Mapping[str, str] = field(default_factory=dict, compare=False)
     absent: frozenset[str] = frozenset()
     scatter: Mapping[str, float] = field(default_factory=dict)
+    healthy: tuple[str, ...] = field(default=(), compare=False)
 
     def __getitem__(self, name: str) -> float:
         if name in self.absent:
@@ -215,7 +220,12 @@ class Actuator:
             values[row.name] = float(number)
         stated = self.absent - {row_of(name).name for name in changes}
         return replace(
-            self, values=values, about={**self.about, **(about or {})}, remarks={**self.remarks, **(remarks or {})}, absent=stated
+            self,
+            values=values,
+            about={**self.about, **(about or {})},
+            remarks={**self.remarks, **(remarks or {})},
+            absent=stated,
+            healthy=(),
         )
 
     def remark(self, name: str) -> str:
@@ -242,11 +252,13 @@ class Actuator:
             trivia = _item_of(document, row_of(name)).trivia
             trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
         _update_scatter(document, self.scatter)
+        _update_healthy(document, self.healthy)
         return tomlkit.dumps(document)
 
     def write(self, path: str | Path, force: bool = False) -> None:
         """Write the TOML file. Raises InputError when it exists and `force` is not set, or cannot be written."""
-        write_text(path, self.written_text(), force)
+        beside = tuple(_from_folder(one, Path(path).parent) for one in self.healthy)
+        write_text(path, replace(self, healthy=beside).written_text(), force)
 
 
 def _update_about(document: tomlkit.TOMLDocument, about: Mapping[str, str]) -> None:
@@ -292,6 +304,26 @@ def _update_scatter(document: tomlkit.TOMLDocument, scatter: Mapping[str, float]
             table.append(tomlkit.key([section, key]), item)
         elif _plain(table[section][key]) != std:
             table[section][key] = float(std)
+
+
+def _update_healthy(document: tomlkit.TOMLDocument, healthy: Sequence[str]) -> None:
+    """Name the healthy runs; what the file said of them goes where there are none."""
+    if list(healthy) == _plain(document.get(CALIBRATION, {}).get(HEALTHY, [])):
+        return
+    document.pop(CALIBRATION, None)
+    if healthy:
+        table = tomlkit.table()
+        table.add(HEALTHY, list(healthy))
+        table[HEALTHY].comment("the unit's healthy runs, beside which ema identify holds those of today")
+        document.add(CALIBRATION, table)
+
+
+def _from_folder(file: str, folder: Path) -> str:
+    """The path of a file as seen from a folder, or the whole path where there is none."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:  # another drive
+        return str(Path(file).resolve())
 
 
 def _scatter_unit(row: Row) -> str:
@@ -404,7 +436,8 @@ def read_actuator(path: str | Path, complete: bool = True) -> Actuator:
     """
     if str(path) == "reference" and not Path(path).exists():
         path = shipped_folder() / "actuators" / "reference.toml"
-    return actuator_of(read_text(path), readable(Path(path).name), complete)
+    found = actuator_of(read_text(path), readable(Path(path).name), complete)
+    return replace(found, healthy=tuple(str(Path(path).parent / one) for one in found.healthy))
 
 
 def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
@@ -423,19 +456,34 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
     about = _about(content.pop("actuator", {}), file)
     _take_effects(content.pop("effects", {}), known, values, file)
     scatter = _scatter(content.pop(SCATTER, {}), file)
+    healthy = _healthy(content.pop(CALIBRATION, {}), file)
     sections = known.sections
     for section, table in content.items():
         if section not in sections:
-            near = nearest(section, [*sections, "effects", "actuator", SCATTER])
-            raise InputError(f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, {SCATTER}, effects.<name>")
+            near = nearest(section, [*sections, "effects", "actuator", SCATTER, CALIBRATION])
+            raise InputError(
+                f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, {SCATTER}, {CALIBRATION}, effects.<name>"
+            )
         _take(table, {row.field: row for row in sections[section]}, section, values, file)
     if not complete and is_incomplete(content):
         machine = [row for section, rows in sections.items() if section not in SETTINGS for row in rows]
         _complain(forgotten(content, machine), file)
         absent, nothing = left_out(content, machine)
-        return Actuator(values={**values, **nothing}, document=document, file=file, about=about, absent=absent, scatter=scatter)
+        return Actuator(
+            values={**values, **nothing}, document=document, file=file, about=about, absent=absent, scatter=scatter, healthy=healthy
+        )
     _require(content, sections, file)
-    return Actuator(values=values, document=document, file=file, about=about, scatter=scatter)
+    return Actuator(values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy)
+
+
+def _healthy(table: object, file: str) -> tuple[str, ...]:
+    """The healthy runs that [calibration] names. Raises InputError."""
+    named = table.get(HEALTHY, []) if isinstance(table, dict) and set(table) <= {HEALTHY} else None
+    if not isinstance(named, list) or not all(isinstance(one, str) and one for one in named):
+        raise InputError(
+            f'{file}: [{CALIBRATION}]: it holds {HEALTHY} = ["RUN.csv", ...] and nothing else: calibrate again, or take it out'
+        )
+    return tuple(named)
 
 
 def _reason(error: TOMLKitError, text: str) -> str:

@@ -1,0 +1,19 @@
+"""The healthy runs that a calibrated unit's file names, beside which a record of today is judged where no others are given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import same_samples
+from ema_tools.data.records import Record, read_record
+from ema_tools.select.known_machine import repeats_of
+
+
+def own_runs(actuator: Actuator, record: Record) -> tuple[Record, ...]:
+    """The unit's healthy runs of the record's command, but for the record itself; none where fewer than two are left, which cannot tell how the unit repeats.
+
+    What has gone from its place since is passed over: the file holds what was learned from it. Raises InputError for one that cannot be read.
+    """
+    there = [read_record(path, actuator) for path in actuator.healthy if Path(path).is_file()]
+    return repeats_of(record, [one for one in there if not same_samples(one, record)])
