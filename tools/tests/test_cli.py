@@ -20,7 +20,7 @@ from ema_tools.cli.sections import SECTIONS
 from ema_tools.library.definitions import load_definitions
 from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
-COMMANDS = ("simulate", "compare", "calibrate", "identify", "export", "report", "demo", "import", "effects")
+COMMANDS = ("simulate", "compare", "calibrate", "identify", "export", "report", "watch", "demo", "import", "effects")
 
 
 def test_help_names_every_command() -> None:

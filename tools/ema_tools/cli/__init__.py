@@ -28,6 +28,7 @@ from ema_tools.cli.greedy import TakesHealthy, healthy_option
 from ema_tools.cli.importing import import_group
 from ema_tools.cli.options import command_line, fix_option, json_option, method_option, precision_option, save, writable
 from ema_tools.cli.sections import InSections
+from ema_tools.cli.watching import watch
 from ema_tools.words.terminal.console import complain, output, progress
 
 if TYPE_CHECKING:
@@ -898,6 +899,7 @@ def demo_command(folder: str | None, json_path: str | None, force: bool) -> None
     save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
+cli.add_command(watch)
 cli.add_command(import_group)
 
 

@@ -10,7 +10,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "Records": ("import", "simulate"),
     "Where the model fails, and what it lacks": ("compare", "diagnose", "effects", "add", "next", "map"),
     "A unit and its faults": ("calibrate", "identify", "export", "telemetry"),
-    "To look at": ("report", "demo"),
+    "To look at": ("report", "watch", "demo"),
 }
 
 
