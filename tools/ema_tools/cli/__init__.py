@@ -24,6 +24,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError, MissingSignal
 from ema_tools.cli.exit_codes import exit_code_option, leave, of_diagnosis, of_identification
+from ema_tools.cli.fleets import fleet
 from ema_tools.cli.greedy import TakesHealthy, healthy_option
 from ema_tools.cli.importing import import_group
 from ema_tools.cli.options import command_line, fix_option, json_option, method_option, precision_option, save, writable
@@ -900,6 +901,7 @@ def demo_command(folder: str | None, json_path: str | None, force: bool) -> None
 
 
 cli.add_command(watch)
+cli.add_command(fleet)
 cli.add_command(import_group)
 
 

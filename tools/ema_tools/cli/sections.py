@@ -9,7 +9,7 @@ import click
 SECTIONS: Mapping[str, Sequence[str]] = {
     "Records": ("import", "simulate"),
     "Where the model fails, and what it lacks": ("compare", "diagnose", "effects", "add", "next", "map"),
-    "A unit and its faults": ("calibrate", "identify", "export", "telemetry"),
+    "A unit and its faults": ("calibrate", "identify", "fleet", "export", "telemetry"),
     "To look at": ("report", "watch", "demo"),
 }
 

@@ -17,6 +17,7 @@ from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResul
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
 from ema_tools.results.files import DemoResult, DraftResult, ExportResult, ImportResult, ReportResult, SimulationResult, TableImportResult
+from ema_tools.results.fleet import FleetResult
 from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.telemetry import TelemetryResult
@@ -32,6 +33,7 @@ Result = (
     | Effects
     | Experiment
     | ExportResult
+    | FleetResult
     | IdentificationResult
     | ImportResult
     | MapResult
@@ -48,6 +50,7 @@ _BY_COMMAND: Mapping[str, type[Result]] = {
     "compare": ComparisonResult,
     "effects": Effects,
     "export": ExportResult,
+    "fleet": FleetResult,
     "identify": IdentificationResult,
     "import draft": DraftResult,
     "import emps": ImportResult,

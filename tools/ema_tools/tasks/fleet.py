@@ -1,0 +1,236 @@
+"""A fleet's recordings judged, each once: on this machine's cores or on a cluster, where the workers read the recordings themselves and write their results as they come."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import itertools
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ema_tools import __version__
+from ema_tools.base.errors import InputError, LibraryError
+from ema_tools.base.files import readable, reason
+from ema_tools.data.actuator import Actuator, read_actuator
+from ema_tools.data.manifest import Entry
+from ema_tools.data.motion_records import same_samples
+from ema_tools.data.records import Record, read_record
+from ema_tools.plant.native import IdentifiedValue
+from ema_tools.results.store import Row, key_of, keys, write_part
+from ema_tools.tasks.calibrate import calibrate
+from ema_tools.tasks.identify import Identified, identify
+from ema_tools.tasks.onboard_search import KEYS
+from ema_tools.tasks.own_machine import own_machine
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+_BATCH = 16  # recordings of one unit that a worker judges at once and writes as one part [layout]
+_AHEAD = 4  # batches that wait for each worker: what is sent is a list of paths, and memory does not grow with the fleet [layout]
+RESULTS, UNITS = "results", "units"
+_LEAST_RUNS = 2  # healthy runs of one command that show a unit itself
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Recordings of one unit, its healthy runs, and what its model is named after; all that a worker is told."""
+
+    unit: str
+    actuator: str
+    healthy: tuple[str, ...]
+    model: str  # file of the unit's own model
+    entries: tuple[Entry, ...]
+    keys: tuple[str, ...]
+    results: str
+    guarded: bool
+
+
+def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list[Batch], set[str]]:
+    """What is left to do of a fleet, unit by unit, and the keys of all of it, done or not. Raises InputError for a store that cannot be read."""
+    done = keys(folder / RESULTS)
+    batches: list[Batch] = []
+    wanted: set[str] = set()
+    for unit, group in itertools.groupby(entries, lambda one: one.unit):
+        own = tuple(group)
+        runs = tuple(str(one.file) for one in own if one.kind == "healthy")
+        actuators = {one.actuator for one in own}
+        if len(actuators) > 1:
+            raise InputError(
+                f"{unit}: {' and '.join(sorted(one.name for one in actuators)[:2])}: a unit has one actuator file: name the same one in its rows"
+            )
+        actuator = next(iter(actuators))
+        base = key_of(__version__, str(guarded), unit, _content(actuator), *map(_stamp, runs))
+        model = folder / UNITS / f"{_name(unit)}-{base[:8]}.toml"
+        named = [(one, key_of(base, str(one.file), _stamp(str(one.file)))) for one in own]
+        wanted |= {key for _, key in named}
+        left = [(one, key) for one, key in named if key not in done]
+        for start in range(0, len(left), _BATCH):
+            part = left[start : start + _BATCH]
+            shown = tuple(one for one, _ in part)
+            batches.append(
+                Batch(unit, str(actuator), runs, str(model), shown, tuple(key for _, key in part), str(folder / RESULTS), guarded)
+            )
+    return batches, wanted
+
+
+def run_fleet(
+    batches: Iterable[Batch], scheduler: str | None = None, workers: int | None = None, done: Callable[[int, int], None] | None = None
+) -> tuple[int, int]:
+    """Judge what is planned; how many recordings were, and how many of them are bad.
+
+    `scheduler`: the address of a Dask cluster that sees the same folders, else processes of this machine, as many as it has cores unless `workers` says otherwise. `done` is told
+    after every batch. Raises InputError where the scheduler does not answer.
+    """
+    good = bad = 0
+    with _client(scheduler, workers) as client:
+        from distributed import as_completed
+
+        left = iter(batches)
+        ahead = _AHEAD * max(1, len(client.scheduler_info()["workers"]))
+        following = as_completed([client.submit(judge, one, pure=False) for one in itertools.islice(left, ahead)])
+        for future in following:
+            one_good, one_bad = future.result()
+            good, bad = good + one_good, bad + one_bad
+            if done is not None:
+                done(good, bad)
+            for one in itertools.islice(left, 1):
+                following.add(client.submit(judge, one, pure=False))
+    return good + bad, bad
+
+
+@contextlib.contextmanager
+def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
+    try:
+        import dask
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise InputError("ema fleet needs Dask: install ema_tools with its extra `fleet`, or the packages dask and distributed") from None
+
+    # a worker that was killed costs its batch another try, and nothing else
+    quiet = {"distributed.worker.daemon": False, "distributed.logging.distributed": "error", "distributed.scheduler.allowed-failures": 3}
+    with dask.config.set(quiet):
+        if scheduler:
+            try:
+                with Client(scheduler, timeout=10) as client:
+                    yield client
+            except (OSError, ValueError) as error:
+                raise InputError(
+                    f"--scheduler {scheduler}: no cluster answers there ({error}): start one by dask scheduler, or leave it out"
+                ) from None
+            return
+        count = workers or len(os.sched_getaffinity(0))
+        with (
+            LocalCluster(
+                n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50
+            ) as cluster,
+            Client(cluster) as client,
+        ):
+            yield client
+
+
+def judge(batch: Batch) -> tuple[int, int]:
+    """One batch: its rows stand in the store afterwards. How many recordings could be judged, and how many not."""
+    rows = list(_rows(batch))
+    write_part(Path(batch.results), rows)
+    bad = sum(row.status == "bad" for row in rows)
+    return len(rows) - bad, bad
+
+
+def _rows(batch: Batch) -> Iterator[Row]:
+    why = ""
+    try:
+        model: Actuator | None = unit_model(batch)
+        runs = [read_record(path, model) for path in batch.healthy] if batch.guarded else []
+    except (InputError, LibraryError) as error:
+        model, runs, why = None, [], str(error)
+    for entry, key in zip(batch.entries, batch.keys, strict=True):
+        row = Row(key, batch.unit, entry.date, str(entry.file), entry.kind, batch.actuator, software=__version__)
+        try:
+            if model is None:
+                raise InputError(why)
+            yield _judged(row, entry, model, runs)
+        except (InputError, LibraryError) as error:
+            yield replace(row, status="bad", reason=readable(str(error)))
+
+
+def unit_model(batch: Batch) -> Actuator:
+    """The unit's own model: as its file is where that was calibrated, or too few healthy runs show it; else calibrated on them, once. Raises InputError."""
+    kept = Path(batch.model)
+    if kept.is_file():
+        return read_actuator(kept)
+    model = read_actuator(batch.actuator)
+    if model.healthy or len(batch.healthy) < _LEAST_RUNS:
+        return model
+    runs = [read_record(path, model) for path in batch.healthy]
+    own = own_machine(calibrate(model, runs).actuator, runs)
+    if own is None:
+        return model
+    found = replace(own.actuator.changed({}), healthy=tuple(str(Path(path).resolve()) for path in batch.healthy))
+    begun = kept.with_name(f".{kept.name}.{os.getpid()}")
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    found.write(begun, force=True)
+    os.replace(begun, kept)
+    return read_actuator(kept)
+
+
+def _judged(row: Row, entry: Entry, model: Actuator, runs: Sequence[Record]) -> Row:
+    record = read_record(entry.file, model)
+    others = [one for one in runs if not same_samples(one, record)]
+    found = identify(model, record, others, guarding=bool(runs))
+    checked = found.checked
+    effect = checked.effects[0] if checked is not None and found.objection == "missing" and checked.effects else None
+    told: dict[str, Any] = {}
+    for one in found.answer.identified:
+        told |= _value(found, one)
+    return replace(
+        row,
+        **told,
+        sha256=hashlib.sha256(entry.file.read_bytes()).hexdigest(),
+        verdict=found.verdict,
+        reasons="; ".join(found.answer.reasons),
+        adequate=found.adequate,
+        residual_rms_mm=found.answer.residual_rms_mm,
+        effect=effect,
+        evaluations=found.answer.evaluations,
+        wall_s=found.wall_s,
+    )
+
+
+def _value(found: Identified, one: IdentifiedValue) -> dict[str, Any]:
+    """The columns of one identified value."""
+    name, _, unit = KEYS[one.name].partition("_")
+    healthy = found.healthy[one.name]
+    ends = [100.0 * (end / healthy - 1.0) if end is not None and math.isfinite(end) and healthy else None for end in found.interval95(one)]
+    return {
+        KEYS[one.name]: one.estimate,
+        f"{name}_healthy_{unit}": healthy,
+        f"{name}_shift_percent": one.shift_percent,
+        f"{name}_low_percent": ends[0],
+        f"{name}_high_percent": ends[1],
+    }
+
+
+def _content(path: Path) -> str:
+    """What a file holds, in short; of one that cannot be read, that: the worker says why."""
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        return reason(error)
+
+
+def _stamp(path: str) -> str:
+    """Size and time of a recording, by which another one is known without reading it."""
+    try:
+        state = os.stat(path)
+    except OSError as error:
+        return reason(error)
+    return f"{state.st_size} {state.st_mtime_ns}"
+
+
+def _name(unit: str) -> str:
+    """The unit's name as a file's."""
+    return "".join(one if one.isalnum() or one in "-_." else "_" for one in unit).strip(".") or "unit"

@@ -1,0 +1,114 @@
+"""What a fleet's results say of each unit over its days: has CSJ or BLK changed, since when, and when it reaches its limit."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
+from ema_tools.base.interval import WIDTH_95
+from ema_tools.fit.wear import Change, Life, change, life
+from ema_tools.results.store import Row
+
+# Shift at which a unit is to be taken out of service, % of the healthy value, where nobody says another.
+LIMITS = {"csj": 50.0, "blk": 100.0}
+FALSE_ALARM = 0.01  # of a unit whose value does not change [chance]
+_DAY_S = 86_400.0
+_DAYS_LEAST = 6  # readings below which no remaining life is told [judgement]
+
+
+@dataclass(frozen=True)
+class Trend:
+    """One value of one unit: its readings [n] in % of the healthy value with standard errors, on `days` [n] after the unit's first; `life` in days, None where nothing wears or too little is known."""
+
+    name: str
+    dates: tuple[datetime, ...]
+    days: Reals
+    shift_percent: Reals
+    std_percent: Reals
+    limit_percent: float
+    change: Change
+    life: Life | None
+
+    @property
+    def urgency(self) -> tuple[float, float]:
+        """Smaller is sooner: the lower end of the remaining life, then how much of the limit is left."""
+        left = 1.0 - float(self.shift_percent[-1]) / self.limit_percent if self.shift_percent.size else 1.0
+        return (self.life.low if self.life is not None else math.inf, left)
+
+
+@dataclass(frozen=True)
+class UnitHistory:
+    """One unit: its rows by date, and the trends of what was read; readings of a model that does not explain the record are in the rows alone."""
+
+    unit: str
+    rows: tuple[Row, ...]
+    trends: tuple[Trend, ...]
+
+    @property
+    def bad(self) -> tuple[Row, ...]:
+        """Recordings that could not be judged."""
+        return tuple(row for row in self.rows if row.status == "bad")
+
+    @property
+    def last(self) -> Row | None:
+        """The last recording that could be judged."""
+        return next((row for row in reversed(self.rows) if row.status == "ok"), None)
+
+    @property
+    def urgency(self) -> tuple[float, float]:
+        """That of the more urgent of its values."""
+        return min((one.urgency for one in self.trends), default=(math.inf, 1.0))
+
+
+def limits_of(text: str | None) -> Mapping[str, float]:
+    """Limits from `csj=50,blk=100`. Raises InputError."""
+    found = dict(LIMITS)
+    for part in filter(None, (text or "").split(",")):
+        name, _, value = part.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if name.strip() not in LIMITS or not number > 0.0 or math.isinf(number):
+            raise InputError(f"--limit {part}: write csj=PERCENT or blk=PERCENT, a shift above 0")
+        found[name.strip()] = number
+    return found
+
+
+def histories(rows: Iterable[Row], limits: Mapping[str, float], false_alarm: float = FALSE_ALARM) -> list[UnitHistory]:
+    """The units, the most urgent first."""
+    ordered = sorted(rows, key=lambda row: (row.unit, row.date, row.file))
+    found = [_history(unit, tuple(own), limits, false_alarm) for unit, own in itertools.groupby(ordered, lambda row: row.unit)]
+    return sorted(found, key=lambda one: (one.urgency, one.unit))
+
+
+def _history(unit: str, rows: tuple[Row, ...], limits: Mapping[str, float], false_alarm: float) -> UnitHistory:
+    trends = [_trend(name, rows, limits[name], false_alarm) for name in LIMITS]
+    return UnitHistory(unit, rows, tuple(one for one in trends if one.days.size))
+
+
+def told(row: Row, name: str) -> bool:
+    """Whether a row's reading of a value counts: its model explains the record, and the record determines the value."""
+    return row.status == "ok" and row.adequate is not False and None not in _reading(row, name)
+
+
+def _reading(row: Row, name: str) -> tuple[float | None, float | None, float | None]:
+    return getattr(row, f"{name}_shift_percent"), getattr(row, f"{name}_low_percent"), getattr(row, f"{name}_high_percent")
+
+
+def _trend(name: str, rows: Sequence[Row], limit: float, false_alarm: float) -> Trend:
+    kept = [row for row in rows if told(row, name)]
+    read = np.array([_reading(row, name) for row in kept], dtype=np.float64).reshape(len(kept), 3)
+    days = np.array([(row.date - kept[0].date).total_seconds() / _DAY_S for row in kept])
+    shift, std = read[:, 0], np.maximum((read[:, 2] - read[:, 1]) / (2.0 * WIDTH_95), 1e-6)
+    # both values of a unit are looked at
+    found = change(days, shift, std, false_alarm / len(LIMITS))
+    left = life(days, shift, std, limit) if found.changed and found.by > 0.0 and days.size >= _DAYS_LEAST and days[-1] > days[0] else None
+    return Trend(name, tuple(row.date for row in kept), days, shift, std, limit, found, left)
