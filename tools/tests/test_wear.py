@@ -1,4 +1,4 @@
-"""Change and remaining life of a value over days, on days that share no law with what is fitted to them."""
+"""Drift and remaining life of a value over days, on days that share no law with what is fitted to them."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ Indices = np.ndarray[Any, np.dtype[np.intp]]
 _DRAWS = 4000  # of days by chance: to 0.25 % of a rate of 1 % [precision]
 _SIDE = 2  # days on each side of a change [judgement]
 _DAYS_MAX = 80  # days that remaining life is found by: more are joined with their neighbours [layout]
-_SEED = 20_011  # of the draws: the same days, the same answer
+_SEED = 20_011  # of the draws: the same days, the same answer [layout]
 _LIKELY = 3.84  # twice the logarithm of the likelihood ratio at the end of a 95 % interval [chance]
 _OUTLIER = 2.5  # standard deviations off its neighbours beyond which a day counts less [judgement]
 _PATHS = 600  # futures [precision]
@@ -41,7 +41,7 @@ _CHUNK = 256  # laws at once [layout]
 
 
 @dataclass(frozen=True)
-class Change:
+class Drift:
     """Whether a value has changed: `chance` is how often days without change show as much; `since` is its first day, `since95` between which two days it begins with 95 %."""
 
     changed: bool
@@ -62,11 +62,11 @@ class Life:
     now: float
 
 
-def change(days: Reals, values: Reals, stds: Reals, false_alarm: float = 0.01) -> Change:
+def change(days: Reals, values: Reals, stds: Reals, false_alarm: float = 0.01) -> Drift:
     """Whether `values` [n] of `days` [n], in order, have changed, with standard errors `stds` [n], at a false-alarm rate."""
     count = days.size
     if count < 2 * _SIDE or not days[-1] > days[0]:
-        return Change(False, 1.0, math.inf, (math.inf, math.inf), 0.0)
+        return Drift(False, 1.0, math.inf, (math.inf, math.inf), 0.0)
     std = _robust(values, np.hypot(stds, _beyond(values, stds)))
     shapes, begins = _shapes(days)
     weight = 1.0 / std**2
@@ -80,7 +80,7 @@ def change(days: Reals, values: Reals, stds: Reals, false_alarm: float = 0.01) -
     near = begins[score**2 >= score[most] ** 2 - _LIKELY]
     first, last = int(near.min()), int(near.max())
     by = float(score[most] / norm[most]) * float(shapes[-1, most])
-    return Change(chance <= false_alarm, chance, float(days[begins[most]]), (float(days[max(first - 1, 0)]), float(days[last])), by)
+    return Drift(chance <= false_alarm, chance, float(days[begins[most]]), (float(days[max(first - 1, 0)]), float(days[last])), by)
 
 
 def _shapes(days: Reals) -> tuple[Reals, Indices]:
@@ -156,8 +156,7 @@ class _Known:
     root: Reals
 
 
-# What a level, a rate over one age and a fading part may be, one standard deviation as a share of the limit [judgement].
-_PRIOR = np.array([0.3, 1.0, 0.3])
+_PRIOR = np.array([0.3, 1.0, 0.3])  # level, rate over one age and fading part: one standard deviation as a share of the limit [judgement]
 
 
 def _all_laws() -> _Laws:

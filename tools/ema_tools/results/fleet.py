@@ -32,7 +32,7 @@ class TrendEntry:
 
 
 @dataclass(frozen=True)
-class UnitEntry:
+class FleetUnitEntry:
     """One unit; the trends by csj and blk."""
 
     unit: str
@@ -49,7 +49,7 @@ class FleetResult:
 
     command: Literal["fleet"]
     sentence: str
-    units: tuple[UnitEntry, ...]
+    units: tuple[FleetUnitEntry, ...]
     limits_percent: dict[str, float]
     false_alarm: float
     judged_now: int

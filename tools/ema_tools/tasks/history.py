@@ -13,13 +13,15 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import WIDTH_95
-from ema_tools.fit.wear import Change, Life, change, life
-from ema_tools.results.store import Row
+from ema_tools.fit.wear import Drift, Life, change, life
+from ema_tools.results.store import Judged
 
-# Shift at which a unit is to be taken out of service, % of the healthy value, where nobody says another.
-LIMITS = {"csj": 50.0, "blk": 100.0}
+LIMITS = {
+    "csj": 50.0,
+    "blk": 100.0,
+}  # shift at which a unit is taken out of service where nobody says another, % of the healthy value [judgement]
 FALSE_ALARM = 0.01  # of a unit whose value does not change [chance]
-_DAY_S = 86_400.0
+_DAY_S = 86_400.0  # of a day [physics]
 _DAYS_LEAST = 6  # readings below which no remaining life is told [judgement]
 
 
@@ -33,7 +35,7 @@ class Trend:
     shift_percent: Reals
     std_percent: Reals
     limit_percent: float
-    change: Change
+    change: Drift
     life: Life | None
 
     @property
@@ -48,16 +50,16 @@ class UnitHistory:
     """One unit: its rows by date, and the trends of what was read; readings of a model that does not explain the record are in the rows alone."""
 
     unit: str
-    rows: tuple[Row, ...]
+    rows: tuple[Judged, ...]
     trends: tuple[Trend, ...]
 
     @property
-    def bad(self) -> tuple[Row, ...]:
+    def bad(self) -> tuple[Judged, ...]:
         """Recordings that could not be judged."""
         return tuple(row for row in self.rows if row.status == "bad")
 
     @property
-    def last(self) -> Row | None:
+    def last(self) -> Judged | None:
         """The last recording that could be judged."""
         return next((row for row in reversed(self.rows) if row.status == "ok"), None)
 
@@ -82,28 +84,28 @@ def limits_of(text: str | None) -> Mapping[str, float]:
     return found
 
 
-def histories(rows: Iterable[Row], limits: Mapping[str, float], false_alarm: float = FALSE_ALARM) -> list[UnitHistory]:
+def histories(rows: Iterable[Judged], limits: Mapping[str, float], false_alarm: float = FALSE_ALARM) -> list[UnitHistory]:
     """The units, the most urgent first."""
     ordered = sorted(rows, key=lambda row: (row.unit, row.date, row.file))
     found = [_history(unit, tuple(own), limits, false_alarm) for unit, own in itertools.groupby(ordered, lambda row: row.unit)]
     return sorted(found, key=lambda one: (one.urgency, one.unit))
 
 
-def _history(unit: str, rows: tuple[Row, ...], limits: Mapping[str, float], false_alarm: float) -> UnitHistory:
+def _history(unit: str, rows: tuple[Judged, ...], limits: Mapping[str, float], false_alarm: float) -> UnitHistory:
     trends = [_trend(name, rows, limits[name], false_alarm) for name in LIMITS]
     return UnitHistory(unit, rows, tuple(one for one in trends if one.days.size))
 
 
-def told(row: Row, name: str) -> bool:
+def told(row: Judged, name: str) -> bool:
     """Whether a row's reading of a value counts: its model explains the record, and the record determines the value."""
     return row.status == "ok" and row.adequate is not False and None not in _reading(row, name)
 
 
-def _reading(row: Row, name: str) -> tuple[float | None, float | None, float | None]:
+def _reading(row: Judged, name: str) -> tuple[float | None, float | None, float | None]:
     return getattr(row, f"{name}_shift_percent"), getattr(row, f"{name}_low_percent"), getattr(row, f"{name}_high_percent")
 
 
-def _trend(name: str, rows: Sequence[Row], limit: float, false_alarm: float) -> Trend:
+def _trend(name: str, rows: Sequence[Judged], limit: float, false_alarm: float) -> Trend:
     kept = [row for row in rows if told(row, name)]
     read = np.array([_reading(row, name) for row in kept], dtype=np.float64).reshape(len(kept), 3)
     days = np.array([(row.date - kept[0].date).total_seconds() / _DAY_S for row in kept])

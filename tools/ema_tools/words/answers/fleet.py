@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ema_tools.fit.wear import Life
-from ema_tools.results.fleet import FleetResult, LifeEntry, TrendEntry, UnitEntry
+from ema_tools.results.fleet import FleetResult, LifeEntry, TrendEntry, FleetUnitEntry
 from ema_tools.results.parts import Provenance
 from ema_tools.tasks.history import Trend, UnitHistory
 from ema_tools.words.sentences.fleet import day_of, summary, unit_words
@@ -19,10 +19,10 @@ def fleet_result(
     return FleetResult("fleet", summary(units), tuple(map(_unit, units)), dict(limits), false_alarm, judged, wall_s, provenance)
 
 
-def _unit(one: UnitHistory) -> UnitEntry:
+def _unit(one: UnitHistory) -> FleetUnitEntry:
     last = one.last
     trends = {trend.name: _trend(trend) for trend in one.trends}
-    return UnitEntry(one.unit, trends, last.verdict if last is not None else None, len(one.rows), len(one.bad), unit_words(one))
+    return FleetUnitEntry(one.unit, trends, last.verdict if last is not None else None, len(one.rows), len(one.bad), unit_words(one))
 
 
 def _trend(trend: Trend) -> TrendEntry:
