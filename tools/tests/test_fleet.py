@@ -19,7 +19,7 @@ from ema_tools.results import store
 from ema_tools.results.codec import to_json
 from ema_tools.results.provenance import provenance
 from ema_tools.results.reading import read_result
-from ema_tools.results.store import Judged, keys, read_rows, write_part
+from ema_tools.results.store import FleetRow, keys, read_rows, write_part
 from ema_tools.tasks.fleet import RESULTS, planned, run_fleet
 from ema_tools.tasks.history import LIMITS, histories, limits_of
 from ema_tools.words.answers.fleet import fleet_result
@@ -101,10 +101,10 @@ def test_a_wrong_folder_is_named(tmp_path: Path) -> None:
     assert "--limit csj=-3: write csj=PERCENT" in complaint(run_ema("fleet", fleet, "-o", tmp_path / "out", "--limit", "csj=-3"))
 
 
-def row(number: int, shift: float, *, unit: str = "a", std: float = 0.5, day: float | None = None) -> Judged:
+def row(number: int, shift: float, *, unit: str = "a", std: float = 0.5, day: float | None = None) -> FleetRow:
     """A reading of CSJ; BLK stays."""
     ends = {"csj_low_percent": shift - 1.96 * std, "csj_high_percent": shift + 1.96 * std}
-    return Judged(
+    return FleetRow(
         f"{unit}{number}",
         unit,
         FIRST + timedelta(days=float(number if day is None else day)),
@@ -151,7 +151,7 @@ def test_a_part_of_another_version_is_read_or_refused(tmp_path: Path, monkeypatc
         keys(tmp_path)
 
 
-def drifting(unit: str, slope: float, seed: int) -> Iterator[Judged]:
+def drifting(unit: str, slope: float, seed: int) -> Iterator[FleetRow]:
     """Readings of a unit that wears from its tenth day on."""
     noise = np.random.default_rng(seed).normal(0.0, 0.5, 40)
     return (row(day, slope * max(0, day - 10) + float(noise[day]), unit=unit) for day in range(40))

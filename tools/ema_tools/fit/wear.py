@@ -232,11 +232,16 @@ def _future(law: _Laws, known: Reals, ahead: Reals, random: np.random.Generator)
 
 
 def _paced(ahead: Reals, stalled: bool, random: np.random.Generator) -> Reals:
-    """Time in which wear goes on from now: as the clock's, or not at all where it is stalled, until it changes its pace, at a time that is as likely as any other."""
+    """Time in which wear goes on from now: as the clock's, or not at all where it is stalled, until it changes its pace, at times that are as likely as any other; what stalls goes on again."""
     stalls, spread = _PACES
-    changes = float(random.exponential(1.0 / _CHANGES))
-    pace = 0.0 if random.random() < stalls and not stalled else float(np.exp(random.normal(0.0, spread)))
-    return np.asarray((0.0 if stalled else 1.0) * np.minimum(ahead, changes) + pace * np.maximum(ahead - changes, 0.0))
+    first, second = np.cumsum(random.exponential(1.0 / _CHANGES, 2))
+    paces = np.exp(random.normal(0.0, spread, 2))
+    if not stalled and random.random() < stalls:
+        paces[0] = 0.0
+    now = 0.0 if stalled else 1.0
+    return np.asarray(
+        now * np.minimum(ahead, first) + paces[0] * np.clip(ahead - first, 0.0, second - first) + paces[1] * np.maximum(ahead - second, 0.0)
+    )
 
 
 def _robust(values: Reals, stds: Reals) -> Reals:

@@ -21,7 +21,7 @@ _KEY = b"ema_rows_version"
 
 
 @dataclass(frozen=True)
-class Judged:
+class FleetRow:
     """What is known of one recording. `status` bad: it could not be judged, and `reason` says why; the rest is empty then."""
 
     key: str  # of the recording, the model and the way of judging: the same key is the same work
@@ -58,7 +58,7 @@ def _schema() -> pyarrow.Schema:
 
     kinds = {"str": pyarrow.string(), "datetime": pyarrow.timestamp("us", tz="UTC"), "float": pyarrow.float64(), "int": pyarrow.int64()}
     kinds["bool"] = pyarrow.bool_()
-    columns = [pyarrow.field(one.name, kinds[str(one.type).split(" ")[0]]) for one in fields(Judged)]
+    columns = [pyarrow.field(one.name, kinds[str(one.type).split(" ")[0]]) for one in fields(FleetRow)]
     return pyarrow.schema(columns, metadata={_KEY: str(VERSION).encode()})
 
 
@@ -67,7 +67,7 @@ def key_of(*parts: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
 
 
-def write_part(folder: Path, rows: Sequence[Judged]) -> Path:
+def write_part(folder: Path, rows: Sequence[FleetRow]) -> Path:
     """Put rows into the dataset, all of them or none: the part is named after the work in it, so that work done twice stands there once."""
     import pyarrow
     import pyarrow.parquet
@@ -80,12 +80,12 @@ def write_part(folder: Path, rows: Sequence[Judged]) -> Path:
     return place
 
 
-def read_rows(folder: Path) -> Iterator[Judged]:
+def read_rows(folder: Path) -> Iterator[FleetRow]:
     """The rows of the dataset, part by part. Raises InputError for a part of a later version, or one that cannot be read."""
     for part in _parts(folder):
         for row in _read(part, None):
-            known = {one.name: row[one.name] for one in fields(Judged) if one.name in row}
-            yield Judged(**known)
+            known = {one.name: row[one.name] for one in fields(FleetRow) if one.name in row}
+            yield FleetRow(**known)
 
 
 def keys(folder: Path) -> set[str]:

@@ -20,7 +20,7 @@ from ema_tools.data.manifest import Entry
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record, read_record
 from ema_tools.plant.native import IdentifiedValue
-from ema_tools.results.store import Judged, key_of, keys, write_part
+from ema_tools.results.store import FleetRow, key_of, keys, write_part
 from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.tasks.onboard_search import KEYS
@@ -140,7 +140,7 @@ def judge(batch: Batch) -> tuple[int, int]:
     return len(rows) - bad, bad
 
 
-def _rows(batch: Batch) -> Iterator[Judged]:
+def _rows(batch: Batch) -> Iterator[FleetRow]:
     why = ""
     try:
         model: Actuator | None = unit_model(batch)
@@ -148,7 +148,7 @@ def _rows(batch: Batch) -> Iterator[Judged]:
     except (InputError, LibraryError) as error:
         model, runs, why = None, [], str(error)
     for entry, key in zip(batch.entries, batch.keys, strict=True):
-        row = Judged(key, batch.unit, entry.date, str(entry.file), entry.kind, batch.actuator, software=__version__)
+        row = FleetRow(key, batch.unit, entry.date, str(entry.file), entry.kind, batch.actuator, software=__version__)
         try:
             if model is None:
                 raise InputError(why)
@@ -177,7 +177,7 @@ def unit_model(batch: Batch) -> Actuator:
     return read_actuator(kept)
 
 
-def _judged(row: Judged, entry: Entry, model: Actuator, runs: Sequence[Record]) -> Judged:
+def _judged(row: FleetRow, entry: Entry, model: Actuator, runs: Sequence[Record]) -> FleetRow:
     record = read_record(entry.file, model)
     others = [one for one in runs if not same_samples(one, record)]
     found = identify(model, record, others, guarding=bool(runs))

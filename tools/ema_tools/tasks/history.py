@@ -14,7 +14,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import WIDTH_95
 from ema_tools.fit.wear import Drift, Life, change, life
-from ema_tools.results.store import Judged
+from ema_tools.results.store import FleetRow
 
 LIMITS = {
     "csj": 50.0,
@@ -50,16 +50,16 @@ class UnitHistory:
     """One unit: its rows by date, and the trends of what was read; readings of a model that does not explain the record are in the rows alone."""
 
     unit: str
-    rows: tuple[Judged, ...]
+    rows: tuple[FleetRow, ...]
     trends: tuple[Trend, ...]
 
     @property
-    def bad(self) -> tuple[Judged, ...]:
+    def bad(self) -> tuple[FleetRow, ...]:
         """Recordings that could not be judged."""
         return tuple(row for row in self.rows if row.status == "bad")
 
     @property
-    def last(self) -> Judged | None:
+    def last(self) -> FleetRow | None:
         """The last recording that could be judged."""
         return next((row for row in reversed(self.rows) if row.status == "ok"), None)
 
@@ -84,28 +84,28 @@ def limits_of(text: str | None) -> Mapping[str, float]:
     return found
 
 
-def histories(rows: Iterable[Judged], limits: Mapping[str, float], false_alarm: float = FALSE_ALARM) -> list[UnitHistory]:
+def histories(rows: Iterable[FleetRow], limits: Mapping[str, float], false_alarm: float = FALSE_ALARM) -> list[UnitHistory]:
     """The units, the most urgent first."""
     ordered = sorted(rows, key=lambda row: (row.unit, row.date, row.file))
     found = [_history(unit, tuple(own), limits, false_alarm) for unit, own in itertools.groupby(ordered, lambda row: row.unit)]
     return sorted(found, key=lambda one: (one.urgency, one.unit))
 
 
-def _history(unit: str, rows: tuple[Judged, ...], limits: Mapping[str, float], false_alarm: float) -> UnitHistory:
+def _history(unit: str, rows: tuple[FleetRow, ...], limits: Mapping[str, float], false_alarm: float) -> UnitHistory:
     trends = [_trend(name, rows, limits[name], false_alarm) for name in LIMITS]
     return UnitHistory(unit, rows, tuple(one for one in trends if one.days.size))
 
 
-def told(row: Judged, name: str) -> bool:
+def told(row: FleetRow, name: str) -> bool:
     """Whether a row's reading of a value counts: its model explains the record, and the record determines the value."""
     return row.status == "ok" and row.adequate is not False and None not in _reading(row, name)
 
 
-def _reading(row: Judged, name: str) -> tuple[float | None, float | None, float | None]:
+def _reading(row: FleetRow, name: str) -> tuple[float | None, float | None, float | None]:
     return getattr(row, f"{name}_shift_percent"), getattr(row, f"{name}_low_percent"), getattr(row, f"{name}_high_percent")
 
 
-def _trend(name: str, rows: Sequence[Judged], limit: float, false_alarm: float) -> Trend:
+def _trend(name: str, rows: Sequence[FleetRow], limit: float, false_alarm: float) -> Trend:
     kept = [row for row in rows if told(row, name)]
     read = np.array([_reading(row, name) for row in kept], dtype=np.float64).reshape(len(kept), 3)
     days = np.array([(row.date - kept[0].date).total_seconds() / _DAY_S for row in kept])

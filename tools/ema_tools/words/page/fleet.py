@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_tools.base.interval import WIDTH_95
-from ema_tools.results.store import Judged
+from ema_tools.results.store import FleetRow
 from ema_tools.tasks.history import Trend, UnitHistory, told
 from ema_tools.words.page import text as words
 from ema_tools.words.page.charts import Drawing, ends
@@ -133,7 +133,7 @@ def _unit_row(one: UnitHistory, page: str) -> str:
     return f'<tr><th scope="row"><a href="{escape(page)}">{escape(one.unit)}</a></th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
 
 
-def _record_row(row: Judged) -> str:
+def _record_row(row: FleetRow) -> str:
     def value(name: str) -> tuple[str, str]:
         shift, low, high = (getattr(row, f"{name}_{what}_percent") for what in ("shift", "low", "high"))
         if shift is None:
