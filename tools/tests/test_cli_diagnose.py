@@ -131,7 +131,9 @@ def test_diagnose_writes_the_keys_that_programs_read(done: Path) -> None:
     assert set(found["error"]) >= ERROR_KEYS and all(finite(found["error"][key]) for key in ERROR_KEYS)
     assert found["error"]["after"] < 1.2 * found["error"]["floor"] < 0.2 * found["error"]["before"]
     assert found["error"]["holdout_after"] < 0.2 * found["error"]["holdout_before"]
-    assert found["next_experiment"].startswith("Next: ema add ACTUATOR winding_heating")
+    assert re.match(
+        r"Next: ema add \S+reference\.toml winding_heating --fit \S+ --healthy( \S+)+ -o NEW.toml puts it into", found["next_experiment"]
+    )
 
 
 def test_add_writes_the_keys_that_programs_read(done: Path) -> None:

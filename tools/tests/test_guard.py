@@ -184,7 +184,7 @@ def test_the_command_line_names_it_adds_it_and_reports_the_fault(tmp_path: Path)
     write_record(record, chirp_record(machine).with_noise(noise, 1))
     ran = run_ema("identify", REFERENCE, record, "--json", tmp_path / "i.json")
     assert ran.code == 0, ran.err
-    assert ran.out.startswith("Undecided, because ")
+    assert ran.out.startswith("Undecided: the search reads CSJ ")
     assert "winding_heating (rise_degC " in ran.out and "--known" in ran.out
     result = json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))
     missing = result["missing_effect"]

@@ -296,6 +296,7 @@ def identify(
     from ema_tools.tasks.several_values import searched_of, several_values
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.identification import identification, values
+    from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
     healthy = record_files(healthy)
@@ -320,8 +321,9 @@ def identify(
             lambda run, _, best, _tried: bar.update(run, f"best {best:.3g}"),
             not no_guard,
             signatures,
+            bar.note,
         )
-        bar.update(model["search.evaluation_budget"], "looking round")
+        bar.note("looking round")
         shape = shape_of(found, mapped=bool(json_path))
         several = None
         if value_names is not None:
@@ -337,7 +339,13 @@ def identify(
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
     more = values(several) if several is not None else {}
     result = identification(found, measured.file, origin, drawn, shape, warnings=warned or None, **more)
-    result = replace(result, workbench=bench(found.healthy, measured) if json_path else None)
+    given = healthy or model.healthy
+    result = replace(
+        result,
+        sentence=with_paths(result.sentence, actuator, [record], given),
+        reasons=tuple(with_paths(reason, actuator, [record], given) for reason in result.reasons),
+        workbench=bench(found.healthy, measured) if json_path else None,
+    )
     save(json_path, result, force)
     show.identification(output(), result)
     if references and not asked:
@@ -389,6 +397,7 @@ def diagnose(
     from ema_tools.tasks.method import chosen, diagnosed
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.method import diagnosis
+    from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
     record, healthy = record_files(record), record_files(healthy)
@@ -408,6 +417,7 @@ def diagnose(
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
+    result = replace(result, next_experiment=with_paths(result.next_experiment, actuator, record, healthy))
     save(json_path, result, force)
     _page(page, result, force)
     kept = fitted if found.recommended else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -243,6 +243,10 @@ def _of_today(shift: Mapping[str, float], foretold: Foretold | None) -> dict[str
     return {name: (1.0 + one) / should_be.get(name, 1.0) - 1.0 for name, one in shift.items()}
 
 
+def _untold(_: str) -> None:
+    """Nobody asked what is begun."""
+
+
 def identify(
     actuator: Actuator,
     record: Record,
@@ -253,13 +257,15 @@ def identify(
     progress: Progress | None = None,
     guarding: bool = True,
     table: Table | None = None,
+    stage: Callable[[str], None] | None = None,
 ) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
     Unless `guarding` is off, the answer is held against all signals, and an effect that the model lacks is sought behind it. `seeds` further searches
-    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. With a `table` of signatures the answer is the one that firmware gives
+    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. `stage` is told what is begun, in words. With a `table` of signatures the answer is the one that firmware gives
     with it, guarded by the table alone. Raises InputError.
     """
+    begin = stage or _untold
     settings = search or SearchSettings()
     check_record(actuator, record, settings)
     check_apart(record, healthy)
@@ -274,6 +280,7 @@ def identify(
     doubt = ""
     foretold: Foretold | None = None
     if repeats is not None:
+        begin("healthy runs")
         runs = healthy_runs(repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
@@ -305,6 +312,7 @@ def identify(
     drive_told = record.current_A is not None or record.voltage_V is not None
     if healthy or (beside is not None and drive_told):
         known = known.changed({COMMAND_SPEED: 0.0, UNSEEN: 0.0})
+    begin("searching")
     begun = time.perf_counter()
     answer = run(known, seen_record, settings, bits, seen, table)
     wall_s = time.perf_counter() - begun
@@ -323,6 +331,7 @@ def identify(
     least_percent = {name: known[MIN_SHIFTS[name]] for name in KEYS} | given
     checked = None
     if guarding and beside is not None and estimates:
+        begin("holding it against all signals")
         least = {name: 0.01 * percent for name, percent in least_percent.items()}
         checked = cross_check(known, record, beside, estimates, least, not answer.adequate)
         checked = replace(checked, as_given=_holds(actuator, checked.values), shift=_of_today(checked.shift, foretold))

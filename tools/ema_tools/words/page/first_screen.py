@@ -351,7 +351,7 @@ def _next(result: Diagnosed) -> Reply:
         return Reply(
             question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record, *healthy])
         )
-    between = re.search(r"ema next ACTUATOR --between ([\w ]+?) says", result.next_experiment)
+    between = re.search(r"ema next .+? --between ([\w ]+?) says", result.next_experiment)
     if between is not None:
         told = "this record does not tell " + names.listed([names.within(name) for name in between[1].split()]) + " apart"
         return Reply(

@@ -82,7 +82,11 @@ def next_step(found: Answer) -> str:
     if found.contradicted_by_healthy:
         return f"Next: give --holdout a run of the machine as it is in {found.record.file}, best of another command; if it is one, one of the two is of another machine or another day."
     if found.verdict == "unknown":
-        table = f"ema add ACTUATOR {found.learned.effect} --fit REC flies it as a learned table; " if found.learned is not None else ""
+        table = (
+            f"ema add ACTUATOR {found.learned.effect} --fit REC -o NEW.toml flies it as a learned table; "
+            if found.learned is not None
+            else ""
+        )
         return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
     if confused is not None:
         if set(confused.alike) <= {confused.name, *record_of(confused.name).inseparable}:
@@ -92,7 +96,8 @@ def next_step(found: Answer) -> str:
     if found.effects and found.effects[0].name in found.known.active_effects:
         return f"Next: {found.effects[0].name} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
     if found.effects:
-        return f"Next: ema add ACTUATOR {found.effects[0].name} --fit REC puts it into the model; then diagnose again."
+        runs = " --healthy REC ..." if found.evidence.relative else ""
+        return f"Next: ema add ACTUATOR {found.effects[0].name} --fit REC{runs} -o NEW.toml puts it into the model; then diagnose again."
     return "Next: ema identify gives CSJ and BLK; nothing is to be added."
 
 

@@ -18,6 +18,8 @@ from ema_tools.words.sentences.sizes import size_text
 
 _TELLING = ("motor_position_mm", "current_A", "voltage_V")
 _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
+# Between what the search reads and why it does not stand.
+BECAUSE = ", which does not stand, because "
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
 
@@ -56,7 +58,7 @@ def _more(checked: CrossCheck) -> str:
 
 
 def _shifts(checked: CrossCheck) -> str:
-    return ", ".join(f"{TITLES[name]} {100.0 * shift:+.1f} %" for name, shift in checked.shift.items())
+    return ", ".join(f"{TITLES[name]} {round(100.0 * shift, 1) + 0.0:+.1f} %" for name, shift in checked.shift.items())
 
 
 def objection_words(found: Identified, checked: CrossCheck) -> str:
@@ -122,32 +124,24 @@ def _warmth(found: Identified) -> str:
 
 
 def _verdict(found: Identified) -> str:
-    answer = found.answer
-    shifts = ", ".join(_shift(estimate, found.healthy[estimate.name]) for estimate in answer.identified)
-    unit = "" if found.weighted else " mm2 s"
-    how = (
-        f"in {answer.evaluations} model runs, error {answer.objective_before:.3g}{unit} before and {answer.objective_after:.3g}{unit} after"
-    )
-    if found.verdict == "healthy":
-        return f"Healthy: {shifts}; found {how}."
-    if found.verdict == "fault":
-        return f"Fault: {shifts}; found {how}."
-    return f"Undecided, because {'; '.join(reasons(found))}: the search reads {shifts}, {how}."
+    shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
+    if found.verdict == "undecided":
+        return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
+    return f"{found.verdict.capitalize()}: {shifts}."
 
 
-def _shift(estimate: IdentifiedValue, healthy: float) -> str:
-    doubt = 100.0 * estimate.std / abs(healthy) if healthy else float("inf")
-    title = TITLES.get(estimate.name, estimate.name)
-    return f"{title} {estimate.shift_percent:+.{_decimals(doubt)}f} %"
+def _shift(found: Identified, estimate: IdentifiedValue) -> str:
+    """The shift with no more digits than its interval has."""
+    low, high = found.interval95(estimate)
+    healthy = found.healthy[estimate.name]
+    half = 50.0 * (high - low) / abs(healthy) if low is not None and high is not None and healthy else float("inf")
+    return f"{TITLES.get(estimate.name, estimate.name)} {shift_text(estimate.shift_percent, half)}"
 
 
-def _decimals(doubt_percent: float) -> int:
-    """Decimals of a shift in % that its standard error allows, at least one and at most three."""
-    if np.isnan(doubt_percent):
-        return 1
-    if not doubt_percent > 0.0:
-        return 3
-    return int(min(3, max(1, np.ceil(-np.log10(2.0 * doubt_percent)))))
+def shift_text(percent: float, half: float) -> str:
+    """A shift in % to the digit that half of its 95 % interval changes by one or more, at least one decimal and at most three."""
+    decimals = int(min(3, max(1, np.ceil(-np.log10(half))))) if 0.0 < half < np.inf else 1
+    return f"{percent:+.{decimals}f} %"
 
 
 def undetermined_words(one: Undetermined) -> str:

@@ -43,17 +43,24 @@ class Bar:
         self._progress: Progress | None = None
         self._task: TaskID | None = None
         self._shown = sys.stderr.isatty()
+        self._done = 0.0
 
     def __enter__(self) -> Bar:
         return self
 
     def update(self, done: float, note: str = "") -> None:
         """Say how much is done by now."""
-        if not self._shown:
-            return
+        if self._shown and (self._progress is not None or time.monotonic() - self._begun_s >= _SHOW_AFTER_S):
+            self._show(done, note)
+
+    def note(self, text: str) -> None:
+        """Say at once what is done now, where nobody knows how much of it there is."""
+        if self._shown:
+            self._show(self._done, text)
+
+    def _show(self, done: float, note: str) -> None:
+        self._done = done
         if self._progress is None:
-            if time.monotonic() - self._begun_s < _SHOW_AFTER_S:
-                return
             columns = (
                 TextColumn("{task.description}"),
                 BarColumn(),

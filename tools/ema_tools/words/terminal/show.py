@@ -22,7 +22,7 @@ from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.balance import forward_sentence, friction_sentence
-from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence
+from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
 
@@ -177,20 +177,24 @@ def _unseen(console: Console, own: OwnMachineEntry) -> None:
 
 
 def identification(console: Console, found: IdentificationResult) -> None:
-    """What `ema identify` found."""
-    say(console, found.sentence)
+    """What `ema identify` found: the verdict, why it is undecided, and the numbers behind."""
+    verdict, because, _ = found.sentence.partition(BECAUSE)
+    say(console, f"{verdict}." if because else verdict)
+    for reason in found.reasons:
+        say(console, f"  because {reason}")
     console.print()
     rows = table("", "fault", "unit", "healthy", "estimate", "95 % interval", "shift", text_columns=2)
     for name, estimate in found.estimates.items():
         title = FAULTS[name] + (" (at its bound)" if estimate.at_bound else "")
-        unit = name.partition("_")[2]
+        low, high = estimate.interval95
+        half = 50.0 * (high - low) / abs(estimate.healthy) if low is not None and high is not None and estimate.healthy else 0.0
         rows.add_row(
             title,
-            unit,
+            name.partition("_")[2],
             number(estimate.healthy, 5),
             number(estimate.estimate, 5),
-            ends_text(*estimate.interval95),
-            f"{estimate.shift_percent:+.3f} %",
+            ends_text(low, high),
+            shift_text(estimate.shift_percent, half),
         )
     console.print(rows)
     for sentence in found.undetermined.values():
@@ -199,11 +203,10 @@ def identification(console: Console, found: IdentificationResult) -> None:
         console,
         f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms",
     )
-    for reason in found.reasons:
-        say(console, f"  because {reason}")
     say(
         console,
-        f"{found.evaluations} model runs, {found.model_steps} steps, {found.wall_s or 0.0:.2f} s, {found.precision} bit, seed {found.seed}, ended by {found.outcome}",
+        f"{found.evaluations} model runs in {found.wall_s or 0.0:.2f} s, error {number(found.objective_before_mm2s, 3)} before and "
+        f"{number(found.objective_after_mm2s, 3)} after, {found.precision} bit, seed {found.seed}, ended by {found.outcome}",
     )
     if found.baseline is not None:
         text = ", ".join(
