@@ -47,7 +47,7 @@ endif()
 # A model step writes its values one by one and reads them again at once. Vectorised, a read of several of them waits until the
 # writes have left the processor's store buffer, which costs more than it saves.
 set(EMA_CODE_FLAGS "")
-foreach(flag -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize)
+foreach(flag ${EMA_EXACT_FLAGS} -fno-tree-vectorize -fno-tree-slp-vectorize)
     string(MAKE_C_IDENTIFIER "EMA_HAS${flag}" ema_has)
     check_c_compiler_flag(${flag} ${ema_has})
     if(${ema_has})

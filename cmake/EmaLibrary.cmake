@@ -2,18 +2,6 @@
 
 include(CMakePackageConfigHelpers)
 
-# A new effect is a new file; no list needs an edit.
-file(GLOB EMA_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/src/*/*.c")
-if(NOT EMA_SOURCES)
-    message(FATAL_ERROR "No C file under ${CMAKE_CURRENT_SOURCE_DIR}/src: the checkout is incomplete, clone again.")
-endif()
-
-# The levels of src, lowest first; tests/checks/check_layers.py holds what may include what.
-set(EMA_SOURCE_DIRS "")
-foreach(level base effects blocks plant signal search ident session)
-    list(APPEND EMA_SOURCE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/src/${level}")
-endforeach()
-
 # Without an operating system nothing is moved, and a table of addresses would only cost flash.
 set(ema_relocatable ON)
 if(CMAKE_SYSTEM_NAME STREQUAL "Generic")

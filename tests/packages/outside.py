@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -66,6 +67,34 @@ def fresh(folder: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     return folder
+
+
+def version_of(root: Path) -> str:
+    """The project's version, which every package has."""
+    found = re.search(r"project\(EMA VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))
+    expect(found is not None, "CMakeLists.txt: no project(EMA VERSION ...)")
+    return found.group(1) if found is not None else ""
+
+
+def bits(folder: Path, sources: Sequence[Path], includes: Sequence[Path], flags: Sequence[str]) -> str:
+    """What the outside project prints, compiled with these files and flags as whoever took the package would."""
+    project = shutil.copytree(Path(__file__).resolve().parent / "project", folder / "outside", dirs_exist_ok=True)
+    compiler = environment().get("CC", "cc")
+    asked = [*(f"-I{one}" for one in includes), *flags]
+    run([compiler, "-std=c11", "-O1", *asked, "main.c", *sources, "-lm", "-o", "outside"], project)
+    said = run([project / "outside"], folder)
+    expect(said.startswith("0 ok: "), f"built from the package, the outside project says {said}")
+    return said
+
+
+def bits_of_sources(root: Path, work: Path) -> str:
+    """The same from copies of the sources."""
+    copy = work / "sources"
+    for name in ("include", "src"):
+        shutil.copytree(root / name, copy / name)
+    return bits(
+        work, sorted(copy.glob("src/*/*.c")), [copy / "include", *sorted(copy.glob("src/*"))], ["-ffp-contract=off", "-fno-math-errno"]
+    )
 
 
 def main(name: str, check: Callable[[argparse.Namespace], str], *options: str) -> int:
