@@ -51,7 +51,7 @@ def fleet_page(
 
 def unit_page(one: UnitHistory, back: str, command: str) -> str:
     """One unit: its trends and every record."""
-    figures = "".join(f"<figure>{_drawing(trend)}<figcaption>{escape(trend_words(trend))}</figcaption></figure>" for trend in one.trends)
+    figures = "".join(f"<figure>{drawing(trend)}<figcaption>{escape(trend_words(trend))}</figcaption></figure>" for trend in one.trends)
     rows = "".join(map(_record_row, one.rows))
     heads = ("Date", "Record", "Kind", "Verdict", "CSJ", "95 %", "BLK", "95 %", "Why")
     return _document(
@@ -63,7 +63,7 @@ def unit_page(one: UnitHistory, back: str, command: str) -> str:
     )
 
 
-def _drawing(trend: Trend) -> str:
+def drawing(trend: Trend) -> str:
     """Readings with their intervals over days, the limit, and what remaining life says."""
     half = WIDTH_95 * trend.std_percent
     span = max(float(trend.days[-1] - trend.days[0]), 1.0)
@@ -104,7 +104,7 @@ def _upright(drawing: Drawing, day: float, y_ends: tuple[float, float], kind: st
 
 
 def _card(one: UnitHistory, page: str) -> str:
-    drawn = "".join(_drawing(trend) for trend in one.trends)
+    drawn = "".join(drawing(trend) for trend in one.trends)
     return f'<figure class="{_tone(one)}"><h3><a href="{escape(page)}">{escape(one.unit)}</a></h3>{drawn}<figcaption>{escape(unit_words(one))}</figcaption></figure>'
 
 
