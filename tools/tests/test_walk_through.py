@@ -13,6 +13,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.library.definitions import library_folder
 from ema_tools.words.page.pictures import write_pictures
 from shown_output import blocks, missing_from
+from support import complaint, run_ema
 
 pytestmark = pytest.mark.slow
 
@@ -95,3 +96,13 @@ def test_links_and_truth_stand_in_the_document() -> None:
     text = DOCUMENT.read_text(encoding="utf-8")
     for link in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
         assert (DOCUMENT.parent / link).is_file(), link
+
+
+def test_report_writes_the_pictures_beside_the_page(tmp_path: Path) -> None:
+    result = demo_run()[0] / "diagnose.json"
+    asked = ("report", result, "-o", tmp_path / "p.html", "--pictures", tmp_path / "pictures")
+    assert run_ema(*asked).code == 0
+    assert {path.name for path in (tmp_path / "pictures").iterdir()} == {f"diagnose_{kind}.svg" for kind in ("record", "torque", "error")}
+    (tmp_path / "p.html").unlink()
+    assert "diagnose_record.svg: exists already" in complaint(run_ema(*asked))
+    assert not (tmp_path / "p.html").exists()

@@ -882,14 +882,24 @@ def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_
 @cli.command(short_help="Make one page of several results.")
 @click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")
+@click.option(
+    "--pictures",
+    metavar="FOLDER",
+    help="Write the pictures of each diagnosis there too, as SVG for documents: the record, the torque, the fall of the error.",
+)
 @json_option
-def report(results: tuple[str, ...], out: str, json_path: str | None, force: bool) -> None:
-    """Make a page of results that identify or compare wrote with --json."""
+def report(results: tuple[str, ...], out: str, pictures: str | None, json_path: str | None, force: bool) -> None:
+    """Make a page of results that identify, compare, diagnose, add or map wrote with --json."""
     from ema_tools.results.files import ReportResult
     from ema_tools.words.page import write_report
+    from ema_tools.words.page.pictures import targets, write_pictures
 
-    writable(out, json_path=json_path, force=force, inputs=results)
+    drawn = [target for result in results if pictures for target in targets(Path(pictures), Path(result).stem).values()]
+    writable(out, *map(str, drawn), json_path=json_path, force=force, inputs=results)
     write_report([Path(result) for result in results], Path(out), command_line(), force)
+    for result in results if pictures else ():
+        for target in write_pictures(Path(result), Path(pictures or ""), Path(result).stem, force):
+            output().print(f"{target} written", highlight=False)
     save(json_path, ReportResult("report", results, out), force)
     output().print(f"{out} written", highlight=False)
 

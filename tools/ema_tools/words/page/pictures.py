@@ -17,6 +17,7 @@ import numpy as np
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import write_text
 from ema_tools.library.faults import FAULTS
+from ema_tools.select.holdout import ErrorFall, Rung
 from ema_tools.words.page.diagnosis_results import Diagnosed, Line
 from ema_tools.words.page.recorded import Curves, Series
 from ema_tools.words.page.results import read_result
@@ -185,16 +186,40 @@ def of_torque(result: Diagnosed) -> str:
     )
 
 
+@dataclass(frozen=True)
+class Picture:
+    """A picture that a notebook shows as it is."""
+
+    svg: str
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+
+def of_steps(errors: ErrorFall, steps: Sequence[Rung]) -> Picture:
+    """The fall of the error of a diagnosis, from its answer itself; the first of `steps` is the model as given."""
+    if not steps:
+        raise InputError("no fall of an error: nothing was fitted to the record")
+    rungs = [(one.added or "as given", one.error, one.holdout) for one in steps]
+    return Picture(_fall(rungs, errors.floor))
+
+
 def of_error(result: Diagnosed) -> str:
     """The weighted error from the first model to the last, on the record and on the one held out, over the floor."""
     if "before" not in result.errors or "floor" not in result.errors or not result.steps:
         raise InputError(
             f"{result.name}: no fall of an error in the result: give the --json result of an `ema diagnose` that found something"
         )
-    names = ["as given", *(f"+ {_name(step.added)}" for step in result.steps)]
-    training = np.array([result.errors["before"], *(step.training for step in result.steps)])
     held = [result.errors.get("holdout_before"), *(step.holdout for step in result.steps)]
-    floor = result.errors["floor"]
+    training = [result.errors["before"], *(step.training for step in result.steps)]
+    names = ["as given", *(step.added for step in result.steps)]
+    return _fall(list(zip(names, training, held, strict=True)), result.errors["floor"])
+
+
+def _fall(rungs: Sequence[tuple[str, float, float | None]], floor: float) -> str:
+    """Each model's name, and its error on the record and on the one held out."""
+    names = [rungs[0][0], *(f"+ {_name(one[0])}" for one in rungs[1:])]
+    training, held = np.array([one[1] for one in rungs]), [one[2] for one in rungs]
     known = np.array([floor, *training, *(value for value in held if value is not None)])
     panel = _Panel(60.0, 55.0, 500.0, 200.0, (-0.4, len(names) - 0.6), (0.6 * float(known.min()), 1.6 * float(known.max())), log=True)
     panel.axes("weighted error, rms; 1 is sensor noise", False)
@@ -221,8 +246,13 @@ def _name(effect: str) -> str:
     return effect.upper() if effect in FAULTS else effect
 
 
-def write_pictures(result: Path, folder: Path, name: str) -> list[Path]:
-    """Writes the three pictures of a result into `folder`, which must exist; returns their paths. Raises InputError for a result that does not hold what is drawn."""
+def targets(folder: Path, name: str) -> dict[str, Path]:
+    """Where the pictures of a result are written, by what they show."""
+    return {kind: folder / f"{name}_{kind}.svg" for kind in ("record", "torque", "error")}
+
+
+def write_pictures(result: Path, folder: Path, name: str, force: bool = True) -> list[Path]:
+    """Writes the three pictures of a result into `folder`; returns their paths. Raises InputError for a result that does not hold what is drawn, and for files that exist without `force`."""
     found = read_result(result)
     if not isinstance(found, Diagnosed) or found.curves is None or "after" not in found.curves.models:
         raise InputError(
@@ -230,12 +260,10 @@ def write_pictures(result: Path, folder: Path, name: str) -> list[Path]:
         )
     added = " and ".join(map(_name, found.steps[-1].effects)) if found.steps else "the effect"
     texts = {"record": of_record(found.curves, added), "torque": of_torque(found), "error": of_error(found)}
-    paths = []
+    paths = targets(folder, name)
     for kind, text in texts.items():
-        path = folder / f"{name}_{kind}.svg"
-        write_text(path, text, force=True)
-        paths.append(path)
-    return paths
+        write_text(paths[kind], text, force)
+    return list(paths.values())
 
 
 def main() -> int:
