@@ -196,13 +196,13 @@ def test_pages_and_result_say_the_same(tmp_path: Path) -> None:
     path = tmp_path / "f.json"
     path.write_text(json.dumps(to_json(result)), encoding="utf-8")
     assert read_result(path) == result
-    page = fleet_page(units, {"a<b": "units/1.html", "still": "units/2.html"}, LIMITS, 0.01, "ema fleet F -o D")
+    page = fleet_page(result, {"a<b": "units/1.html", "still": "units/2.html"}, "ema fleet F -o D")
     assert "1 of 2 units drifts. a&lt;b reaches a limit first, that of CSJ in " in page
     assert "a<b" not in page
     assert "1 recording could not be judged." in page
     assert "still does not drift." in page
     assert "<script" not in page
-    own = unit_page(units[1], "../fleet.html", "ema fleet F -o D")
+    own = unit_page(result.units[1], units[1].rows, "../fleet.html", "ema fleet F -o D")
     assert "r &lt;x&gt;" in own
     assert own.count("<tr>") == 1 + 41
 

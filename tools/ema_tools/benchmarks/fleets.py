@@ -1,4 +1,6 @@
-"""`python -m ema_tools.benchmarks.fleets --units 500 --records 20 -o docs`: how fast a fleet is judged and in how much memory, with a worker killed on the way; and sixty flights from healthy to the paper's case A.
+"""`python -m ema_tools.benchmarks.fleets --units 500 --records 20 -o docs`: how fast a fleet is judged, and sixty flights to case A.
+
+Measured is the speed and the memory, with a worker killed on the way. The sixty flights go from healthy to the paper's case A.
 
 Records are of the reference actuator under the reference chirp with sensor noise, some of them faulty; the units share their files by links, since what is measured is the work and not the
 verdicts (VERDICTS.md counts those).
@@ -22,12 +24,14 @@ from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.manifest import read_manifest
 from ema_tools.data.records import write_record
+from ema_tools.results.fleet import FleetUnitEntry
+from ema_tools.results.provenance import provenance
 from ema_tools.results.store import read_rows
 from ema_tools.tasks.fleet import RESULTS, planned, run_fleet
-from ema_tools.tasks.history import LIMITS, UnitHistory, histories
+from ema_tools.tasks.history import FALSE_ALARM, LIMITS, histories
 from ema_tools.tasks.simulate import simulate_record
+from ema_tools.words.answers.fleet import fleet_result
 from ema_tools.words.page.fleet import drawing
-from ema_tools.words.sentences.fleet import trend_words
 from ema_tools.words.terminal.console import run_command
 
 _NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
@@ -100,7 +104,7 @@ def measured(folder: Path, out: Path, workers: int) -> tuple[int, float, list[fl
     return count, took, memory, killed
 
 
-def flights(folder: Path) -> UnitHistory:
+def flights(folder: Path) -> FleetUnitEntry:
     """Sixty flights of one unit on its way to case A, of which some are missing, judged as a fleet of one."""
     machine = reference_actuator()
     own = folder / "flights" / "case_a"
@@ -117,13 +121,14 @@ def flights(folder: Path) -> UnitHistory:
     batches, _ = planned(read_manifest(folder / "flights"), folder / "judged", guarded=False)
     run_fleet(batches)
     limits = {**LIMITS, "csj": 150.0}
-    return histories(read_rows(folder / "judged" / RESULTS), limits)[0]
+    units = histories(read_rows(folder / "judged" / RESULTS), limits)
+    return fleet_result(units, limits, FALSE_ALARM, len(units[0].rows), 0.0, provenance("ema fleet")).units[0]
 
 
-def document(found: tuple[int, float, list[float], int], workers: int, units: int, records: int, unit: UnitHistory) -> str:
+def document(found: tuple[int, float, list[float], int], workers: int, units: int, records: int, unit: FleetUnitEntry) -> str:
     """What docs/FLEET_SPEED.md says."""
     count, took, memory, killed = found
-    words = "\n".join(f"- {trend_words(trend)}" for trend in unit.trends)
+    words = "\n".join(f"- {trend.sentence}" for trend in unit.trends.values())
     return f"""# How fast a fleet is judged
 
 Written by a command; do not edit. To write it again, after `cmake --workflow --preset test`:
@@ -142,7 +147,8 @@ Written by a command; do not edit. To write it again, after `cmake --workflow --
 
 ## Sixty flights to case A
 
-A unit's friction rises to the paper's case A, the faster the farther it is gone, and its play evenly, from the eleventh flight on; a few flights are missing. Its limit is set to +150 % and not reached yet:
+A unit's friction rises to the paper's case A, the faster the farther it is gone, and its play evenly, from the eleventh flight on; a few flights are missing.
+The limit of CSJ is set to +150 % and not reached yet:
 
 {words}
 
@@ -165,9 +171,9 @@ def main(units: int, records: int, workers: int, out: Path) -> None:
         found = measured(folder / "fleet", folder / "out", workers)
         unit = flights(folder)
     write_text(out / "FLEET_SPEED.md", document(found, workers, units, records, unit), True)
-    for trend in unit.trends:
-        svg = drawing(trend).replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
-        write_text(out / f"fleet_case_a_{trend.name}.svg", svg.replace(">", f">{_STYLE}", 1) + "\n", True)
+    for name, trend in unit.trends.items():
+        svg = drawing(name, trend).replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
+        write_text(out / f"fleet_case_a_{name}.svg", svg.replace(">", f">{_STYLE}", 1) + "\n", True)
 
 
 if __name__ == "__main__":

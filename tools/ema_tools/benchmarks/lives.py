@@ -1,7 +1,7 @@
 """`python -m ema_tools.benchmarks.lives --histories 1000 -o docs/REMAINING_LIFE.md`: how well remaining life is foretold on histories whose wear follows no law of the library.
 
-Histories are of four kinds: even wear, wear that feeds on itself (its rate a power of what has worn, integrated), wear in jumps of random size at random times, and wear that stalls and goes on; some begin with
-grease that runs in. Readings scatter with heavy tails (Student, 4 degrees of freedom), by a size that is stated a tenth too small, and flights are missing in runs. Units that do not wear are
+Histories are of four kinds: even wear, wear that feeds on itself (its rate a power of what has worn, integrated), wear in jumps of random size at random times, and wear that
+stalls and goes on; some begin with grease that runs in. Readings scatter with heavy tails (Student, 4 degrees of freedom), by a size that is stated a tenth too small, and flights are missing in runs. Units that do not wear are
 drawn beside them.
 """
 
@@ -176,8 +176,9 @@ def document(found: Sequence[Foretold], alarms: Sequence[bool], histories: int) 
         )
     lines += [
         "",
-        "Even wear is foretold closely. A jump that takes the unit over its limit cannot be seen in readings before it, and a stall that has begun does not say when it ends: there the median is off by",
-        "more than a fifth and the interval is wide, which is what it is for. Where wear feeds on itself the median is late from early readings, since they are explained as well by wear that goes on evenly.",
+        "Even wear is foretold closely. A jump that takes the unit over its limit cannot be seen in readings before it, and a stall that has begun does not say when it ends:",
+        "there the median is off by more than a fifth and the interval is wide, which is what it is for. Where wear feeds on itself the median is late from early readings,",
+        "since they are explained as well by wear that goes on evenly.",
         "",
     ]
     return "\n".join(lines)

@@ -83,14 +83,13 @@ def fleet(
 
             run_fleet(batches, scheduler, workers, done)
     units = histories((row for row in read_rows(place / RESULTS) if row.key in wanted), limits, false_alarm)
-    command = command_line()
-    pages = {one.unit: f"units/{number:05d}.html" for number, one in enumerate(sorted(units, key=lambda one: one.unit), 1)}
-    for one in units:
-        write_text(place / pages[one.unit], unit_page(one, "../fleet.html", command), True)
-    write_text(place / "fleet.html", fleet_page(units, pages, limits, false_alarm, command), True)
-    took = time.monotonic() - begun
+    command, took = command_line(), time.monotonic() - begun
     origin = provenance(command, **({"scheduler": scheduler} if scheduler else {}))
     result = fleet_result(units, limits, false_alarm, left, took, origin)
+    pages = {name: f"units/{number:05d}.html" for number, name in enumerate(sorted(one.unit for one in units), 1)}
+    for told, one in zip(result.units, units, strict=True):
+        write_text(place / pages[one.unit], unit_page(told, one.rows, "../fleet.html", command), True)
+    write_text(place / "fleet.html", fleet_page(result, pages, command), True)
     print_fleet(output(), result)
     bad = [row for one in units for row in one.bad]
     for row in bad[:_NAMED]:

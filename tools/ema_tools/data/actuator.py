@@ -252,8 +252,9 @@ class Actuator:
             trivia = _item_of(document, row_of(name)).trivia
             trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
         _update_scatter(document, self.scatter)
-        _update_healthy(document, self.healthy)
-        return tomlkit.dumps(document)
+        went = _update_healthy(document, self.healthy)
+        text = tomlkit.dumps(document)
+        return text.rstrip("\n") + "\n" if went else text
 
     def write(self, path: str | Path, force: bool = False) -> None:
         """Write the TOML file. Raises InputError when it exists and `force` is not set, or cannot be written."""
@@ -306,16 +307,17 @@ def _update_scatter(document: tomlkit.TOMLDocument, scatter: Mapping[str, float]
             table[section][key] = float(std)
 
 
-def _update_healthy(document: tomlkit.TOMLDocument, healthy: Sequence[str]) -> None:
-    """Name the healthy runs; what the file said of them goes where there are none."""
+def _update_healthy(document: tomlkit.TOMLDocument, healthy: Sequence[str]) -> bool:
+    """Name the healthy runs; what the file said of them goes where there are none, which is answered."""
     if list(healthy) == _plain(document.get(CALIBRATION, {}).get(HEALTHY, [])):
-        return
-    document.pop(CALIBRATION, None)
+        return False
+    went = document.pop(CALIBRATION, None) is not None and not healthy
     if healthy:
         table = tomlkit.table()
         table.add(HEALTHY, list(healthy))
         table[HEALTHY].comment("the unit's healthy runs, beside which ema identify holds those of today")
         document.add(CALIBRATION, table)
+    return went
 
 
 def _from_folder(file: str, folder: Path) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ema_tools.results.codec import Series
 from ema_tools.results.parts import Provenance
 
 
@@ -15,19 +16,23 @@ class LifeEntry:
     median_days: float | None
     interval90_days: tuple[float | None, float | None]
     reached: float  # probability that it is reached in what is looked ahead
+    now_percent: float  # the value of the last day by all days
 
 
 @dataclass(frozen=True)
 class TrendEntry:
-    """One value of a unit, in % of its healthy value."""
+    """One value of a unit, in % of its healthy value: its readings with standard errors on days after the first, what has changed, and when it reaches its limit."""
 
-    readings: int
-    last_percent: float
+    sentence: str
+    days: Series
+    shift_percent: Series
+    std_percent: Series
     limit_percent: float
     changed: bool
     chance: float  # share of units without change that show as much
     by_percent: float
-    since: str | None  # first day after the change, ISO 8601; None without one
+    since: str | None  # first day of the change, ISO 8601; None without one
+    since_day: float | None  # the same in days after the first
     life: LifeEntry | None  # None where nothing wears, or too little is known
 
 
@@ -41,6 +46,7 @@ class FleetUnitEntry:
     records: int
     not_judged: int
     sentence: str
+    soonest: str | None  # when it reaches the nearer of its limits, in words; None where nothing wears
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,14 @@ class FleetRow:
     wall_s: float | None = None
     software: str = ""
 
+    def reading(self, name: str) -> tuple[float | None, float | None, float | None]:
+        """Shift of csj or blk and the ends of its 95 % interval, %."""
+        return getattr(self, f"{name}_shift_percent"), getattr(self, f"{name}_low_percent"), getattr(self, f"{name}_high_percent")
+
+    def counts(self, name: str) -> bool:
+        """Whether the reading of csj or blk says what the unit is like: the model explains the record, and the record determines the value."""
+        return self.status == "ok" and self.adequate is not False and None not in self.reading(name)
+
 
 def _schema() -> pyarrow.Schema:
     import pyarrow

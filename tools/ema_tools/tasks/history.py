@@ -96,18 +96,9 @@ def _history(unit: str, rows: tuple[FleetRow, ...], limits: Mapping[str, float],
     return UnitHistory(unit, rows, tuple(one for one in trends if one.days.size))
 
 
-def told(row: FleetRow, name: str) -> bool:
-    """Whether a row's reading of a value counts: its model explains the record, and the record determines the value."""
-    return row.status == "ok" and row.adequate is not False and None not in _reading(row, name)
-
-
-def _reading(row: FleetRow, name: str) -> tuple[float | None, float | None, float | None]:
-    return getattr(row, f"{name}_shift_percent"), getattr(row, f"{name}_low_percent"), getattr(row, f"{name}_high_percent")
-
-
 def _trend(name: str, rows: Sequence[FleetRow], limit: float, false_alarm: float) -> Trend:
-    kept = [row for row in rows if told(row, name)]
-    read = np.array([_reading(row, name) for row in kept], dtype=np.float64).reshape(len(kept), 3)
+    kept = [row for row in rows if row.counts(name)]
+    read = np.array([row.reading(name) for row in kept], dtype=np.float64).reshape(len(kept), 3)
     days = np.array([(row.date - kept[0].date).total_seconds() / _DAY_S for row in kept])
     shift, std = read[:, 0], np.maximum((read[:, 2] - read[:, 1]) / (2.0 * WIDTH_95), 1e-6)
     # both values of a unit are looked at

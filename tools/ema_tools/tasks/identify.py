@@ -262,8 +262,8 @@ def identify(
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
     Unless `guarding` is off, the answer is held against all signals, and an effect that the model lacks is sought behind it. `seeds` further searches
-    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. `stage` is told what is begun, in words. With a `table` of signatures the answer is the one that firmware gives
-    with it, guarded by the table alone. Raises InputError.
+    (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. `stage` is told what is begun, in words.
+    With a `table` of signatures the answer is the one that firmware gives with it, guarded by the table alone. Raises InputError.
     """
     begin = stage or _untold
     settings = search or SearchSettings()

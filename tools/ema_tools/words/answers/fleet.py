@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ema_tools.fit.wear import Life
-from ema_tools.results.fleet import FleetResult, LifeEntry, TrendEntry, FleetUnitEntry
+from ema_tools.results.fleet import FleetResult, FleetUnitEntry, LifeEntry, TrendEntry
 from ema_tools.results.parts import Provenance
 from ema_tools.tasks.history import Trend, UnitHistory
-from ema_tools.words.sentences.fleet import day_of, summary, unit_words
+from ema_tools.words.sentences.fleet import day_of, soonest, summary, trend_words, unit_words
 
 
 def fleet_result(
@@ -22,19 +22,25 @@ def fleet_result(
 def _unit(one: UnitHistory) -> FleetUnitEntry:
     last = one.last
     trends = {trend.name: _trend(trend) for trend in one.trends}
-    return FleetUnitEntry(one.unit, trends, last.verdict if last is not None else None, len(one.rows), len(one.bad), unit_words(one))
+    nearest = soonest(one) if math.isfinite(one.urgency[0]) else None
+    return FleetUnitEntry(
+        one.unit, trends, last.verdict if last is not None else None, len(one.rows), len(one.bad), unit_words(one), nearest
+    )
 
 
 def _trend(trend: Trend) -> TrendEntry:
     change = trend.change
     return TrendEntry(
-        readings=int(trend.days.size),
-        last_percent=float(trend.shift_percent[-1]),
+        sentence=trend_words(trend),
+        days=tuple(trend.days.tolist()),
+        shift_percent=tuple(trend.shift_percent.tolist()),
+        std_percent=tuple(trend.std_percent.tolist()),
         limit_percent=trend.limit_percent,
         changed=change.changed,
         chance=change.chance,
         by_percent=change.by,
         since=day_of(trend, change.since) if change.changed else None,
+        since_day=change.since if change.changed else None,
         life=_life(trend.life) if trend.life is not None else None,
     )
 
@@ -43,4 +49,4 @@ def _life(life: Life) -> LifeEntry:
     def days(value: float) -> float | None:
         return value if math.isfinite(value) else None
 
-    return LifeEntry(days(life.median), (days(life.low), days(life.high)), life.reached)
+    return LifeEntry(days(life.median), (days(life.low), days(life.high)), life.reached, life.now)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import resources
@@ -11,22 +10,21 @@ from pathlib import Path
 import numpy as np
 
 from ema_tools.base.interval import WIDTH_95
+from ema_tools.results.fleet import FleetResult, FleetUnitEntry, TrendEntry
 from ema_tools.results.store import FleetRow
-from ema_tools.tasks.history import Trend, UnitHistory, told
 from ema_tools.words.page import text as words
 from ema_tools.words.page.charts import Drawing, ends
 from ema_tools.words.page.names import FAULT_TITLES, listed
-from ema_tools.words.sentences.fleet import SHORT, soonest, summary, trend_words, unit_words
 
 CARDS_MAX = 200  # units that are drawn on the fleet's page; all are in its table [layout]
 _AHEAD = 0.25  # of the days so far, drawn beyond the last [layout]
+SHORT = {"csj": "CSJ", "blk": "BLK"}
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
-def fleet_page(
-    units: Sequence[UnitHistory], pages: Mapping[str, str], limits: Mapping[str, float], false_alarm: float, command: str
-) -> str:
+def fleet_page(found: FleetResult, pages: Mapping[str, str], command: str) -> str:
     """All units. `pages`: where each one's own page is, from this one."""
+    units = found.units
     cards = "".join(_card(one, pages[one.unit]) for one in units[:CARDS_MAX])
     rest = (
         f'<p class="note">Drawn are the {CARDS_MAX} most urgent of {len(units)} units; the table has all.</p>'
@@ -35,110 +33,97 @@ def fleet_page(
     )
     rows = "".join(_unit_row(one, pages[one.unit]) for one in units)
     heads = ("Unit", "CSJ", "BLK", "Drifts", "Reaches a limit", "Last verdict", "Records", "Not judged")
-    stated = " and ".join(f"{SHORT[name]} +{percent:g} %" for name, percent in limits.items())
+    stated = " and ".join(f"{SHORT[name]} +{percent:g} %" for name, percent in found.limits_percent.items())
     notes = (
-        f"Sorted by urgency: the lower end of the remaining life, then how near the last reading is to its limit ({stated} of the healthy value). A unit drifts where the step between its days before "
-        f"and after some day is larger than all but {100.0 * false_alarm:g} % of units without change show; the shaded band is the 95 % interval of each reading, intervals of remaining life are 90 %."
+        f"Sorted by urgency: the lower end of the remaining life, then how near the last reading is to its limit ({stated} of the healthy value). A unit drifts where a step or a ramp from some day "
+        f"on stands out more than in all but {100.0 * found.false_alarm:g} % of units that do not change; the shaded band is the 95 % interval of each reading, intervals of remaining life are 90 %."
     )
     return _document(
         "Fleet",
-        summary(units),
+        found.sentence,
         f'<section id="units"><h2>Units</h2><p class="note">{escape(notes)}</p>{rest}<div class="cards">{cards}</div></section>'
         f'<section id="table"><h2>All units</h2>{_table("all units", heads, rows)}</section>'
         f'<section id="made"><h2>Provenance</h2><p><code>{escape(command)}</code></p></section>',
     )
 
 
-def unit_page(one: UnitHistory, back: str, command: str) -> str:
+def unit_page(one: FleetUnitEntry, records: Sequence[FleetRow], back: str, command: str) -> str:
     """One unit: its trends and every record."""
-    figures = "".join(f"<figure>{drawing(trend)}<figcaption>{escape(trend_words(trend))}</figcaption></figure>" for trend in one.trends)
-    rows = "".join(map(_record_row, one.rows))
+    figures = "".join(
+        f"<figure>{drawing(name, trend)}<figcaption>{escape(trend.sentence)}</figcaption></figure>" for name, trend in one.trends.items()
+    )
+    rows = "".join(map(_record_row, records))
     heads = ("Date", "Record", "Kind", "Verdict", "CSJ", "95 %", "BLK", "95 %", "Why")
     return _document(
         one.unit,
-        unit_words(one),
+        one.sentence,
         f'<p><a href="{escape(back)}">All units</a></p><section id="trends"><h2>Trends</h2><div class="cards wide">{figures}</div></section>'
         f'<section id="records"><h2>Records</h2>{_table("records", heads, rows)}</section>'
         f'<section id="made"><h2>Provenance</h2><p><code>{escape(command)}</code></p></section>',
     )
 
 
-def drawing(trend: Trend) -> str:
+def drawing(name: str, trend: TrendEntry) -> str:
     """Readings with their intervals over days, the limit, and what remaining life says."""
-    half = WIDTH_95 * trend.std_percent
-    span = max(float(trend.days[-1] - trend.days[0]), 1.0)
-    high = trend.days[-1] + span * _AHEAD
-    life = trend.life
-    if life is not None and math.isfinite(life.low):
-        high = max(high, min(trend.days[-1] + 1.05 * (life.high if math.isfinite(life.high) else life.low), trend.days[-1] + span))
-    x_ends = (float(trend.days[0]) - 0.02 * span, float(high))
-    shows_limit = bool(trend.change.changed and trend.change.by > 0.0) or float(np.max(trend.shift_percent)) > 0.4 * trend.limit_percent
-    reach = np.array([0.0, *([trend.limit_percent] if shows_limit else [])])
-    y_ends = ends(trend.shift_percent - half, trend.shift_percent + half, reach)
-    drawing = Drawing(
-        f"{FAULT_TITLES[trend.name]} over days: {trend_words(trend)}",
-        "days since the first reading",
-        f"{SHORT[trend.name]}, %",
-        x_ends,
-        y_ends,
+    days, shift = np.array(trend.days), np.array(trend.shift_percent)
+    half = WIDTH_95 * np.array(trend.std_percent)
+    span = max(float(days[-1] - days[0]), 1.0)
+    end = days[-1] + span * _AHEAD
+    low, high = trend.life.interval90_days if trend.life is not None else (None, None)
+    if low is not None:
+        end = max(end, min(days[-1] + 1.05 * (high if high is not None else low), days[-1] + span))
+    x_ends = (float(days[0]) - 0.02 * span, float(end))
+    shows_limit = (trend.changed and trend.by_percent > 0.0) or float(np.max(shift)) > 0.4 * trend.limit_percent
+    y_ends = ends(shift - half, shift + half, np.array([0.0, *([trend.limit_percent] if shows_limit else [])]))
+    drawn = Drawing(
+        f"{FAULT_TITLES[name]} over days: {trend.sentence}", "days since the first reading", f"{SHORT[name]}, %", x_ends, y_ends
     )
-    if trend.days.size > 1:
-        drawing.band(trend.days, trend.shift_percent - half, trend.shift_percent + half, "after")
-        drawing.line(trend.days, trend.shift_percent, "after thin")
-    drawing.dots(trend.days, trend.shift_percent, "after", 2.2)
+    if days.size > 1:
+        drawn.band(days, shift - half, shift + half, "after")
+        drawn.line(days, shift, "after thin")
+    drawn.dots(days, shift, "after", 2.2)
     if shows_limit:
-        drawing.line(np.array(x_ends), np.full(2, trend.limit_percent), "noise thin")
-    if trend.change.changed:
-        _upright(drawing, trend.change.since, y_ends, "back thin")
-    if life is not None and math.isfinite(life.low):
-        until = min(life.high, x_ends[1] - float(trend.days[-1]))
-        fan = trend.days[-1] + np.array([0.0, life.low, until])
-        drawing.band(
-            fan, np.array([life.now, trend.limit_percent, trend.limit_percent]), np.array([life.now, life.now, trend.limit_percent]), ""
-        )
-    return drawing.svg()
+        drawn.line(np.array(x_ends), np.full(2, trend.limit_percent), "noise thin")
+    if trend.since_day is not None:
+        drawn.line(np.full(2, trend.since_day), np.array(y_ends), "back thin")
+    if trend.life is not None and low is not None:
+        beyond = x_ends[1] - float(days[-1])
+        fan = days[-1] + np.array([0.0, low, min(high if high is not None else beyond, beyond)])
+        now = trend.life.now_percent
+        drawn.band(fan, np.array([now, trend.limit_percent, trend.limit_percent]), np.array([now, now, trend.limit_percent]), "")
+    return drawn.svg()
 
 
-def _upright(drawing: Drawing, day: float, y_ends: tuple[float, float], kind: str) -> None:
-    drawing.line(np.array([day, day]), np.array(y_ends), kind)
+def _card(one: FleetUnitEntry, page: str) -> str:
+    drawn = "".join(drawing(name, trend) for name, trend in one.trends.items())
+    return f'<figure class="{_tone(one)}"><h3><a href="{escape(page)}">{escape(one.unit)}</a></h3>{drawn}<figcaption>{escape(one.sentence)}</figcaption></figure>'
 
 
-def _card(one: UnitHistory, page: str) -> str:
-    drawn = "".join(drawing(trend) for trend in one.trends)
-    return f'<figure class="{_tone(one)}"><h3><a href="{escape(page)}">{escape(one.unit)}</a></h3>{drawn}<figcaption>{escape(unit_words(one))}</figcaption></figure>'
-
-
-def _tone(one: UnitHistory) -> str:
-    if math.isfinite(one.urgency[0]):
+def _tone(one: FleetUnitEntry) -> str:
+    if one.soonest is not None:
         return "bad"
-    return "unsure" if any(trend.change.changed for trend in one.trends) else "good"
+    return "unsure" if any(trend.changed for trend in one.trends.values()) else "good"
 
 
-def _unit_row(one: UnitHistory, page: str) -> str:
-    trends = {trend.name: trend for trend in one.trends}
-    last = one.last
-    drifts = (
-        listed([f"{SHORT[name]} {words.shift(trend.change.by)}" for name, trend in trends.items() if trend.change.changed])
-        if trends
-        else ""
-    )
+def _unit_row(one: FleetUnitEntry, page: str) -> str:
+    drifts = [f"{SHORT[name]} {words.shift(trend.by_percent)}" for name, trend in one.trends.items() if trend.changed]
     cells = (
-        *(words.shift(float(trends[name].shift_percent[-1])) if name in trends else "–" for name in SHORT),
-        drifts or "no",
-        soonest(one) if math.isfinite(one.urgency[0]) else "–",
-        (last.verdict or "–") if last is not None else "–",
-        str(len(one.rows)),
-        str(len(one.bad)),
+        *(words.shift(one.trends[name].shift_percent[-1]) if name in one.trends else "–" for name in SHORT),
+        listed(drifts) if drifts else "no",
+        one.soonest or "–",
+        one.verdict or "–",
+        str(one.records),
+        str(one.not_judged),
     )
     return f'<tr><th scope="row"><a href="{escape(page)}">{escape(one.unit)}</a></th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
 
 
 def _record_row(row: FleetRow) -> str:
     def value(name: str) -> tuple[str, str]:
-        shift, low, high = (getattr(row, f"{name}_{what}_percent") for what in ("shift", "low", "high"))
+        shift, low, high = row.reading(name)
         if shift is None:
             return "–", "–"
-        counted = "" if told(row, name) else " (not counted)"
+        counted = "" if row.counts(name) else " (not counted)"
         return words.shift(shift) + counted, words.interval(low, high) if low is not None and high is not None else "–"
 
     why = row.reason if row.status == "bad" else row.reasons + (f"; missing: {row.effect}" if row.effect else "")

@@ -9,9 +9,8 @@ import numpy as np
 
 from ema_tools.tasks.history import Trend, UnitHistory
 from ema_tools.words.page import text as words
+from ema_tools.words.page.fleet import SHORT
 from ema_tools.words.page.names import FAULT_TITLES, listed
-
-SHORT = {"csj": "CSJ", "blk": "BLK"}
 
 
 def summary(units: Sequence[UnitHistory]) -> str:
