@@ -10,7 +10,7 @@ import os
 
 import pytest
 
-from ema_tools.words.page.pictures import Picture
+from ema_tools.words.page.pictures import NotebookPicture
 from support import ROOT
 
 NOTEBOOK = ROOT / "docs" / "hidden_effect.ipynb"
@@ -41,5 +41,5 @@ def test_the_notebook_tells_the_story() -> None:
     assert "in the mechanical balance" in said
     assert "missing is stribeck_friction" in said
     assert said.rstrip().splitlines()[-1].startswith("Fault: CSJ +")
-    (picture,) = [one for one in shown if isinstance(one, Picture)]
+    (picture,) = [one for one in shown if isinstance(one, NotebookPicture)]
     assert "+ stribeck_friction" in picture._repr_svg_()

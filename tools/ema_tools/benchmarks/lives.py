@@ -1,8 +1,8 @@
 """`python -m ema_tools.benchmarks.lives --histories 1000 -o docs/REMAINING_LIFE.md`: how well remaining life is foretold on histories whose wear follows no law of the library.
 
-Histories are of four kinds: even wear, wear that feeds on itself (its rate a power of what has worn, integrated), wear in jumps of random size at random times, and wear that
-stalls and goes on; some begin with grease that runs in. Readings scatter with heavy tails (Student, 4 degrees of freedom), by a size that is stated a tenth too small, and flights are missing in runs. Units that do not wear are
-drawn beside them.
+Histories are of four kinds: even wear, wear that feeds on itself (its rate a power of what has worn, integrated), wear in jumps of random size at random times, and wear that stalls and goes
+on; some begin with grease that runs in. Readings scatter with heavy tails (Student, 4 degrees of freedom), by a size that is stated a tenth too small, and flights are missing in runs. Units
+that do not wear are drawn beside them.
 """
 
 from __future__ import annotations

@@ -187,7 +187,7 @@ def of_torque(result: Diagnosed) -> str:
 
 
 @dataclass(frozen=True)
-class Picture:
+class NotebookPicture:
     """A picture that a notebook shows as it is."""
 
     svg: str
@@ -196,12 +196,12 @@ class Picture:
         return self.svg
 
 
-def of_steps(errors: ErrorFall, steps: Sequence[Rung]) -> Picture:
+def of_steps(errors: ErrorFall, steps: Sequence[Rung]) -> NotebookPicture:
     """The fall of the error of a diagnosis, from its answer itself; the first of `steps` is the model as given."""
     if not steps:
         raise InputError("no fall of an error: nothing was fitted to the record")
     rungs = [(one.added or "as given", one.error, one.holdout) for one in steps]
-    return Picture(_fall(rungs, errors.floor))
+    return NotebookPicture(_fall(rungs, errors.floor))
 
 
 def of_error(result: Diagnosed) -> str:
