@@ -77,7 +77,8 @@ static bool ema_prepare(ema_program_t* program)
     } else {
         (void)ema_actuator_defaults(&program->actuator);
     }
-    const ema_real full_scale_mm = FULL_SCALE * program->actuator.params.travel_mm;
+    const ema_real full_scale_mm = (options->full_scale_mm > 0.0) ? (ema_real)options->full_scale_mm
+                                                                  : (FULL_SCALE * program->actuator.params.travel_mm);
     ema_record_config_t record = {.buffer = program->buffer, .command_full_scale_mm = full_scale_mm};
     record.full_scale[EMA_CHANNEL_POSITION] = full_scale_mm;
     record.format = options->int16 ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
@@ -117,6 +118,10 @@ static bool ema_refuse_sample(ema_program_t* program, ema_status_t status)
         ema_text_add(&why, "the recording goes on, and this program has room for ");
         ema_text_add_whole(&why, EMA_IDENTIFY_ROWS);
         ema_text_add(&why, " samples; shorten it, or build with a larger EMA_IDENTIFY_ROWS");
+    } else if ((status == EMA_ERR_SCALE) && (program->options.full_scale_mm > 0.0)) {
+        ema_text_add(&why, "command_mm or position_mm lies outside --full-scale ");
+        ema_text_add_real(&why, program->options.full_scale_mm, TRAVEL_DIGITS);
+        ema_text_add(&why, "; correct the unit of the column, or give the scale that the firmware states");
     } else if (status == EMA_ERR_SCALE) {
         ema_text_add(&why, "command_mm or position_mm lies outside the actuator's travel of plus and minus ");
         ema_text_add_real(&why, (double)program->actuator.params.travel_mm, TRAVEL_DIGITS);

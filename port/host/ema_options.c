@@ -2,16 +2,18 @@
 
 #include <string.h>
 
+#include "ema_csv_number.h"
 #include "ema_csv_text.h"
 
 /* Model steps between two returns of the search, unless the user says otherwise. */
 #define SLICE_STEPS 200U
 #define SLICE_STEPS_MAX 1000000000U
+#define FULL_SCALE_MAX_MM 100000.0
 #define SEED_MAX 9007199254740991U /* every reader of JSON holds it exactly */
 
 const char* const ema_usage_text =
-    "usage: ema_identify [--reference | --config FILE] [--json FILE [--force]] [--slice N] [--seed N] [--int16] "
-    "RECORD.csv\n"
+    "usage: ema_identify [--reference | --config FILE] [--json FILE [--force]] [--slice N] [--seed N] [--int16 "
+    "[--full-scale MM]] RECORD.csv\n"
     "\n"
     "Feeds a recording to the onboard module row by row and prints what the module finds: CSJ (dry friction) and BLK "
     "(backlash).\n"
@@ -23,6 +25,8 @@ const char* const ema_usage_text =
     "  --slice N      plain steps of work per slice (200); changes no result\n"
     "  --seed N       seed of the search (the actuator's)\n"
     "  --int16        keep the record as scaled 16-bit integers, as a small target does\n"
+    "  --full-scale MM  of those integers, for command and rod position, as the target's firmware states it; a\n"
+    "                 twentieth beyond the actuator's travel when absent\n"
     "  --help         this text\n"
     "\n"
     "Exit code: 0 done, 1 bad input, 2 wrong usage.\n";
@@ -81,7 +85,8 @@ static bool ema_take_flag(ema_options_cli_t* options, const char* argument, bool
 static bool ema_takes_value(const char* argument)
 {
     return (strcmp(argument, "--json") == 0) || (strcmp(argument, "--config") == 0)
-           || (strcmp(argument, "--slice") == 0) || (strcmp(argument, "--seed") == 0);
+           || (strcmp(argument, "--slice") == 0) || (strcmp(argument, "--seed") == 0)
+           || (strcmp(argument, "--full-scale") == 0);
 }
 
 /* Stores the value of an option; NULL, or what the value should have been. */
@@ -98,6 +103,14 @@ static const char* ema_take_value(ema_options_cli_t* options, const char* argume
             options->slice_steps = (uint32_t)number;
         } else {
             wanted = "--slice takes a whole number from 1 to 1000000000";
+        }
+    } else if (strcmp(argument, "--full-scale") == 0) {
+        double full_scale_mm = 0.0;
+        if ((ema_csv_number(value, value + strlen(value), &full_scale_mm) == EMA_NUMBER_OK) && (full_scale_mm > 0.0)
+            && (full_scale_mm <= FULL_SCALE_MAX_MM)) {
+            options->full_scale_mm = full_scale_mm;
+        } else {
+            wanted = "--full-scale takes a number of millimetres above 0, at most 100000";
         }
     } else if (ema_whole(value, SEED_MAX, &number)) {
         options->seed = number;
@@ -143,6 +156,10 @@ bool ema_options_read(ema_options_cli_t* options, int argc, char* const argv[], 
     if (reference && (options->config != NULL)) {
         return ema_refuse(message, message_size, options->config,
                           "--config and --reference exclude each other; give one of them");
+    }
+    if ((options->full_scale_mm > 0.0) && !options->int16) {
+        return ema_refuse(message, message_size, "--full-scale",
+                          "the record is kept in 32-bit reals, which have no scale; give --int16 or leave it out");
     }
     if (options->force && (options->json == NULL)) {
         return ema_refuse(message, message_size, "--force",

@@ -14,6 +14,7 @@ typedef struct {
     uint64_t seed;
     bool seed_given; /* else the actuator's */
     bool int16;
+    double full_scale_mm; /* of the 16-bit integers; 0: from the actuator's travel */
     bool force;
     bool help;
 } ema_options_cli_t;

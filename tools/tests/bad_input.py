@@ -239,6 +239,15 @@ RECORDINGS = (
         "--int16",
     ),
     _record(
+        "a sample outside the scale that is stated",
+        lambda: with_row(40, "0.04,1,4.3"),
+        "row 42: command_mm or position_mm lies outside --full-scale 4;"
+        " correct the unit of the column, or give the scale that the firmware states",
+        "--int16",
+        "--full-scale",
+        "4",
+    ),
+    _record(
         "a value that 32 bits cannot hold", lambda: with_row(40, "0.04,1,1e40"), "row 42: a value is NaN or infinite; correct the sample"
     ),
     _record(
@@ -345,6 +354,21 @@ USAGES = (
         "rec.csv",
     ),
     _usage("slices of no steps", "ema_identify: 0: --slice takes a whole number from 1 to 1000000000", "--slice", "0", "rec.csv"),
+    _usage(
+        "a full scale of zero",
+        "ema_identify: 0: --full-scale takes a number of millimetres above 0, at most 100000",
+        "--int16",
+        "--full-scale",
+        "0",
+        "rec.csv",
+    ),
+    _usage(
+        "a full scale of 32-bit reals",
+        "ema_identify: --full-scale: the record is kept in 32-bit reals, which have no scale; give --int16 or leave it out",
+        "--full-scale",
+        "4",
+        "rec.csv",
+    ),
     _usage(
         "two actuators",
         "ema_identify: act.txt: --config and --reference exclude each other; give one of them",

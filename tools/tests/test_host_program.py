@@ -119,6 +119,13 @@ def test_sixteen_bits_find_the_same_within_their_resolution(tmp_path: Path, plai
     assert found["residual_rms_mm"] > plain["residual_rms_mm"]
 
 
+def test_the_scale_of_the_integers_is_the_targets(tmp_path: Path, plain: dict[str, object]) -> None:
+    """A finer scale leaves less of the rounding in the residual than that of the travel."""
+    coarse = identify(tmp_path, "--int16", str(RECORDING))
+    fine = identify(tmp_path, "--int16", "--full-scale", "4", str(RECORDING))
+    assert plain["residual_rms_mm"] < fine["residual_rms_mm"] < 0.3 * coarse["residual_rms_mm"]
+
+
 def test_a_jammed_rod_is_no_bad_input(tmp_path: Path) -> None:
     """The rod rests at zero: no verdict of health, and the reasons say why."""
     lines = [line.split(",") for line in RECORDING.read_text(encoding="utf-8").splitlines() if line[:1].isdigit()]
