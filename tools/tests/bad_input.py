@@ -362,6 +362,17 @@ USAGES = (
         "0",
         "rec.csv",
     ),
+    *(
+        _usage(
+            what,
+            f"ema_identify: {value}: --full-scale takes a number of millimetres above 0, at most 100000",
+            "--int16",
+            "--full-scale",
+            value,
+            "rec.csv",
+        )
+        for what, value in (("a full scale in words", "wide"), ("a full scale beyond every actuator", "100001"))
+    ),
     _usage(
         "a full scale of 32-bit reals",
         "ema_identify: --full-scale: the record is kept in 32-bit reals, which have no scale; give --int16 or leave it out",
