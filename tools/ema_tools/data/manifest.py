@@ -6,8 +6,8 @@ import csv
 import io
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from datetime import UTC, datetime
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Literal
 
@@ -96,8 +96,18 @@ def _by_names(folder: Path) -> list[Entry]:
         actuator = _actuator_of(folder, unit)
         if files and actuator is None:
             raise InputError(f"{unit.name}: no actuator: put one TOML file into its folder, or beside the units' folders")
-        entries += [Entry(unit.name, _date_of(one), one, _kind_of(one), actuator) for one in files if actuator is not None]
+        entries += _in_order([Entry(unit.name, _date_of(one), one, _kind_of(one), actuator) for one in files if actuator is not None])
     return entries
+
+
+def _in_order(entries: Sequence[Entry]) -> list[Entry]:
+    """Entries of a unit; healthy runs whose names have no date come before its first dated record, not when their files were copied."""
+    dated = [one.date for one in entries if _date_in_name(one.file) is not None]
+    if not dated:
+        return list(entries)
+    undated = [one for one in entries if one.kind == "healthy" and _date_in_name(one.file) is None]
+    before = {one.file: min(dated) - timedelta(days=len(undated) - place) for place, one in enumerate(undated)}
+    return [replace(one, date=before.get(one.file, one.date)) for one in entries]
 
 
 def _actuator_of(folder: Path, unit: Path) -> Path | None:
@@ -133,13 +143,18 @@ def _stated_date(text: str | None, where: str) -> datetime | None:
 
 def _date_of(file: Path) -> datetime:
     """The date in a file's name, else that of its last change."""
-    found = _DATE.search(file.stem)
-    if found:
-        try:
-            return datetime(*(int(part) for part in found.groups() if part is not None), tzinfo=UTC)  # type: ignore[misc, arg-type]
-        except ValueError:
-            pass
+    named = _date_in_name(file)
+    if named is not None:
+        return named
     try:
         return datetime.fromtimestamp(file.stat().st_mtime, tz=UTC)
     except OSError:
         return datetime.fromtimestamp(0, tz=UTC)
+
+
+def _date_in_name(file: Path) -> datetime | None:
+    found = _DATE.search(file.stem)
+    try:
+        return datetime(*(int(part) for part in found.groups() if part is not None), tzinfo=UTC) if found else None  # type: ignore[misc, arg-type]
+    except ValueError:
+        return None

@@ -20,7 +20,7 @@ def summary(units: Sequence[UnitHistory]) -> str:
     bad = sum(len(one.bad) for one in units)
     could = f" {bad} recording{'s' if bad != 1 else ''} could not be judged." if bad else ""
     if not drifting:
-        return f"No unit of {count} drifts.{could}"
+        return f"None of {count} drifts.{could}"
     first = next((one for one in units if math.isfinite(one.urgency[0])), None)
     nearest = f" {first.unit} reaches a limit first, that of {soonest(first)}." if first is not None else ""
     return f"{len(drifting)} of {count} drift{'s' if len(drifting) == 1 else ''}.{nearest}{could}"
