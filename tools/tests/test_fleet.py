@@ -51,6 +51,7 @@ def test_folders_and_names_say_what_is_there(tmp_path: Path) -> None:
     assert {one.unit for one in entries} == {"unit0", "unit1"}
     dated = {one.file.name: one for one in entries if one.unit == "unit1"}
     assert dated["2026-06-01T0930.csv"].date == datetime(2026, 6, 1, 9, 30, tzinfo=UTC)
+    assert [one.file.name for one in entries if one.unit == "unit0"][:3] == ["healthy_1.csv", "healthy_2.csv", "healthy_3.csv"]
     assert {name for name, one in dated.items() if one.kind == "healthy"} == {"healthy_1.csv", "healthy_2.csv", "healthy_3.csv"}
     assert {one.actuator.name for one in entries} == {"unit.toml"}
 
