@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 import tarfile
 from pathlib import Path
@@ -35,7 +36,14 @@ def check(arguments: argparse.Namespace) -> str:
     root, work = arguments.root, arguments.work
     version = version_of(root)
     compote = Path(sys.executable).with_name("compote")
-    run([compote, "component", "pack", "--name", "ema", "--dest-dir", work / "dist", "--project-dir", root], work, {"HOME": str(work)})
+    copy = work / "copy"
+    for name in ("include", "src", "cmake", "zephyr", "actuators"):
+        shutil.copytree(root / name, copy / name)
+    for name in ("CMakeLists.txt", "idf_component.yml", "LICENSE", "README.md"):
+        shutil.copy(root / name, copy)
+    (copy / "docs").mkdir()
+    (copy / "docs/left_out.md").write_text("no part of the component\n", encoding="utf-8")
+    run([compote, "component", "pack", "--name", "ema", "--dest-dir", work / "dist", "--project-dir", copy], work, {"HOME": str(work)})
     packs = sorted((work / "dist").glob("ema_*.tgz"))
     expect([pack.name for pack in packs] == [f"ema_{version}.tgz"], f"packed: {[pack.name for pack in packs]}, not version {version}")
     with tarfile.open(packs[0]) as pack:
