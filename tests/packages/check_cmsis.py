@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 import zipfile
-from pathlib import Path
 from xml.etree import ElementTree
 
 from outside import bits, bits_of_sources, expect, main, run, version_of

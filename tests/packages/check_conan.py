@@ -21,7 +21,7 @@ def check(arguments: argparse.Namespace) -> str:
     run([conan, "profile", "detect"], work, home)
     project = work / "project"
     project.mkdir()
-    for path in (HERE / "project/main.c", HERE / "project/CMakeLists.txt", HERE / "conan/conanfile.py"):
+    for path in (HERE / "project/main.c", HERE / "project/CMakeLists.txt", HERE / "conan_project/conanfile.py"):
         (project / path.name).write_bytes(path.read_bytes())
     said = run([conan, "create", root, "--no-remote", "--test-folder", project], work, home)
     version = version_of(root)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 
 import pytest
-from demo_run import forget_demo_run
 from hypothesis import settings
+
+from demo_run import forget_demo_run
 
 # An example that takes long is a busy machine, not a defect.
 # the same examples everywhere: what fails for one fails for all

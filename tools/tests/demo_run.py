@@ -10,8 +10,9 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from ema_tools.cli import demo
 from rich.console import Console
+
+from ema_tools.cli import demo
 
 _PRINTED = "printed.txt"
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.benchmarks.hidden import machines
 from ema_tools.benchmarks.hidden.sealed import record_of
@@ -22,7 +23,6 @@ from ema_tools.tasks.healthy_runs import scatter_read
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.onboard_search import SCATTERS, run
 from ema_tools.tasks.own_machine import OwnMachine, own_machine, repeated
-
 from support import REFERENCE, chirp_record, run_ema
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
