@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import shutil
+import signal
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -19,12 +21,13 @@ from ema_tools.results import store
 from ema_tools.results.codec import to_json
 from ema_tools.results.provenance import provenance
 from ema_tools.results.reading import read_result
-from ema_tools.results.store import FleetRow, keys, read_rows, write_part
-from ema_tools.tasks.fleet import RESULTS, planned, run_fleet
+from ema_tools.results.store import FleetRow, drop_superseded, keys, read_rows, write_part
+from ema_tools.tasks import fleet as tasks_fleet
+from ema_tools.tasks.fleet import RESULTS, Batch, judge, planned, run_fleet
 from ema_tools.tasks.history import LIMITS, histories, limits_of
 from ema_tools.words.answers.fleet import fleet_result
 from ema_tools.words.page.fleet import fleet_page, unit_page
-from support import RECORDINGS, REFERENCE, complaint, run_ema
+from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
 UNIT = RECORDINGS / "unit"
 FIRST = datetime(2026, 1, 1, tzinfo=UTC)
@@ -227,7 +230,7 @@ def test_every_recording_is_judged_once(tmp_path: Path) -> None:
     assert run_fleet(batches, workers=2, done=kill_one) == (41, 1)
     assert killed
     rows = list(read_rows(tmp_path / "two" / RESULTS))
-    assert sorted(one.key for one in rows) == sorted(wanted)
+    assert sorted(one.key for one in rows) == sorted(wanted.values())
     assert planned(entries, tmp_path / "two", guarded=False)[0] == []
     by_file = {Path(one.file).relative_to(fleet).as_posix(): one for one in rows}
     assert by_file["unit0/2026-07-01.csv"].status == "bad"
@@ -258,3 +261,49 @@ def test_the_command_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert {path.name for path in out.iterdir()} == {"fleet.html", "results", "units"}
     assert "unit0" in (out / "fleet.html").read_text(encoding="utf-8")
     assert ran.code == 0
+    # another healthy run makes another model of the unit: all is judged anew, and what was judged before makes room
+    shutil.copy(UNIT / "healthy_1.csv", fleet / "unit0" / "healthy_4.csv")
+    ran = run_ema("fleet", fleet, "-o", out, "--workers", "1")
+    assert "8 of 8 recordings judged now" in ran.out
+    assert len(list(read_rows(out / RESULTS))) == 8
+
+
+def test_a_later_version_of_the_tools_reads_what_an_earlier_one_wrote(tmp_path: Path) -> None:
+    """The part was written by version 1 of the rows, and is kept as it is."""
+    shutil.copy(Path(__file__).with_name("fleet_rows_1.parquet"), tmp_path / "part-kept.parquet")
+    first, second = read_rows(tmp_path)
+    assert first == row(1, 3.0)
+    assert second == replace(row(2, 4.5), status="bad", reason="a.csv: row 7: not a number")
+
+
+def test_rows_that_are_superseded_make_room(tmp_path: Path) -> None:
+    older, other = row(1, 3.0), row(2, 3.0)
+    newer = replace(older, key="newer")
+    write_part(tmp_path, [older, other])
+    wanted = {("a", "1.csv"): "newer", ("a", "2.csv"): other.key}
+    drop_superseded(tmp_path, wanted)
+    assert set(read_rows(tmp_path)) == {older, other}, "the older row stays until the newer is there"
+    write_part(tmp_path, [newer])
+    drop_superseded(tmp_path, wanted)
+    assert set(read_rows(tmp_path)) == {newer, other}
+
+
+def deadly(batch: Batch) -> tuple[int, int]:
+    """Judges a batch, and takes its worker along where a recording is among them."""
+    if any(entry.file.name.startswith("2026-06") for entry in batch.entries):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return judge(batch)
+
+
+@pytest.mark.slow
+def test_a_recording_that_kills_its_worker_is_bad_and_the_others_are_judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fleet = make_fleet(tmp_path / "fleet", 1)
+    batches, wanted = planned(read_manifest(fleet), tmp_path / "out", guarded=False)
+    monkeypatch.setattr(tasks_fleet, "judge", deadly)
+    # the workers find the function by its name in this file
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(Path(__file__).parent), str(ROOT / "tools")]))
+    assert run_fleet(batches, workers=1) == (5, 1), "five recordings, one of them bad"
+    rows = list(read_rows(tmp_path / "out" / RESULTS))
+    assert sorted(one.key for one in rows) == sorted(wanted.values())
+    (bad,) = [one for one in rows if one.status == "bad"]
+    assert "2026-06-01T0930.csv: every worker that judged it was killed" in bad.reason

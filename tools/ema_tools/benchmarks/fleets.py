@@ -97,7 +97,7 @@ def measured(folder: Path, out: Path, workers: int) -> tuple[int, float, list[fl
     count, _ = run_fleet(batches, workers=workers, done=done)
     took = time.perf_counter() - begun
     kept = [row.key for row in read_rows(out / RESULTS)]
-    if sorted(kept) != sorted(wanted) or count != len(entries):
+    if sorted(kept) != sorted(wanted.values()) or count != len(entries):
         raise InputError(
             f"{len(kept)} rows of {len(entries)} records, {len(set(kept))} of them different: a record was lost, or judged twice"
         )

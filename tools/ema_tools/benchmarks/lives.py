@@ -155,6 +155,8 @@ def document(found: Sequence[Foretold], alarms: Sequence[bool], histories: int) 
         _goal("cumulative relative accuracy from half life on", ">= 0.8", cumulative >= 0.8, f"{cumulative:.2f}"),
         _goal("units that do not wear and are said to drift", "<= 1 %", alarmed <= 0.01, f"{100.0 * alarmed:.2f} %"),
         "",
+        "Counted are the forecasts for units that were found to drift by then; without a drift no remaining life is told.",
+        "",
         "By the kind of wear and how much of the life has gone: histories with a drift found by then, share of the intervals that hold the truth, their median width over what is left, relative",
         f"accuracy, and share of medians within {100.0 * _LAMBDA_ALPHA:.0f} % of what is left (alpha-lambda).",
         "",
@@ -176,9 +178,8 @@ def document(found: Sequence[Foretold], alarms: Sequence[bool], histories: int) 
         )
     lines += [
         "",
-        "Even wear is foretold closely. A jump that takes the unit over its limit cannot be seen in readings before it, and a stall that has begun does not say when it ends:",
-        "there the median is off by more than a fifth and the interval is wide, which is what it is for. Where wear feeds on itself the median is late from early readings,",
-        "since they are explained as well by wear that goes on evenly.",
+        "A jump that takes a unit over its limit cannot be seen in the readings before it, and a stall that has begun does not say when it ends; wear that feeds on itself looks in early readings as",
+        "wear that goes on evenly does.",
         "",
     ]
     return "\n".join(lines)

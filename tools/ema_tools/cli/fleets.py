@@ -57,7 +57,7 @@ def fleet(
     from ema_tools.base.files import write_text
     from ema_tools.data.manifest import read_manifest
     from ema_tools.results.provenance import provenance
-    from ema_tools.results.store import read_rows
+    from ema_tools.results.store import drop_superseded, read_rows
     from ema_tools.tasks.fleet import RESULTS, planned, run_fleet
     from ema_tools.tasks.history import histories, limits_of
     from ema_tools.words.answers.fleet import fleet_result
@@ -82,7 +82,9 @@ def fleet(
                 bar.update(count, f"{rate:.2g} a second, {bad} not judged, {(left - count) / rate:.0f} s left")
 
             run_fleet(batches, scheduler, workers, done)
-    units = histories((row for row in read_rows(place / RESULTS) if row.key in wanted), limits, false_alarm)
+    known = set(wanted.values())
+    drop_superseded(place / RESULTS, wanted)
+    units = histories((row for row in read_rows(place / RESULTS) if row.key in known), limits, false_alarm)
     command, took = command_line(), time.monotonic() - begun
     origin = provenance(command, **({"scheduler": scheduler} if scheduler else {}))
     result = fleet_result(units, limits, false_alarm, left, took, origin)

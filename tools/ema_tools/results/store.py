@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from datetime import datetime
 from pathlib import Path
@@ -92,13 +92,30 @@ def read_rows(folder: Path) -> Iterator[FleetRow]:
     """The rows of the dataset, part by part. Raises InputError for a part of a later version, or one that cannot be read."""
     for part in _parts(folder):
         for row in _read(part, None):
-            known = {one.name: row[one.name] for one in fields(FleetRow) if one.name in row}
-            yield FleetRow(**known)
+            yield _row_of(row)
+
+
+def drop_superseded(folder: Path, wanted: Mapping[tuple[str, str], str]) -> None:
+    """Take rows out of the dataset whose recording, by unit and file, is there with another key by now; those of recordings that are no longer wanted stay."""
+    done = keys(folder)
+    for part in list(_parts(folder)):
+        rows = [_row_of(row) for row in _read(part, None)]
+        # a newer row takes the place of one once it is there
+        kept = [row for row in rows if wanted.get((row.unit, row.file), row.key) == row.key or wanted[row.unit, row.file] not in done]
+        if len(kept) == len(rows):
+            continue
+        if kept:
+            write_part(folder, kept)
+        part.unlink()
 
 
 def keys(folder: Path) -> set[str]:
     """The keys of what is done."""
     return {row["key"] for part in _parts(folder) for row in _read(part, ["key"])}
+
+
+def _row_of(row: Mapping[str, Any]) -> FleetRow:
+    return FleetRow(**{one.name: row[one.name] for one in fields(FleetRow) if one.name in row})
 
 
 def _parts(folder: Path) -> Iterable[Path]:

@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from distributed import Client
 
 _BATCH = 16  # recordings of one unit that a worker judges at once and writes as one part [layout]
+_JUDGED_AS = 1  # rises when the same recording is to be judged anew, and not with every version of the tools [layout]
 _AHEAD = 4  # batches that wait for each worker: what is sent is a list of paths, and memory does not grow with the fleet [layout]
 RESULTS, UNITS = "results", "units"
+_KILLED = "every worker that judged it was killed: look at it alone with ema identify, and at the memory of the machine"
 _LEAST_RUNS = 2  # healthy runs of one command that show a unit itself [chance]
 
 
@@ -48,12 +50,16 @@ class Batch:
     results: str
     guarded: bool
 
+    def alone(self) -> list[Batch]:
+        """One batch for each of its recordings."""
+        return [replace(self, entries=(entry,), keys=(key,)) for entry, key in zip(self.entries, self.keys, strict=True)]
 
-def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list[Batch], set[str]]:
-    """What is left to do of a fleet, unit by unit, and the keys of all of it, done or not. Raises InputError for a store that cannot be read."""
+
+def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list[Batch], dict[tuple[str, str], str]]:
+    """What is left to do of a fleet, unit by unit, and the keys of all of it by unit and file, done or not. Raises InputError for a store that cannot be read."""
     done = keys(folder / RESULTS)
     batches: list[Batch] = []
-    wanted: set[str] = set()
+    wanted: dict[tuple[str, str], str] = {}
     for unit, group in itertools.groupby(entries, lambda one: one.unit):
         own = tuple(group)
         runs = tuple(str(one.file) for one in own if one.kind == "healthy")
@@ -63,10 +69,10 @@ def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list
                 f"{unit}: {' and '.join(sorted(one.name for one in actuators)[:2])}: a unit has one actuator file: name the same one in its rows"
             )
         actuator = next(iter(actuators))
-        base = key_of(__version__, str(guarded), unit, _content(actuator), *map(_stamp, runs))
+        base = key_of(str(_JUDGED_AS), str(guarded), unit, _content(actuator), *map(_stamp, runs))
         model = folder / UNITS / f"{_name(unit)}-{base[:8]}.toml"
         named = [(one, key_of(base, str(one.file), _stamp(str(one.file)))) for one in own]
-        wanted |= {key for _, key in named}
+        wanted |= {(unit, str(one.file)): key for one, key in named}
         left = [(one, key) for one, key in named if key not in done]
         for start in range(0, len(left), _BATCH):
             part = left[start : start + _BATCH]
@@ -87,18 +93,37 @@ def run_fleet(
     """
     good = bad = 0
     with _client(scheduler, workers) as client:
-        from distributed import as_completed
+        from distributed import KilledWorker, as_completed
 
         left = iter(batches)
         ahead = _AHEAD * max(1, len(client.scheduler_info()["workers"]))
-        following = as_completed([client.submit(judge, one, pure=False) for one in itertools.islice(left, ahead)])
+        at_work = {}
+        following = as_completed()
+
+        def begin(batch: Batch) -> None:
+            future = client.submit(judge, batch, pure=False)
+            at_work[future.key] = batch
+            following.add(future)
+
+        for batch in itertools.islice(left, ahead):
+            begin(batch)
         for future in following:
-            one_good, one_bad = future.result()
+            batch = at_work.pop(future.key)
+            try:
+                one_good, one_bad = future.result()
+            except KilledWorker:
+                if len(batch.entries) > 1:
+                    # one of them takes its worker with it: by itself it is known, and the others are judged
+                    for alone in batch.alone():
+                        begin(alone)
+                    continue
+                write_part(Path(batch.results), [replace(_row(batch, 0), status="bad", reason=f"{batch.entries[0].file}: {_KILLED}")])
+                one_good, one_bad = 0, 1
             good, bad = good + one_good, bad + one_bad
             if done is not None:
                 done(good, bad)
-            for one in itertools.islice(left, 1):
-                following.add(client.submit(judge, one, pure=False))
+            for further in itertools.islice(left, 1):
+                begin(further)
     return good + bad, bad
 
 
@@ -147,14 +172,20 @@ def _rows(batch: Batch) -> Iterator[FleetRow]:
         runs = [read_record(path, model) for path in batch.healthy] if batch.guarded else []
     except (InputError, LibraryError) as error:
         model, runs, why = None, [], str(error)
-    for entry, key in zip(batch.entries, batch.keys, strict=True):
-        row = FleetRow(key, batch.unit, entry.date, str(entry.file), entry.kind, batch.actuator, software=__version__)
+    for place, entry in enumerate(batch.entries):
+        row = _row(batch, place)
         try:
             if model is None:
                 raise InputError(why)
             yield _judged(row, entry, model, runs)
         except (InputError, LibraryError) as error:
             yield replace(row, status="bad", reason=readable(str(error)))
+
+
+def _row(batch: Batch, place: int) -> FleetRow:
+    """The row of one recording before it is judged."""
+    entry = batch.entries[place]
+    return FleetRow(batch.keys[place], batch.unit, entry.date, str(entry.file), entry.kind, batch.actuator, software=__version__)
 
 
 def unit_model(batch: Batch) -> Actuator:
