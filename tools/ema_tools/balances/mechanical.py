@@ -43,7 +43,7 @@ class Mechanical:
     drive = load + added + columns @ parameters; columns: acceleration (inertia), speed (viscous), contact (level of sliding friction),
     one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
     `load` and `added` are what effects and efficiency add, the latter while sliding; `static_extra` is what they add to the static level backward and forward, where the shaft rests;
-    `eased`: relative change of dry and viscous friction by temperature.
+    `eased`: relative change of dry and viscous friction by temperature. `still`: rows of lasting rest; `elastic`: whether the contact stretches.
     """
 
     smoother: Smoother
@@ -56,7 +56,13 @@ class Mechanical:
     asymmetry: float
     columns: Reals
     time_s: Reals
-    resting: NDArray[np.bool_]
+    still: NDArray[np.bool_]
+    elastic: bool
+
+    @property
+    def resting(self) -> NDArray[np.bool_]:
+        """Rows at which friction is whatever balances the torque, [rows]: none where the contact stretches."""
+        return np.zeros_like(self.still) if self.elastic else self.still
 
     def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
         """What balances the torque, up to the static level, on every row; holds where the shaft rests. `parameters` [4] of the columns."""
@@ -115,7 +121,8 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
         return passing + eased * own + at_points(actuator, seen, "FRICTION", level_Nm=own, rows=rows, side=side)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
-    resting = np.zeros(contact.size, dtype=bool) if elastic else _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
+    at_rest = _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
+    resting = np.zeros_like(at_rest) if elastic else at_rest
     backward = contact < 0.0
     extra = np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward))
     level = use.as_seen(contact * (1.0 + asymmetry * np.sign(contact)))
@@ -130,7 +137,8 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
         asymmetry=asymmetry,
         columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, level, np.ones_like(contact)]),
         time_s=record.time_s,
-        resting=resting,
+        still=at_rest,
+        elastic=elastic,
     )
 
 

@@ -68,17 +68,24 @@ def read_again(path: Path) -> Iterator[Path]:
     if not once:
         yield path
         return
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / path.name
+    with standing_in(path, os.fspath(path)) as copy:
         try:
             with path.open("rb") as source, copy.open("wb") as kept:
                 shutil.copyfileobj(source, kept)
         except OSError as error:
             raise InputError(f"{path}: {reason(error)}: write the recording to a file first") from None
+        yield copy
+
+
+@contextlib.contextmanager
+def standing_in(path: Path, said: str) -> Iterator[Path]:
+    """A place for a file that is read in place of `path`; what is said of it is said of `said`."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
         try:
             yield copy
         except InputError as error:
-            raise InputError(str(error).replace(str(copy), os.fspath(path))) from None
+            raise InputError(str(error).replace(str(copy), said)) from None
 
 
 def reason(error: OSError) -> str:

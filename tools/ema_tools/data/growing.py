@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import stat
-import tempfile
 from pathlib import Path
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.files import readable, reason
+from ema_tools.base.files import readable, reason, standing_in
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, read_record
 
@@ -60,13 +59,9 @@ class Growing:
 
     def record(self, actuator: Actuator) -> Record:
         """The complete rows so far. Raises InputError in one line that names file, row and field."""
-        with tempfile.TemporaryDirectory() as folder:
-            kept = Path(folder) / self.path.name
+        with standing_in(self.path, self.file) as kept:
             kept.write_bytes(self._bytes[: self._rows()])
-            try:
-                return read_record(kept, actuator)
-            except InputError as error:
-                raise InputError(str(error).replace(str(kept), self.file)) from None
+            return read_record(kept, actuator)
 
     def close(self) -> None:
         """Let go of a pipe or a serial line."""

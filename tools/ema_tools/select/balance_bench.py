@@ -134,7 +134,7 @@ class Bench:
         # what the user held out is never fitted
         self.fitted: Rows = self.training if self.division.apart else self.sliding
         # base values that are kept, or that the records do not determine, by their place: the value that is taken
-        self.taken: dict[int, float] = {MECHANICAL_PARAMETERS.index(name): actuator[name] for name in fixes.kept}
+        self.taken: dict[int, float] = {MECHANICAL_PARAMETERS.index(name): actuator[name] for name in fixes.as_stated}
         self.between = {MECHANICAL_PARAMETERS.index(name): ends for name, ends in fixes.between.items()}
         self.start = self.sampled(start)
         self.load_named = False
@@ -269,6 +269,15 @@ class Bench:
                 self.between[place] = (row.lower, row.upper)
             self._bent.clear()
 
+    def keep_inertia(self) -> None:
+        """Where the records put the inertia as near as data sheets err to what the actuator states, it stays as near beside every effect: one that moves it further stands in for it."""
+        place = MECHANICAL_PARAMETERS.index(INERTIA)
+        stated = self.start.setting.actuator[INERTIA]
+        if place not in self.taken and place not in self.between and stated > 0.0:
+            value = self.fit(self.start, (), np.zeros((self.fold.size, 0))).values[INERTIA]
+            if abs(value / stated - 1.0) <= _DETERMINED:
+                self.between[place] = ((1.0 - _DETERMINED) * stated, (1.0 + _DETERMINED) * stated)
+
     def stay_in_ranges(self) -> None:
         """From here on every base value that is fitted stays between the ends of its range."""
         for place, name in enumerate(MECHANICAL_PARAMETERS):
@@ -344,6 +353,11 @@ class Bench:
         left = target[told] - fit.columns[told] @ effects
         left = left - base[told] @ solved(base[told], left)
         return 100.0 * float(np.linalg.norm(left)) / float(np.linalg.norm(fit.samples.drive[told]))
+
+    def foretold_part(self, fit: Fitted, part: int) -> float:
+        """Relative error of a part when the effects' coefficients come from the others, %."""
+        here = self.fold == part
+        return self.foretold(fit, self.fitted & ~here, self.sliding & here)
 
     def seen_share(self, fit: Fitted, rows: Rows) -> float:
         """How much of the last effect beside the base values these samples show, as a share of the squares of all; 1 for one whose size is not solved for."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.errors import InputError
@@ -14,15 +14,28 @@ from ema_tools.library.definitions import load_definitions
 
 @dataclass(frozen=True)
 class Fixes:
-    """`kept`: base values that stay as the actuator states them; `between`: the ends of others, in the actuator's units; `effects`: those whose values stay. All by full name."""
+    """`kept`: base values that stay as the actuator states them; `between`: the ends of others, in the actuator's units; `effects`: those whose values stay. All by full name.
+
+    `undetermined`: base values that stay as well, not by the user but since the records do not tell them from an effect.
+    """
 
     kept: frozenset[str] = frozenset()
     between: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     effects: frozenset[str] = frozenset()
+    undetermined: frozenset[str] = frozenset()
+
+    @property
+    def as_stated(self) -> frozenset[str]:
+        """Base values that are not fitted."""
+        return self.kept | self.undetermined
 
     def with_effects(self, more: frozenset[str]) -> Fixes:
         """The same with more effects that stay as they are."""
-        return Fixes(self.kept, self.between, self.effects | more)
+        return replace(self, effects=self.effects | more)
+
+    def without(self, base_value: str) -> Fixes:
+        """The same with a base value that the records do not determine."""
+        return replace(self, undetermined=self.undetermined | {base_value})
 
 
 NONE = Fixes()

@@ -10,6 +10,7 @@ All errors are relative: 100 * norm of the balance's residual over norm of the m
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -29,6 +30,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
+    INERTIA,
     LOAD,
     Bench,
     Fitted,
@@ -40,7 +42,7 @@ from ema_tools.select.balance_bench import (
     size_of_load,
     solved,
 )
-from ema_tools.select.balance_setting import Setting
+from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
@@ -52,12 +54,13 @@ EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
 FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
+_CLIPPED = 0.95  # of the samples that weigh as they are; the others as the largest of these [judgement]
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
 # ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
 LEAST_OF_FIRST = 0.02
 # By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them ... [judgement]
 WORSE_ELSEWHERE, WORSE_THIRD = 1.01, 1.1
-WORSE_OF_GAIN = 0.1  # ... where it matters beside what it takes off the squared error in all [judgement]
+WORSE_OF_GAIN = 0.2  # ... where it matters beside what it takes off the squared error in all [judgement]
 _SEEN_ELSEWHERE = (
     0.1  # an effect of which the other two thirds show less than this, as a share of what all show, cannot be told from them [judgement]
 )
@@ -65,6 +68,11 @@ _THIRDS = 3  # of the places and of the speeds, each told from the other two: wh
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
+_SLOWEST, _SPEEDS = (
+    0.01,
+    64,
+)  # quantile of the speeds from which friction is looked at on its way to the fastest, and at how many [precision]
+_FALLS = 0.1  # of what an effect adds to friction, by which all of it must fall with the speed [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
@@ -150,6 +158,9 @@ class ForceSearch:
         self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
         self.weak: list[Tried] = []  # of the last round: what was refused after it was judged
+        self.upsets_inertia = (
+            False  # whether an effect that matters would make the inertia impossible: these records do not tell the two apart
+        )
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
 
@@ -176,6 +187,16 @@ class ForceSearch:
         """A fit whose last effect changed the balance itself, with all patterns made again from it."""
         self.prepare(fit.samples.setting)
         return self.with_patterns(fit.patterns, fit.samples)
+
+    def finished(self, fit: Fitted, bent: bool) -> Fitted:
+        """A fit that was accepted with its shape as it is best; `bent`: with all patterns made again from a balance that it changed, unless that is impossible."""
+        if not bent:
+            return self.refined(fit)
+        settled = self.settled(fit)
+        if not outside(settled):
+            return settled
+        self.prepare(self.bench.start.setting)
+        return fit
 
     def with_patterns(self, patterns: Sequence[Pattern], samples: Samples) -> Fitted:
         """A fit of known shapes, their columns from the present setting."""
@@ -209,7 +230,7 @@ class ForceSearch:
         start = np.array([last.shape[name] for name in names]) / scale
         found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-6 * fit.square(rows), "maxfev": 120})
         best = at(found.x)
-        return best if best.square(rows) < fit.square(rows) and not outside(best) else fit
+        return best if best.square(rows) < fit.square(rows) and not outside(best) and not self.rises(best, last.effect) else fit
 
     def indistinct(self, accepted: Fitted, effect: str) -> str:
         """Why these records cannot tell an effect from one that was accepted, whatever it gains; empty where they can."""
@@ -254,16 +275,38 @@ class ForceSearch:
         if len(known) == 1 and _like(ranked[0][2][rows, 0], np.column_stack([accepted.samples.base, accepted.samples.drive])[rows]):
             return Refusal(effect, "it scales every torque alike: beside a given torque constant only ratios are known")
         ranked.sort(key=lambda one: -one[0])
+        why = ""
         first: Fitted | None = None
         for gain, pattern, columns in ranked:
             if gain < _SHAPE_SHARE * ranked[0][0]:
                 break
             fit = bench.fit(accepted.samples, (*accepted.patterns, pattern), np.column_stack([accepted.columns, columns]))
             first = first or fit
-            if not outside(fit, pattern.effect):
+            beyond = outside(fit, pattern.effect)
+            here = f"physically impossible: {beyond}" if beyond else self.rises(fit, pattern.effect)
+            if not here:
                 return self._tried(accepted, effect, fit)
+            why = why or here
         assert first is not None
-        return Refusal(effect, f"physically impossible: {outside(first, effect)}", _of(effect, first.values))
+        return Refusal(effect, why, _of(effect, first.values))
+
+    def rises(self, fit: Fitted, effect: str) -> str:
+        """Why an effect that makes friction fall as the speed rises does not, as it was fitted; empty where it does, and of any other effect."""
+        local = record_of(effect).local
+        if local is None or not local.falls:
+            return ""
+        states, values = fit.samples.setting.states, fit.values
+        seen = np.abs(states.speed_rad_s)[np.abs(states.direction) > 0.0]
+        speeds = np.linspace(float(np.quantile(seen, _SLOWEST)), float(np.max(seen)), _SPEEDS)
+        size = values[load_definitions().effect(effect).size.name] * (values[LEVEL] if local.of_level else 1.0)
+        shape = {name.removeprefix(f"{effect}."): value for name, value in values.items() if name.startswith(f"{effect}.")}
+        for side in (-1.0, 1.0):
+            at = replace(states, direction=np.full(speeds.size, side), speed_rad_s=side * speeds)
+            extra = -side * size * local.torque(at, shape)
+            friction = extra + values[VISCOUS] * speeds
+            if friction[0] - float(np.min(friction)) >= _FALLS * float(np.ptp(extra)) > 0.0:
+                return ""
+        return "with it friction falls at no speed: what is seen is a drag that bends"
 
     def _told_apart(self, accepted: Fitted, effect: str, known: Sequence[Pattern]) -> tuple[Sequence[Pattern], list[Reals]]:
         """The patterns that can be another cause than what was accepted, with their columns: where no record says where the machine is, waves of whole multiples are one swing that is no pure sine."""
@@ -331,6 +374,10 @@ class ForceSearch:
         beyond = outside(fit)
         if beyond:
             return f"beside it {beyond}"
+        if INERTIA in bench.at_ends(fit) and INERTIA not in bench.at_ends(accepted):
+            return f"beside it {INERTIA} would lie on an end of where it may be"
+        if rises := self.rises(fit, tried.effect):
+            return rises
         size = load_definitions().effect(tried.effect).size.name
         std = fit.std.get(size, math.inf)
         if abs(fit.values[size]) < SIZE_IN_STD * std:
@@ -339,21 +386,19 @@ class ForceSearch:
             return f"at a bound: {size} = {fit.values[size]:.3g}"
         # every part held out once
         change = (bench.held_out(accepted) ** 2 - bench.held_out(fit) ** 2)[bench.sliding]
-        fall = float(np.mean(change))
-        of_record = bench.of_record[bench.sliding]
-        runs = (leastsquares.long_run((change - fall)[of_record == number, None]) for number in np.unique(of_record))
-        spread = math.sqrt(sum(float(one[0, 0]) for one in runs)) / change.size
-        if fall < FALL_IN_STD * spread:
+        if not self._falls(change):
             return f"it does not lower the error of the held-out {PARTS[bench.division.by]} significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
-        if any(after >= before for before, after in zip(accepted.errors.each, fit.errors.each, strict=True)):
+        gain = accepted.errors.training**2 - fit.errors.training**2
+        worse = [part for part in range(bench.division.folds) if _worse(accepted.errors.each[part], fit.errors.each[part], gain, 1.0)]
+        # friction itself differs from part to part: what is asked of the effect is whether it is the same there
+        if any(_worse(bench.foretold_part(accepted, part), bench.foretold_part(fit, part), gain, 1.0) for part in worse):
             return f"it raises the error of a {PART[bench.division.by]} when that one is held out"
         here = self.elsewhere(accepted, fit)
         before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(max(len(here), 1)) for side in (0, 1))
         if after > WORSE_ELSEWHERE * before:
             return f"it does not carry over to places and speeds to which nothing was fitted: {before:.3g} % to {after:.3g} %"
-        gain = accepted.errors.training**2 - fit.errors.training**2
         for where, (before, after) in here.items():
-            if after > WORSE_THIRD * before and after**2 - before**2 > WORSE_OF_GAIN * gain:
+            if _worse(before, after, gain, WORSE_THIRD):
                 return f"it does not carry over to {where} to which nothing was fitted: {before:.3g} % to {after:.3g} %"
         share = self.share(accepted, tried.gain)
         if share < LEAST_SHARE:
@@ -363,6 +408,18 @@ class ForceSearch:
             return f"it takes off {100.0 * matter:.2f} % of what the first model left, less than {100.0 * LEAST_OF_FIRST:g} %"
         circle = self._in_a_circle(accepted, tried)
         return circle or (self.veto(self, accepted, tried) if self.veto is not None else "")
+
+    def _falls(self, change: Reals) -> bool:
+        """Whether a fall of the squared error, of every sliding sample, is more than chance: as it is, or without the weight of the few samples that moved most, as at a start of the motion."""
+        limit = float(np.quantile(np.abs(change), _CLIPPED))
+        return float(np.mean(change)) > 0.0 and any(self._in_std(one) >= FALL_IN_STD for one in (change, np.clip(change, -limit, limit)))
+
+    def _in_std(self, change: Reals) -> float:
+        """A mean fall in its standard errors, as neighbours are alike."""
+        fall, of_record = float(np.mean(change)), self.bench.of_record[self.bench.sliding]
+        runs = (leastsquares.long_run((change - fall)[of_record == number, None]) for number in np.unique(of_record))
+        spread = math.sqrt(sum(float(one[0, 0]) for one in runs)) / change.size
+        return fall / spread if spread > 0.0 else 0.0
 
     def _in_a_circle(self, accepted: Fitted, tried: Tried) -> str:
         """Why an effect that reads the drive finds itself in the drive's own error; empty for any other."""
@@ -395,6 +452,7 @@ class ForceSearch:
                 refused.append(found)
                 continue
             judged = replace(found, fit=self.bench.judged(found.fit))
+            self.upsets_inertia |= found.gain >= LEAST_OF_FIRST * self.first and unphysical(INERTIA, judged.fit)
             why = self.refusal(accepted, judged)
             if why:
                 self.weak.append(judged)  # which may be more beside another
@@ -412,22 +470,25 @@ class ForceSearch:
         special = next((one for one in added if one.effect == record_of(general.effect).special_case), None)
         return special is not None and self.share(special.fit, general.gain - special.gain) < LEAST_SHARE
 
-    def pair(self, accepted: Fitted) -> tuple[Tried, Tried] | None:
-        """Two effects of which neither may be added alone and each may beside the other, the pair that lowers the error most; the first of them as it is alone.
+    def pair(self, accepted: Fitted, added: Sequence[Tried]) -> tuple[Tried, Tried] | None:
+        """Two effects, at least one of which may not be added alone, that each may beside the other: the pair that lowers the error most; the first of them as it is alone.
 
-        One that stands in for another beside it goes wrong wherever the other is large, so that alone it raises the error of a part held out.
+        One that stands in for another beside it goes wrong wherever the other is large, so that alone it raises the error of a part held out. `added`: what may be added alone; a pair is sought
+        where nothing may, or where what takes off more than the best of it is refused.
         """
         worth = [one for one in self.weak if one.gain >= LEAST_OF_FIRST * self.first and not outside(one.fit)]
-        worth = sorted(worth, key=lambda one: -one.gain)[:_PAIRED]
+        if added and not any(one.gain > added[0].gain for one in worth):
+            return None
+        alone = {one.effect for one in added}
+        worth = sorted([*worth, *added], key=lambda one: -one.gain)[:_PAIRED]
         best: tuple[Tried, Tried] | None = None
-        for first in worth:
-            for second in worth:
-                both = self._beside(first, second.effect) if second is not first else None
-                if both is None or (best is not None and both.fit.errors.training >= best[1].fit.errors.training):
-                    continue
-                other = self.judged_against(second.fit, first.effect, both.fit)
-                if not other and not self.judged_against(accepted, second.effect, both.fit):
-                    best = first, both
+        for first, second in itertools.permutations(worth, 2):
+            both = self._beside(first, second.effect) if not {first.effect, second.effect} <= alone else None
+            if both is None or (best is not None and both.fit.errors.training >= best[1].fit.errors.training):
+                continue
+            other = self.judged_against(second.fit, first.effect, both.fit)
+            if not other and not self.judged_against(accepted, second.effect, both.fit):
+                best = first, both
         return best
 
     def _beside(self, first: Tried, effect: str) -> Tried | None:
@@ -496,6 +557,11 @@ def _of(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     return {name: value for name, value in values.items() if name.startswith(f"{effect}.") and math.isfinite(value)}
 
 
+def _worse(before: float, after: float, gain: float, allowed: float) -> bool:
+    """Whether an error, in %, rises by more than is allowed, and by what matters beside what is gained of the squared error in all."""
+    return after > allowed * before and after**2 - before**2 > WORSE_OF_GAIN * gain
+
+
 def _periods(pattern: Pattern) -> float:
     """Of a wave per turn of the motor, one where its effect has no such number."""
     return float(pattern.shape.get(f"{pattern.effect}.periods", 1.0))
@@ -520,6 +586,12 @@ def outside(fit: Fitted, effect: str = "") -> str:
         if not row.lower <= value <= row.upper:
             return f"{name} would be {value:.3g}, outside {row.lower:g} .. {row.upper:g}{' ' + row.unit if row.unit else ''}"
     return ""
+
+
+def unphysical(name: str, fit: Fitted) -> bool:
+    """Whether a base value of a fit lies outside its range, or on an end of it."""
+    row, value = row_of(name), fit.values[name]
+    return not row.lower < value < row.upper
 
 
 def _at_bound(name: str, value: float) -> bool:
@@ -558,6 +630,7 @@ def improve_by_forces(
     report(0.0, "parts and balance")
     bench = Bench(actuator, records, holdout, fixes)
     search = ForceSearch(bench, report, veto=veto)
+    bench.keep_inertia()
     search.prepare(bench.start.setting)
     given = given_errors(actuator, bench)
     steps: list[ForceStep] = []
@@ -575,12 +648,14 @@ def improve_by_forces(
         )
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
-        pair = search.pair(accepted) if not added and not accepted.patterns else None
+        if search.upsets_inertia:
+            return improve_by_forces(actuator, records, holdout, progress, fixes.without(INERTIA), veto)
+        pair = search.pair(accepted, added) if not accepted.patterns else None
         if pair is not None:
             first_of, both = pair
             for one, before in ((first_of, accepted), (both, first_of.fit)):
                 steps.append(ForceStep(one.effect, one.fit.values, one.fit.std, (), one.fit.errors, search.elsewhere(before, one.fit)))
-            accepted = bench.judged(search.settled(both.fit)) if first_of.fit.patterns[-1].bends else both.fit
+            accepted = bench.judged(search.finished(both.fit, first_of.fit.patterns[-1].bends))
             continue
         if not added:
             break
@@ -591,7 +666,7 @@ def improve_by_forces(
             break
         best = added[0]
         before, accepted = accepted, best.fit
-        accepted = bench.judged(search.settled(best.fit) if best.fit.patterns[-1].bends else search.refined(best.fit))
+        accepted = bench.judged(search.finished(best.fit, best.fit.patterns[-1].bends))
         steps.append(
             ForceStep(
                 best.effect, accepted.values, accepted.std, _class_of(best, added), accepted.errors, search.elsewhere(before, accepted)

@@ -15,9 +15,9 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division
 from ema_tools.library.definitions import load_definitions
-from ema_tools.select.balance_bench import LOAD, Bench, Fitted, FoldErrors, floor_of, given_errors, load_effect, solved
+from ema_tools.select.balance_bench import INERTIA, LOAD, Bench, Fitted, FoldErrors, floor_of, given_errors, load_effect, solved
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_balance import ForceSearch, Refusal, outside
+from ema_tools.select.force_balance import ForceSearch, Refusal, outside, unphysical
 from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import Pattern, pattern_of
 
@@ -191,6 +191,7 @@ def add_by_forces(
     refit = _Refit(actuator, records, holdout, fixes, effect, False, tell)
     bench, search = refit.bench, refit.search
     given = given_errors(actuator, bench)
+    bench.keep_inertia()
     bench.stay_in_ranges()
     tell(0.5, f"fitting {effect}")
     begun = refit.begun()
@@ -209,6 +210,8 @@ def add_by_forces(
     found = search.tried(before, effect, asked=True)
     if isinstance(found, Refusal):
         raise InputError(f"add {effect}: {found.reason}: ema diagnose says what these records ask for")
+    if INERTIA not in fixes.as_stated and unphysical(INERTIA, found.fit):
+        return add_by_forces(actuator, effect, records, holdout, fixes.without(INERTIA), report)
     doubt = search.indistinct(before, effect)
     last = bench.judged(found.fit)
     reason = doubt or search.judged_against(before, effect, last)

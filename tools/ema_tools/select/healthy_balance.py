@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,7 +228,7 @@ def changes_of(
         counts = abs(value - healthy) > limit
         if counts:
             base = name in MECHANICAL_PARAMETERS
-            kept = Fixes(fixes.kept | {name}, {key: ends for key, ends in fixes.between.items() if key != name}, fixes.effects)
+            kept = replace(fixes, kept=fixes.kept | {name}, between={key: ends for key, ends in fixes.between.items() if key != name})
             as_before = kept if base else fixes.with_effects(frozenset({name.partition(".")[0]}))
             held = refit_by_forces(today.changed({name: healthy}), records, as_before)
             # a part that rests throughout says nothing

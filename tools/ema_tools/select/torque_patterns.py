@@ -98,6 +98,7 @@ def _aligned(setting: Setting, pattern: Pattern) -> Pattern:
         half = (np.arange(rows) * _STRETCHES // rows) % 2
         inner = np.zeros(rows, dtype=bool)
         inner[model.smoother.edge_rows : -model.smoother.edge_rows] = True
+        inner &= ~model.still  # where friction answers whatever there is, and shows no wave
         target, matrix = model.drive_Nm - model.load_Nm - model.added_Nm, np.column_stack([model.columns, pair])
         column = np.zeros(rows)
         for side in (0, 1):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.growing import Growing
 from ema_tools.data.records import Record, simulated
-from ema_tools.plant.native import CHANNELS, Identification, SearchSettings, Simulation
+from ema_tools.plant.native import Identification, SearchSettings, Simulation
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.tasks.onboard_search import check_record, run
 from ema_tools.tasks.own_runs import own_runs
@@ -40,7 +40,6 @@ class Seen:
     healthy: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     trouble: str = ""
-    rms: dict[str, float] = field(default_factory=dict)  # residual by channel, in its unit
 
 
 class Watch:
@@ -71,9 +70,7 @@ class Watch:
         if self._growing.begun != self._begun:
             self._begun = self._growing.begun
             told = f"{self._growing.file} was begun anew after {self.seen.record.rows if self.seen.record else 0} rows"
-            self._change(
-                phase="waiting", record=None, model=None, so_far=None, found=None, trouble="", rms={}, notes=(*self.seen.notes, told)
-            )
+            self._change(phase="waiting", record=None, model=None, so_far=None, found=None, trouble="", notes=(*self.seen.notes, told))
         if grown:
             self._last_row_s, self._untold = now, True
             self._take()
@@ -106,7 +103,7 @@ class Watch:
             self._change(
                 notes=(*self.seen.notes, f"{self._growing.file} grew again after {self.seen.record.rows if self.seen.record else 0} rows")
             )
-        self._change(phase="recording", record=record, model=model, found=None, trouble="", rms=_rms(record, model))
+        self._change(phase="recording", record=record, model=model, found=None, trouble="")
         if record.rows * record.period_s >= _LEAST_S and self._clock() - self._last_search_s >= _EVERY_S:
             self._search(record)
             self._last_search_s = self._clock()
@@ -135,10 +132,6 @@ class Watch:
             return
         held = tuple(one.file for one in healthy)
         self._change(phase="judged", found=found, healthy=held, trouble=self._unread, model=simulated(found.actuator, record))
-
-
-def _rms(record: Record, model: Simulation) -> dict[str, float]:
-    return {name: float(np.sqrt(np.mean(residual(record, model, name) ** 2))) for name in CHANNELS if record.channel(name) is not None}
 
 
 def residual(record: Record, model: Simulation, name: str) -> Reals:

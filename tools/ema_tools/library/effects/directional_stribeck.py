@@ -30,6 +30,7 @@ EFFECT = EffectRecord(
             "shape": (0.5, 1.0, 2.0),
         },
         of_level=True,
+        falls=True,
     ),
     separated_by=(measurements.OUTSIDE_FORCE, measurements.BREAK_AWAY),
     onboard=Onboard({"asymmetry": (-0.7, 0.7), "speed_rad_s": (8.0,), "shape": (1.0,)}),

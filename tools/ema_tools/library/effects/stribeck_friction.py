@@ -22,6 +22,7 @@ EFFECT = EffectRecord(
         tried={"speed_rad_s": (2.0, 4.0, 7.0, 12.0, 20.0, 32.0, 50.0), "shape": (1.0, 2.0)},
         in_balance={"speed_rad_s": shares_of_speed((0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.4, 0.6)), "shape": (0.5, 1.0, 2.0)},
         of_level=True,
+        falls=True,
     ),
     separated_by=(measurements.OUTSIDE_FORCE, measurements.BREAK_AWAY),
     onboard=Onboard({"speed_rad_s": (3.0, 8.0, 20.0), "shape": (1.0, 2.0)}),
