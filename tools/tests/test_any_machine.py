@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
+from ema_tools.benchmarks.machines import plants
 from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records
 from ema_tools.benchmarks.machines.trials import HEALTHY, MachineTrial, actuator_of, perform, plan, right, wrong
 from ema_tools.compare.motion_validity import judge_motion
@@ -23,7 +25,7 @@ from ema_tools.select.torque_patterns import NO_SCREW, NOT_PLACED, patterns_of
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import chosen, diagnosed
 from ema_tools.words.answers.steps import forward
-from ema_tools.words.sentences.balance import forward_sentence, sentence
+from ema_tools.words.sentences.balance import forward_sentence, sentence, swing_text
 from support import chirp_record, run_ema
 
 quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a record without Numba")
@@ -64,13 +66,46 @@ def swept(top_rad_s: float, seed: int, rows: int = 4000) -> MotionRecord:
     return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
 
 
-@pytest.mark.parametrize(("rows", "is_judged"), [(60, False), (4000, True)])
-def test_a_record_of_which_nothing_can_be_held_out_says_so(rows: int, is_judged: bool) -> None:
-    """A third of a second has no stretch that could be judged by the others. Either is solved forward on itself alone."""
-    answer = diagnosed(actuator_of("bare motor", 0), [swept(90.0, 1, rows)])
+def test_what_is_held_out_is_judged() -> None:
+    answer = diagnosed(actuator_of("bare motor", 0), [swept(90.0, 1)])
     assert isinstance(answer, BalanceAnswer)
     told = f"{sentence(answer)} {forward_sentence(forward(answer.forward))}"
-    assert "nan" not in told and ("nothing could be held out" not in told) is is_judged, told
+    assert "nan" not in told and "nothing could be held out" not in told, told
+
+
+def test_a_third_of_a_second_confirms_nothing() -> None:
+    with pytest.raises(InputError, match=r"run 1: \d+ samples of motion are left .* record [\d.]+ s of motion or more"):
+        diagnosed(actuator_of("bare motor", 0), [swept(90.0, 1, 60)])
+
+
+def test_a_machine_that_moves_one_way_is_said_to() -> None:
+    record = swept(90.0, 1)
+    speed = np.abs(record.recorded("motor_speed_rad_s")) + 1.0
+    forward_only = record.with_columns({"motor_speed_rad_s": speed, "torque_Nm": 0.03 + 2e-5 * speed + 1e-4 * np.gradient(speed, 5e-3)})
+    answer = diagnosed(actuator_of("bare motor", 0), [forward_only])
+    assert isinstance(answer, BalanceAnswer)
+    assert [one.topic for one in answer.gates[0].remarks if "one way only" in one.text] == ["coverage"]
+
+
+@quick
+@pytest.mark.parametrize(
+    ("kind", "command", "periods"),
+    [
+        ("belt", "start and stop", 1.0 / 3.0),
+        pytest.param("joint with an arm", "start and stop", 0.2, marks=pytest.mark.slow),
+        pytest.param("lead screw", "pick and place", 4.37, marks=pytest.mark.slow),
+    ],
+)
+def test_what_swings_once_per_turn_of_a_pulley_is_found(kind: str, command: str, periods: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No whole number of periods per motor turn, and no pure sine: the plant adds a second wave of 15 %."""
+    monkeypatch.setitem(plants.KINDS, kind, replace(plants.KINDS[kind], periods=periods))  # type: ignore[arg-type]
+    answer = diagnosed(actuator_of(kind, 0), records(Machine(kind, 0, {"cogging_torque": 0.25}), command))
+    assert isinstance(answer, BalanceAnswer)
+    assert [step.effect for step in answer.accepted if step.effect != "presliding"] == ["cogging_torque"]
+    # the way of a record holds some tens of turns, and its second wave pulls a little
+    assert answer.actuator["cogging_torque.periods"] == pytest.approx(periods, rel=5e-3)
+    assert swing_text(answer.actuator["cogging_torque.periods"]) in sentence(answer)
+    assert answer.last.training < 0.3 * answer.forces.refitted.training
 
 
 def test_the_plan_asks_only_for_what_records_can_show() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy import optimize
 
@@ -22,6 +24,7 @@ _AGAINST = (
     -0.5
 )  # correlation of the drive with the way it moves: friction alone makes it positive, a load of its own size makes it none [judgement]
 
+_ONE_WAY = 0.98  # of the time in motion, that all go the same way [judgement]
 _LAG_STEP_S = 0.005  # lags are tried so far apart .. [precision]
 _LAG_MAX_S = 0.1  # .. up to here, slower than the transport of any drive's messages .. [physics]
 _LAG_ROWS_MAX = 20_000  # rows looked at: 100 s tell clocks apart [effort]
@@ -63,7 +66,20 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
             )
         remarks += _late(actuator, record, model)
     fastest = float(np.max(np.abs(speed)))
-    return RecordValidity(present, tuple(remarks), {"speed_max_rad_s": fastest, "moving_share": float(np.mean(~model.resting))})
+    moves = model.smoother.inner(~model.still)
+    forward = float(np.mean(speed[moves] > 0.0)) if moves.any() else 0.5
+    return RecordValidity(
+        present, tuple(remarks), {"speed_max_rad_s": fastest, "moving_share": float(np.mean(~model.resting)), "forward_share": forward}
+    )
+
+
+def one_way(gates: Sequence[RecordValidity]) -> RecordRemark | None:
+    """What to say of records that all move the same way; None of any others."""
+    shares = [gate.coverage.get("forward_share", 0.5) for gate in gates]
+    if min(shares) > _ONE_WAY or max(shares) < 1.0 - _ONE_WAY:
+        text = "the machine moves one way only, where friction, a load and what differs by direction are one"
+        return RecordRemark("coverage", "weakens", text, "record the other way too")
+    return None
 
 
 def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[RecordRemark]:

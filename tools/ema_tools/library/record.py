@@ -112,6 +112,8 @@ class EffectRecord:
     confounded: ConfoundedParameter | None = None
     # A base value of the mechanical balance that it is one with.
     base_value: str = ""
+    # Whether beside base values that are fitted less than none of it is another effect.
+    adds: bool = False
     # Whether the balance of forces seeks it; one that would stand in there for others is sought by simulation alone.
     in_balance: bool = True
     # The effect that it is in a special case, which is named in its place while it explains nearly as much.

@@ -66,6 +66,8 @@ class PeriodicTorque:
     voltage: Callable[[States], Reals] | None = None
     cosine: bool = False
     of_level: bool = False
+    # Whether it may turn with what a belt or a gear drives, so that any number of periods per motor turn is possible.
+    behind_gear: bool = False
     # When it is large beside the friction it holds the motor at rest, and a filter that knows no rest is right in the periods and wrong in the phase.
     holds_at_rest: bool = False
     # Without the current, dozens of periods per turn show only where the machine nearly rests, which no linear filter sees: the size, as a share of the friction or of the

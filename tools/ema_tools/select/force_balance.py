@@ -16,11 +16,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy import stats
 from scipy.optimize import minimize
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
@@ -50,11 +52,12 @@ from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, i
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
 UNSOUGHT = "beside refitted base values it would stand in for others: it is sought by simulation alone (--method simulation)"
+_SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part and confirmed in another [judgement]
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
 FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
-_CLIPPED = 0.95  # of the samples that weigh as they are; the others as the largest of these [judgement]
+_STRETCHES = 60  # of all records together, in most of which the error must fall where the mean of all is one start's [judgement]
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
 # ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
 LEAST_OF_FIRST = 0.02
@@ -230,7 +233,7 @@ class ForceSearch:
         start = np.array([last.shape[name] for name in names]) / scale
         found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-6 * fit.square(rows), "maxfev": 120})
         best = at(found.x)
-        return best if best.square(rows) < fit.square(rows) and not outside(best) and not self.rises(best, last.effect) else fit
+        return best if best.square(rows) < fit.square(rows) and not outside(best) and not self.another(best, last.effect) else fit
 
     def indistinct(self, accepted: Fitted, effect: str) -> str:
         """Why these records cannot tell an effect from one that was accepted, whatever it gains; empty where they can."""
@@ -282,27 +285,33 @@ class ForceSearch:
                 break
             fit = bench.fit(accepted.samples, (*accepted.patterns, pattern), np.column_stack([accepted.columns, columns]))
             first = first or fit
-            beyond = outside(fit, pattern.effect)
-            here = f"physically impossible: {beyond}" if beyond else self.rises(fit, pattern.effect)
-            if not here:
+            refused = self.another(fit, pattern.effect)
+            if not refused:
                 return self._tried(accepted, effect, fit)
-            why = why or here
+            why = why or refused
         assert first is not None
         return Refusal(effect, why, _of(effect, first.values))
 
-    def rises(self, fit: Fitted, effect: str) -> str:
-        """Why an effect that makes friction fall as the speed rises does not, as it was fitted; empty where it does, and of any other effect."""
-        local = record_of(effect).local
+    def another(self, fit: Fitted, effect: str) -> str:
+        """Why an effect as it was fitted is none, or another one; empty where it is what its name says."""
+        beyond = outside(fit, effect)
+        if beyond:
+            return f"physically impossible: {beyond}"
+        record = record_of(effect)
+        size = load_definitions().effect(effect).size.name
+        if record.adds and fit.values[size] < 0.0:
+            return f"{size} would be {fit.values[size]:.3g}: less than none of it is another effect"
+        local = record.local
         if local is None or not local.falls:
             return ""
         states, values = fit.samples.setting.states, fit.values
         seen = np.abs(states.speed_rad_s)[np.abs(states.direction) > 0.0]
         speeds = np.linspace(float(np.quantile(seen, _SLOWEST)), float(np.max(seen)), _SPEEDS)
-        size = values[load_definitions().effect(effect).size.name] * (values[LEVEL] if local.of_level else 1.0)
+        extent = values[size] * (values[LEVEL] if local.of_level else 1.0)
         shape = {name.removeprefix(f"{effect}."): value for name, value in values.items() if name.startswith(f"{effect}.")}
         for side in (-1.0, 1.0):
             at = replace(states, direction=np.full(speeds.size, side), speed_rad_s=side * speeds)
-            extra = -side * size * local.torque(at, shape)
+            extra = -side * extent * local.torque(at, shape)
             friction = extra + values[VISCOUS] * speeds
             if friction[0] - float(np.min(friction)) >= _FALLS * float(np.ptp(extra)) > 0.0:
                 return ""
@@ -376,8 +385,8 @@ class ForceSearch:
             return f"beside it {beyond}"
         if INERTIA in bench.at_ends(fit) and INERTIA not in bench.at_ends(accepted):
             return f"beside it {INERTIA} would lie on an end of where it may be"
-        if rises := self.rises(fit, tried.effect):
-            return rises
+        if another := self.another(fit, tried.effect):
+            return another
         size = load_definitions().effect(tried.effect).size.name
         std = fit.std.get(size, math.inf)
         if abs(fit.values[size]) < SIZE_IN_STD * std:
@@ -410,9 +419,15 @@ class ForceSearch:
         return circle or (self.veto(self, accepted, tried) if self.veto is not None else "")
 
     def _falls(self, change: Reals) -> bool:
-        """Whether a fall of the squared error, of every sliding sample, is more than chance: as it is, or without the weight of the few samples that moved most, as at a start of the motion."""
-        limit = float(np.quantile(np.abs(change), _CLIPPED))
-        return float(np.mean(change)) > 0.0 and any(self._in_std(one) >= FALL_IN_STD for one in (change, np.clip(change, -limit, limit)))
+        """Whether a fall of the squared error, of every sliding sample, is more than chance: in its mean, or in most stretches of time, since a single start of a motion may outweigh all else."""
+        if not float(np.mean(change)) > 0.0:
+            return False
+        of_record = self.bench.of_record[self.bench.sliding]
+        numbers = np.unique(of_record)
+        count = math.ceil(_STRETCHES / numbers.size)
+        sums = [float(np.sum(part)) for number in numbers for part in np.array_split(change[of_record == number], count) if part.size]
+        by_sign = stats.wilcoxon(sums, alternative="greater").pvalue
+        return self._in_std(change) >= FALL_IN_STD or bool(by_sign < stats.norm.sf(FALL_IN_STD))
 
     def _in_std(self, change: Reals) -> float:
         """A mean fall in its standard errors, as neighbours are alike."""
@@ -441,9 +456,13 @@ class ForceSearch:
     def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:
         """Every effect that is left: those that may be added, best first, and the others with the reason."""
         here = {pattern.effect for pattern in accepted.patterns} | ({load_effect()} if self.bench.load_named else set())
-        left = [effect for effect in self.effects if effect not in here]
+        left = [effect for effect in self.effects if effect not in here and record_of(effect).special_case not in here]
         added: list[Tried] = []
-        refused: list[Refusal] = []
+        refused = [
+            Refusal(effect, f"{record_of(effect).special_case} was accepted, which is the same with one value less")
+            for effect in self.effects
+            if effect not in here and record_of(effect).special_case in here
+        ]
         self.weak = []
         for place, effect in enumerate(left):
             self.report(share + _ROUND_SHARE * place / len(left), effect)
@@ -467,7 +486,8 @@ class ForceSearch:
 
     def needless(self, general: Tried, added: Sequence[Tried]) -> bool:
         """Whether an effect that is another one in a special case takes off too little beyond that one."""
-        special = next((one for one in added if one.effect == record_of(general.effect).special_case), None)
+        wanted = record_of(general.effect).special_case
+        special = next((one for one in (*added, *self.weak) if one.effect == wanted and not outside(one.fit)), None)
         return special is not None and self.share(special.fit, general.gain - special.gain) < LEAST_SHARE
 
     def pair(self, accepted: Fitted, added: Sequence[Tried]) -> tuple[Tried, Tried] | None:
@@ -477,13 +497,11 @@ class ForceSearch:
         where nothing may, or where what takes off more than the best of it is refused.
         """
         worth = [one for one in self.weak if one.gain >= LEAST_OF_FIRST * self.first and not outside(one.fit)]
-        if added and not any(one.gain > added[0].gain for one in worth):
-            return None
-        alone = {one.effect for one in added}
+        stronger = {one.effect for one in worth if not added or one.gain > added[0].gain}
         worth = sorted([*worth, *added], key=lambda one: -one.gain)[:_PAIRED]
         best: tuple[Tried, Tried] | None = None
         for first, second in itertools.permutations(worth, 2):
-            both = self._beside(first, second.effect) if not {first.effect, second.effect} <= alone else None
+            both = self._beside(first, second.effect) if {first.effect, second.effect} & stronger else None
             if both is None or (best is not None and both.fit.errors.training >= best[1].fit.errors.training):
                 continue
             other = self.judged_against(second.fit, first.effect, both.fit)
@@ -516,7 +534,7 @@ class ForceSearch:
             columns = accepted.columns[:, [owner != pattern.effect for owner in owners]]
             without = self.bench.fit(self.bench.with_bends(rest) if pattern.bends else accepted.samples, rest, columns)
             gain = float(np.sum(without.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            if self.share(without, gain) < LEAST_SHARE and not outside(without):
+            if (self.share(without, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.first) and not outside(without):
                 accepted = self.settled(without)
                 dropped.append(pattern.effect)
         if self.bench.load_named and accepted.patterns:
@@ -534,6 +552,25 @@ class ForceSearch:
                 accepted = self.with_patterns(accepted.patterns, accepted.samples)
                 dropped.append(load_effect())
         return (self.bench.judged(accepted) if dropped else accepted), tuple(dropped)
+
+    def simplified(self, accepted: Fitted) -> tuple[Fitted, dict[str, str]]:
+        """With the special case in place of each effect that does hardly more beside the others, and what stands for what."""
+        instead: dict[str, str] = {}
+        for pattern in accepted.patterns:
+            special = record_of(pattern.effect).special_case
+            if special not in self.effects or any(one.effect == special for one in accepted.patterns):
+                continue
+            rest = tuple(one for one in accepted.patterns if one.effect != pattern.effect)
+            without = self.bench.judged(self.with_patterns(rest, accepted.samples))
+            found = self.tried(without, special)
+            if isinstance(found, Refusal):
+                continue
+            fit = self.bench.judged(self.refined(found.fit))
+            lost = float(np.sum(fit.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
+            slight = self.share(fit, lost) < LEAST_SHARE or lost < LEAST_OF_FIRST * self.first
+            if slight and not self.refusal(without, self._tried(without, special, fit)):
+                accepted, instead[pattern.effect] = fit, special
+        return accepted, instead
 
     def elsewhere(self, before: Fitted, after: Fitted) -> dict[str, tuple[float, float]]:
         """Errors in % without and with the last effect where neither was fitted: each third of the places, and of the speeds, told from the others where those show the effect."""
@@ -614,6 +651,12 @@ def _class_of(best: Tried, tried: Sequence[Tried]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*found, *declared]))
 
 
+def _renamed(step: ForceStep, instead: Mapping[str, str]) -> ForceStep:
+    """A step by the effect that stands in place of its own."""
+    name = instead.get(step.effect, step.effect)
+    return replace(step, effect=name, alike=tuple(one for one in step.alike if one != name))
+
+
 def improve_by_forces(
     actuator: Actuator,
     records: Sequence[AnyRecord],
@@ -629,6 +672,10 @@ def improve_by_forces(
     report = progress or untold
     report(0.0, "parts and balance")
     bench = Bench(actuator, records, holdout, fixes)
+    if (count := int(bench.sliding.sum())) < _SAMPLES_MIN:
+        least_s = _SAMPLES_MIN * max(smoother.every * smoother.period_s for smoother in bench.smoothers)
+        text = f"{count} samples of motion are left behind the filter, too few to confirm anything by others"
+        raise InputError(f"{records[0].file}: {text}: record {least_s:.2g} s of motion or more, slow and fast, both ways")
     search = ForceSearch(bench, report, veto=veto)
     bench.keep_inertia()
     search.prepare(bench.start.setting)
@@ -651,29 +698,36 @@ def improve_by_forces(
         if search.upsets_inertia:
             return improve_by_forces(actuator, records, holdout, progress, fixes.without(INERTIA), veto)
         pair = search.pair(accepted, added) if not accepted.patterns else None
-        if pair is not None:
-            first_of, both = pair
-            for one, before in ((first_of, accepted), (both, first_of.fit)):
-                steps.append(ForceStep(one.effect, one.fit.values, one.fit.std, (), one.fit.errors, search.elsewhere(before, one.fit)))
-            accepted = bench.judged(search.finished(both.fit, first_of.fit.patterns[-1].bends))
-            continue
-        if not added:
+        if pair is None and not added:
             break
-        if len(steps) == EFFECTS_MAX:
+        if pair is None and len(steps) == EFFECTS_MAX:
             refused += [
                 Refusal(one.effect, MANY, _of(one.effect, one.fit.values), _of(one.effect, one.fit.std), one.fit.errors) for one in added
             ]
             break
-        best = added[0]
-        before, accepted = accepted, best.fit
-        accepted = bench.judged(search.finished(best.fit, best.fit.patterns[-1].bends))
-        steps.append(
-            ForceStep(
-                best.effect, accepted.values, accepted.std, _class_of(best, added), accepted.errors, search.elsewhere(before, accepted)
+        if pair is not None:
+            first_of, best = pair
+            steps.append(
+                ForceStep(
+                    first_of.effect,
+                    first_of.fit.values,
+                    first_of.fit.std,
+                    (),
+                    first_of.fit.errors,
+                    search.elsewhere(accepted, first_of.fit),
+                )
             )
-        )
+            before, bent = first_of.fit, first_of.fit.patterns[-1].bends
+        else:
+            best = added[0]
+            before, bent = accepted, best.fit.patterns[-1].bends
+        alike = _class_of(best, added) if pair is None else ()
+        accepted = bench.judged(search.finished(best.fit, bent))
+        accepted, instead = search.simplified(accepted)
+        steps.append(ForceStep(best.effect, accepted.values, accepted.std, alike, accepted.errors, search.elsewhere(before, accepted)))
+        steps = [_renamed(one, instead) for one in steps]
         accepted, dropped = search.pruned(accepted)
-        needless += [Refusal(name, f"needless beside {best.effect}, which came later") for name in dropped]
+        needless += [Refusal(name, f"needless beside {steps[-1].effect}, which came later") for name in dropped]
     if steps:
         steps[-1] = replace(steps[-1], std=bench.stated(accepted).std)
     report(1.0, "done")

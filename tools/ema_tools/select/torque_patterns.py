@@ -17,6 +17,7 @@ from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, combined, values_in
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
+from ema_tools.select.swings import swings
 
 NOT_PLACED = "the records say how the machine moves and not where it is: record a position or an angle"
 NO_SCREW = "it acts along the stroke, and the actuator states neither lead nor ratio"
@@ -25,6 +26,8 @@ NOT_HERE = "it does not show between the motor's torque and the measured motion"
 _RELATIVE_TO = (LEVEL, VISCOUS)
 _STRETCHES = 8  # of a record, by turns, from whose one half the phase of a wave in the other half is taken [judgement]
 _PROBE = 1e-3  # probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows [precision]
+_OF_OUTPUT = 3  # waves per turn of what a gear drives: itself, and the pairs of whatever holds it [judgement]
+_SWINGS_MAX = 60.0  # periods per motor turn, that are looked for where no number is stated [judgement]
 _ROUNDING = 1e-9  # share of the drive that is no torque [precision]
 
 
@@ -72,13 +75,28 @@ def _pair(angle: Reals) -> Reals:
     return np.column_stack([np.sin(angle), np.cos(angle)])
 
 
-def _in_band(setting: Setting, one: PeriodicTorque) -> list[int]:
-    """Periods per motor turn that pass the filter at least at the record's slower speeds."""
+def _in_band(setting: Setting, one: PeriodicTorque) -> list[float]:
+    """Periods per motor turn that pass the filter at least at the record's slower speeds; of what may turn behind a gear also those at which the records swing."""
     highest = max(
         0.5 * piece.model.smoother.cutoff_hz * 2.0 * np.pi / max(float(np.quantile(np.abs(piece.motion.speed_rad_s), 0.25)), 1e-9)
         for piece in setting.pieces
     )
-    return [periods for periods in one.in_balance if periods <= highest]
+    return [periods for periods in (*one.in_balance, *(_behind_gear(setting, highest) if one.behind_gear else ())) if periods <= highest]
+
+
+def _behind_gear(setting: Setting, highest: float) -> tuple[float, ...]:
+    """Periods per motor turn of what turns behind a stated gear, and those at which what the base values leave swings."""
+    ratio = setting.actuator["gearbox.ratio"] if setting.actuator.has("gearbox.ratio") else 1.0
+    stated = tuple(number / ratio for number in range(1, _OF_OUTPUT + 1) if number % ratio != 0.0)
+    residuals, angles = [], []
+    for piece in setting.pieces:
+        model, moves = piece.model, ~piece.model.still
+        moves[: model.smoother.edge_rows] = moves[-model.smoother.edge_rows :] = False
+        target = (model.drive_Nm - model.load_Nm - model.added_Nm)[moves]
+        columns = model.columns[moves]
+        residuals.append(target - columns @ np.linalg.lstsq(columns, target, rcond=None)[0])
+        angles.append(piece.motion.angle_rad[moves])
+    return (*stated, *swings(residuals, angles, min(highest, _SWINGS_MAX)))
 
 
 def _periodic(setting: Setting, effect: str, one: PeriodicTorque, shape: Shape) -> Pattern:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.motion_pictures import motion_pictures
-from ema_tools.compare.motion_validity import judge_motion
+from ema_tools.compare.motion_validity import judge_motion, one_way
 from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
@@ -191,6 +191,8 @@ def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence
             mechanical(actuator, record)
         except MissingSignal as error:
             raise InputError(f"{record.file}: no balance of forces: {error}: record the motion and the drive (current_A)") from None
+    if (shown := one_way(gates)) is not None:
+        gates = (replace(gates[0], remarks=(*gates[0].remarks, shown)), *gates[1:])
     return gates
 
 

@@ -37,7 +37,7 @@ class Kind:
     drive: str
     period_s: float
     arm_Nm: float = 0.0
-    periods: int = 1
+    periods: float = 1.0
 
 
 KINDS: Mapping[str, Kind] = {
@@ -181,7 +181,7 @@ def records(machine: Machine, command: str) -> list[MotionRecord]:
             0.04 * one.fastest_rad_s,
             hidden.get("cogging_torque", 0.0) * level,
             hidden.get("torque_ripple", 0.0),
-            float(one.periods),
+            one.periods,
             values["phase"],
             hidden.get("spring_load", 0.0) * level / (one.stroke_rad or 1.0),
             one.arm_Nm,

@@ -1,4 +1,4 @@
-"""Torque of the magnets against the teeth."""
+"""Torque of the magnets against the teeth, or of whatever turns with the motor or behind it."""
 
 from ema_tools.library import measurements
 from ema_tools.library.record import EffectRecord, Onboard, Slight, Typical
@@ -17,6 +17,7 @@ EFFECT = EffectRecord(
         torque=everywhere,
         periods=PERIODS_PER_TURN,
         in_balance=PERIODS_PER_TURN,
+        behind_gear=True,
         holds_at_rest=True,
         simulated_at=0.05,
     ),

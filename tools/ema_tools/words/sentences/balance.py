@@ -18,6 +18,7 @@ from ema_tools.words.sentences.addition import percent
 PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
 
 
+_SAME = 1e-3  # relative, of numbers of periods that are told as one [layout]
 _TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
 _FLOORS: dict[FloorFrom | None, str] = {
     "laps": "the laps repeat to {:.2f} %",
@@ -58,8 +59,26 @@ def sentence(found: BalanceAnswer) -> str:
 
 
 def _named(steps: Sequence[ForceStep]) -> str:
-    """The effects, each with those that these records do not tell from it."""
-    return ", ".join(f"{step.effect} (looks like {', '.join(step.alike)})" if step.alike else step.effect for step in steps)
+    """The effects, a swing with how often it comes, each with those that these records do not tell from it."""
+    return ", ".join(f"{step.effect}{_told_of(step)}" for step in steps)
+
+
+def _told_of(step: ForceStep) -> str:
+    """What a name alone does not say, in brackets; empty where that is nothing."""
+    periods = step.values.get(f"{step.effect}.periods")
+    told = [swing_text(periods)] if periods is not None else []
+    if step.alike:
+        told.append(f"looks like {', '.join(step.alike)}")
+    return f" ({', '.join(told)})" if told else ""
+
+
+def swing_text(periods: float) -> str:
+    """How often something comes, per turn of the motor."""
+    if math.isclose(periods, 1.0, rel_tol=_SAME):
+        return "once per motor turn"
+    if periods < 1.0:
+        return f"once every {1.0 / periods:.3g} motor turns"
+    return f"{periods:.3g} times per motor turn"
 
 
 def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
@@ -123,4 +142,6 @@ def next_step(found: BalanceAnswer) -> str:
         return "Next: nothing; keep these healthy records, and add runs of other days, so that scatter from day to day is known."
     if found.accepted:
         return "Next: --fitted NEW.toml writes the model with these effects; hold it against a record of another motion with ema compare."
-    return "Next: record another motion, and the current, so that more of the mechanics is seen."
+    if found.exceeds:
+        return "Next: record another motion, slow and fast and both ways, so that what is left can be told by speed, place and direction."
+    return "Next: nothing that these records ask for; a record of another motion, slow and fast and both ways, would try the model further."

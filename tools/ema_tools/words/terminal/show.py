@@ -336,8 +336,12 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         say(console, friction_sentence(found.friction))
     refused = table("Refused", "effect", "why", text_columns=2)
     refused.columns[-1].no_wrap = False
+    reasons: dict[str, list[str]] = {}
     for one in forces.refused:
-        refused.add_row(one.effect, one.reason)
+        reasons.setdefault(one.reason, []).append(one.effect)
+    # what says something of these records first, what never shows in any last
+    for reason, effects in sorted(reasons.items(), key=lambda one: len(one[1])):
+        refused.add_row("\n".join(effects), reason)
     console.print()
     console.print(refused)
     say(console, found.next_experiment)
