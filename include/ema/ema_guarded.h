@@ -50,6 +50,10 @@ ema_status_t ema_guarded_init(ema_guarded_t* guarded, const ema_session_config_t
 /* As ema_session_feed. */
 ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample);
 
+/* As ema_session_adopt and ema_session_gap. */
+ema_status_t ema_guarded_adopt(ema_guarded_t* guarded, uint32_t rows);
+ema_status_t ema_guarded_gap(ema_guarded_t* guarded);
+
 /* As ema_session_run, with the runs beside the table. Errors: those of ema_session_run and ema_model_init. */
 ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps);
 

@@ -39,7 +39,7 @@ typedef enum {
 } ema_record_format_t;
 
 typedef struct {
-    void* buffer; /* aligned for what it holds, int16_t or ema_real: not checked */
+    void* buffer; /* aligned for what it holds, int16_t or ema_real */
     size_t buffer_bytes;
     ema_record_format_t format;
     const ema_command_t* command;   /* NULL: the command is recorded with the samples */
@@ -64,13 +64,21 @@ typedef struct {
 #define EMA_RECORD_INT16_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(int16_t))
 #define EMA_RECORD_REAL_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(ema_real))
 
-/* Makes an empty record. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a format that is none, a full scale outside
- * 1e-30..1e30, or a buffer without room for one row. */
+/* Makes an empty record; what the buffer holds stays there. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a format that is
+ * none, a full scale outside 1e-30..1e30, or a buffer without room for one row; EMA_ERR_ALIGN. */
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config);
 
 /* Adds a row. Errors, the record unchanged: EMA_ERR_NULL; EMA_ERR_FULL; EMA_ERR_NOT_FINITE; EMA_ERR_SCALE. Cost:
  * constant. */
 ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample);
+
+/* Takes `rows` rows that lie in the buffer already, behind those that the record has: raw counts that a DMA wrote
+ * there, or reals, each row as the record keeps it (`stride` values: the command, unless it is a function, then the
+ * channels that are kept). A count is worth full_scale / 32767. Whoever writes has finished, and made its writes seen
+ * by the core that calls. Errors, the record unchanged: EMA_ERR_NULL; EMA_ERR_FULL for more rows than fit;
+ * EMA_ERR_NOT_FINITE for a real that is none. Cost: one pass over the rows where the command is recorded, or reals are;
+ * else constant. */
+ema_status_t ema_record_adopt(ema_record_t* record, uint32_t rows);
 
 /* Reads row `row`; channels that are not kept read zero. With a command that is a function, command_mm is its value at
  * model step row * every_steps. Errors: EMA_ERR_NULL; EMA_ERR_RANGE. Cost: constant. */

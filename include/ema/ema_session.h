@@ -58,8 +58,8 @@ typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDEC
 /* Why a verdict is undecided; a set of bits. A shift is near its threshold when they are closer than standard errors at
  * the stated confidence and bias together, or when it lies beyond it and within as many standard deviations of what the
  * actuator says that healthy runs are read apart (csj_scatter_percent, blk_scatter_percent); a record does not
- * determine the parameters when there is too much doubt about one, or the rod was never pushed both ways. The last two
- * are those of ema_guarded.h. */
+ * determine the parameters when there is too much doubt about one, or the rod was never pushed both ways.
+ * EMA_REASON_EFFECT is of ema_guarded.h. */
 /* EMA-D1 */
 #define EMA_REASON_LIST(X)                                                                                             \
     X(EMA_REASON_NOT_FINISHED, 1, "the search has not ended")                                                          \
@@ -73,7 +73,8 @@ typedef enum { EMA_VERDICT_HEALTHY = 0, EMA_VERDICT_FAULT = 1, EMA_VERDICT_UNDEC
     X(EMA_REASON_LEARNED_RANGE, 128, "a learned table was used outside the range it was seen in")                      \
     X(EMA_REASON_EFFECT, 256, "the table of signatures shows an effect that is missing from the model")                \
     X(EMA_REASON_OTHER_COMMAND, 512,                                                                                   \
-      "the record runs another command than the ground test, for which table and thresholds hold")
+      "the record runs another command than the ground test, for which table and thresholds hold")                     \
+    X(EMA_REASON_GAP, 1024, "samples of the record were missed: run the ground test again")
 
 enum {
 #define EMA_REASON_ENUM(name, bit, text) name = (bit), /* EMA-D1 */
@@ -110,6 +111,7 @@ typedef struct {
 
 typedef struct {
     ema_phase_t phase;
+    bool gap;            /* samples were missed */
     bool starts_healthy; /* the search starts at the healthy values */
     bool healthy_done;   /* the cost at the healthy values is known */
     bool assessed;       /* models beside the estimate could be made */
@@ -158,6 +160,16 @@ ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t
  * changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs, and for zeroed memory that was never started; those of
  * ema_record_append. */
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample);
+
+/* Takes `rows` rows that lie in the record's buffer already, as ema_record_adopt. Errors, nothing changed:
+ * EMA_ERR_NULL; EMA_ERR_ORDER as of ema_session_feed; those of ema_record_adopt. */
+ema_status_t ema_session_adopt(ema_session_t* session, uint32_t rows);
+
+/* Says that samples between the last row and the next were missed, or that rows lie in another order than they were
+ * measured: rows have one period, so the record is another one, and the verdict will be UNDECIDED with EMA_REASON_GAP.
+ * Once is enough, and it is forgotten by ema_session_init alone. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_ORDER
+ * as of ema_session_feed. */
+ema_status_t ema_session_gap(ema_session_t* session);
 
 /* Runs for `steps` plain steps of work: so many model steps where nothing happens and no effect acts, fewer otherwise,
  * so that a slice takes about as long whatever the machine does (ema_work.h); the first call ends the feeding. Errors:

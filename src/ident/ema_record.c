@@ -43,6 +43,9 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
     const size_t value_bytes = (config->format == EMA_RECORD_INT16) ? sizeof(int16_t) : sizeof(ema_real);
     const size_t rows = config->buffer_bytes / (value_bytes * made.stride);
     const bool known = (config->format == EMA_RECORD_INT16) || (config->format == EMA_RECORD_REAL);
+    if (((uintptr_t)config->buffer % value_bytes) != 0U) {
+        return EMA_ERR_ALIGN;
+    }
     if ((rows < 1U) || !known || ((config->format == EMA_RECORD_INT16) && !scales)) {
         return EMA_ERR_RANGE;
     }

@@ -266,6 +266,10 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
             result->reasons |= (uint32_t)EMA_REASON_OTHER_COMMAND;
             result->verdict = EMA_VERDICT_UNDECIDED;
         }
+        if (session->gap) {
+            result->reasons |= (uint32_t)EMA_REASON_GAP;
+            result->verdict = EMA_VERDICT_UNDECIDED;
+        }
     } else {
         result->verdict = EMA_VERDICT_UNDECIDED;
         result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;

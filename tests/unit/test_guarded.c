@@ -408,6 +408,24 @@ static void running_on_after_the_end_changes_nothing(void)
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, NULL));
 }
 
+static void test_rows_in_the_buffer_and_missed_ones_are_the_sessions(void)
+{
+    const ema_actuator_t truth = faulty(EMA_R(0.2), EMA_R(0.0275));
+    const ema_result_t fed = guarded_result(&truth, EMA_R(4.0), NULL, UINT32_MAX, NULL);
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_adopt(NULL, 1U));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_gap(NULL));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_guarded_adopt(&guarded, 1U));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_guarded_gap(&guarded));
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, NULL));
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_adopt(&guarded, EMA_TABLE_RECORD_ROWS));
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_gap(&guarded));
+    run(&guarded, UINT32_MAX);
+    ema_result_t result;
+    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, NULL));
+    TEST_ASSERT_EQUAL_HEX32(fed.reasons | (uint32_t)EMA_REASON_GAP, result.reasons);
+    EMA_ASSERT_SAME_BITS(fed.identified, result.identified, sizeof fed.identified);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -428,5 +446,6 @@ int main(void)
     RUN_TEST(running_on_after_the_end_changes_nothing);
     RUN_TEST(no_session_has_the_phase_of_one_that_was_not_fed);
     RUN_TEST(result_while_it_searches);
+    RUN_TEST(test_rows_in_the_buffer_and_missed_ones_are_the_sessions);
     return UNITY_END();
 }

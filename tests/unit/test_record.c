@@ -267,6 +267,83 @@ static void assert_append_refused(ema_status_t expected, const ema_sample_t* sam
     ema_assert_same_bits(kept, memory, sizeof memory, line);
 }
 
+static void test_init_refuses_a_buffer_that_is_not_aligned(void)
+{
+    config.buffer = (char*)memory + 1;
+    config.buffer_bytes = sizeof memory - sizeof memory[0];
+    for (uint32_t format = 0; format < 2U; ++format) {
+        if (format == 1U) {
+            use_int16();
+        }
+        (void)memset(&record, 0x5A, sizeof record);
+        const ema_record_t before = record;
+        EMA_ASSERT_STATUS(EMA_ERR_ALIGN, ema_record_init(&record, &config));
+        EMA_ASSERT_SAME_BITS(&before, &record, sizeof before);
+    }
+    config.buffer = (char*)memory + 2;
+    start();
+}
+
+/* Appended row by row, then the same bytes taken as they lie, in three parts. */
+static void adopt_equals_append(void)
+{
+    start();
+    for (uint32_t row = 0; row < ROWS; ++row) {
+        const ema_sample_t sample = random_sample();
+        EMA_ASSERT_STATUS(EMA_OK, ema_record_append(&record, &sample));
+    }
+    const ema_record_t appended = record;
+    ema_real kept[5U * ROWS];
+    (void)memcpy(kept, memory, sizeof memory);
+    start();
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, 0U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, 1U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, 7U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, ROWS - 8U));
+    EMA_ASSERT_SAME_BITS(&appended, &record, sizeof record);
+    EMA_ASSERT_SAME_BITS(kept, memory, sizeof memory);
+}
+
+static void test_rows_that_lie_there_are_those_that_were_appended(void)
+{
+    adopt_equals_append();
+    use_int16();
+    config.buffer_bytes = EMA_RECORD_INT16_BYTES(ROWS, 5U);
+    adopt_equals_append();
+    const ema_command_t command = ema_rig_chirp(EMA_R(4.0), EMA_R(10.0), EMA_R(1.0e-3));
+    config.command = &command;
+    config.buffer_bytes = EMA_RECORD_INT16_BYTES(ROWS, 4U);
+    adopt_equals_append();
+}
+
+static void assert_adopt_refused(ema_status_t expected, uint32_t rows, unsigned line)
+{
+    const ema_record_t before = record;
+    ema_assert_status(expected, ema_record_adopt(&record, rows), line);
+    ema_assert_same_bits(&before, &record, sizeof before, line);
+}
+
+static void test_adopt_refuses_what_append_refuses(void)
+{
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_record_adopt(NULL, 1U));
+    start();
+    assert_adopt_refused(EMA_ERR_FULL, ROWS + 1U, __LINE__);
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, 10U));
+    assert_adopt_refused(EMA_ERR_FULL, ROWS - 9U, __LINE__);
+    assert_adopt_refused(EMA_ERR_FULL, UINT32_MAX, __LINE__);
+    memory[(5U * 12U) + 3U] = (ema_real)NAN;
+    assert_adopt_refused(EMA_ERR_NOT_FINITE, 3U, __LINE__);
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, 2U));
+    /* every count is a number */
+    use_int16();
+    start();
+    (void)memset(memory, 0x80, sizeof memory);
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_adopt(&record, ROWS));
+    ema_sample_t sample;
+    EMA_ASSERT_STATUS(EMA_OK, ema_record_read(&record, ROWS - 1U, 1U, &sample));
+    EMA_ASSERT_CLOSE(2.5 * -32640.0 / 32767.0, sample.command_mm, 0.0, 1.0e-5);
+}
+
 static void test_append_needs_its_pointers(void)
 {
     const ema_sample_t sample = random_sample();
@@ -363,6 +440,9 @@ int main(void)
     RUN_TEST(test_init_refuses_a_buffer_without_room_for_a_row);
     RUN_TEST(test_init_refuses_a_full_scale_that_is_none);
     RUN_TEST(test_full_scales_that_are_not_needed_are_not_looked_at);
+    RUN_TEST(test_init_refuses_a_buffer_that_is_not_aligned);
+    RUN_TEST(test_rows_that_lie_there_are_those_that_were_appended);
+    RUN_TEST(test_adopt_refuses_what_append_refuses);
     RUN_TEST(test_append_needs_its_pointers);
     RUN_TEST(test_append_refuses_a_row_too_many);
     RUN_TEST(test_append_refuses_what_is_not_finite);

@@ -331,6 +331,39 @@ static ema_real asked_mm_s(const truth_t* truth)
     return session.record.asked_mm / (truth->duration_s - truth->actuator.params.step_s);
 }
 
+static void test_rows_that_lie_in_the_buffer_give_the_bits_of_those_that_were_fed(void)
+{
+    const truth_t truth = short_truth(EMA_R(0.3), EMA_R(0.04125));
+    const ema_result_t fed = identify(&truth);
+    const uint32_t rows = session.record.count;
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_init(&session, &config));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_adopt(&session, rows / 2U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_adopt(&session, rows - (rows / 2U)));
+    (void)run_in_slices(&session, ALL_STEPS);
+    const ema_result_t adopted = result_of(&session);
+    EMA_ASSERT_SAME_BITS(&fed, &adopted, sizeof fed);
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_adopt(&session, 1U));
+}
+
+static void test_missed_samples_decide_nothing(void)
+{
+    const truth_t truth = short_truth(EMA_R(0.3), EMA_R(0.04125));
+    const ema_result_t whole = identify(&truth);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_init(&session, &config));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_gap(&session));
+    feed(&truth);
+    (void)run_in_slices(&session, ALL_STEPS);
+    ema_result_t missed = result_of(&session);
+    TEST_ASSERT_EQUAL_HEX32(whole.reasons | (uint32_t)EMA_REASON_GAP, missed.reasons);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, missed.verdict);
+    /* and it changes nothing else */
+    missed.reasons = whole.reasons;
+    missed.verdict = whole.verdict;
+    EMA_ASSERT_SAME_BITS(&whole, &missed, sizeof whole);
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_gap(&session));
+    TEST_ASSERT_EQUAL_HEX32(whole.reasons, identify(&truth).reasons);
+}
+
 /* The thresholds of a unit hold for its ground test. */
 static void test_another_command_than_the_ground_test_decides_nothing(void)
 {
@@ -752,6 +785,8 @@ static void test_default_configuration_needs_its_pointers(void)
 
 static void test_calls_need_their_pointers(void)
 {
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_adopt(NULL, 1U));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_gap(NULL));
     const ema_sample_t sample = {0};
     ema_result_t result;
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_session_init(NULL, &config));
@@ -987,6 +1022,8 @@ static void test_a_session_that_was_never_started_is_out_of_order(void)
     EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_feed(&session, &sample));
     EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_run(&session, 1U));
     EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_result(&session, &result));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_adopt(&session, 1U));
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_session_gap(&session));
 }
 
 static void test_no_session_has_the_phase_of_one_that_was_not_fed(void)
@@ -1034,6 +1071,8 @@ int main(void)
     RUN_TEST(test_scaled_integers_carry_the_same_answer);
     RUN_TEST(test_rows_at_every_fifth_step_carry_the_same_answer);
     RUN_TEST(test_command_that_is_a_function_needs_no_recorded_one);
+    RUN_TEST(test_rows_that_lie_in_the_buffer_give_the_bits_of_those_that_were_fed);
+    RUN_TEST(test_missed_samples_decide_nothing);
     RUN_TEST(test_another_command_than_the_ground_test_decides_nothing);
     RUN_TEST(test_way_of_the_command_does_not_grow_by_its_rounding);
     RUN_TEST(test_one_parameter_alone_is_found);

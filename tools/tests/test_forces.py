@@ -17,7 +17,9 @@ from ema_tools.data.records import Record, read_record, simulated
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results.codec import to_json
 from ema_tools.select.balance_setting import Setting
-from ema_tools.select.force_balance import EFFECTS_MAX, SIZE_IN_STD, ForceSteps, improve_by_forces
+from ema_tools.select.force_balance import EFFECTS_MAX, improve_by_forces
+from ema_tools.select.force_judge import SIZE_IN_STD
+from ema_tools.select.force_steps import ForceSteps
 from ema_tools.select.torque_patterns import pattern_of, patterns_of
 from ema_tools.truth.plant import Sensors, simulate_truth
 from ema_tools.words.answers.balance import forces_of

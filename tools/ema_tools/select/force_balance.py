@@ -13,21 +13,19 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
-from scipy import stats
 from scipy.optimize import minimize
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
-from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
-from ema_tools.fit.division import PART, PARTS, Division
+from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import Shape
@@ -36,7 +34,6 @@ from ema_tools.select.balance_bench import (
     LOAD,
     Bench,
     Fitted,
-    FoldErrors,
     Samples,
     floor_of,
     given_errors,
@@ -44,10 +41,12 @@ from ema_tools.select.balance_bench import (
     size_of_load,
     solved,
 )
-from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
+from ema_tools.select.balance_setting import Setting
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
-from ema_tools.select.foretold_drive import foretold_percent, reads_drive
+from ema_tools.select.force_floor import estimated_floor
+from ema_tools.select.force_judge import LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, outside, unphysical
+from ema_tools.select.force_steps import ForceStep, ForceSteps, Refusal, Tried
+from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of, rows_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
@@ -55,87 +54,13 @@ UNSOUGHT = "beside refitted base values it would stand in for others: it is soug
 _SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part and confirmed in another [judgement]
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
-SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
-FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
-_STRETCHES = 60  # of all records together, in most of which the error must fall where the mean of all is one start's [judgement]
-LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
-# ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
-LEAST_OF_FIRST = 0.02
-# By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them ... [judgement]
-WORSE_ELSEWHERE, WORSE_THIRD = 1.01, 1.1
-WORSE_OF_GAIN = 0.2  # ... where it matters beside what it takes off the squared error in all [judgement]
-_SEEN_ELSEWHERE = (
-    0.1  # an effect of which the other two thirds show less than this, as a share of what all show, cannot be told from them [judgement]
-)
-_THIRDS = 3  # of the places and of the speeds, each told from the other two: what is seen in one of them only is no law [judgement]
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
-_SLOWEST, _SPEEDS = (
-    0.01,
-    64,
-)  # quantile of the speeds from which friction is looked at on its way to the fastest, and at how many [precision]
-_FALLS = 0.1  # of what an effect adds to friction, by which all of it must fall with the speed [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
 _WHOLE = 1e-6  # periods per turn that are so near to a whole multiple are one [precision]
-_BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
-_MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
-
-_THIRD_WORDS = {"places": ("near", "middle", "far"), "speeds": ("low", "middle", "high")}
-
-
-@dataclass(frozen=True)
-class ForceStep:
-    """One step: the effect added, with its values and those of the base refitted beside it, their standard errors, what looks alike, and the errors after it."""
-
-    effect: str
-    values: Mapping[str, float]
-    std: Mapping[str, float]
-    alike: tuple[str, ...]
-    errors: FoldErrors
-    elsewhere: Mapping[str, tuple[float, float]]
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """An effect that was not added, why, and its values and errors beside the accepted ones where it could be fitted."""
-
-    effect: str
-    reason: str
-    values: Mapping[str, float] = field(default_factory=dict)
-    std: Mapping[str, float] = field(default_factory=dict)
-    errors: FoldErrors | None = None
-
-
-@dataclass(frozen=True)
-class ForceSteps:
-    """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %,
-    NaN where no lap is repeated, and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture;
-    `estimated`: the floor where no lap is repeated; `foretold`: error in % of the drive that the refitted base values, and the last model, foretell from the motion alone."""
-
-    actuator: Actuator
-    given: FoldErrors
-    refitted: FoldErrors
-    steps: tuple[ForceStep, ...]
-    refused: tuple[Refusal, ...]
-    floor_percent: float
-    division: Division
-    period_s: float | None
-    curves: Mapping[str, Reals]
-    estimated: EstimatedFloor
-    foretold: tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Tried:
-    """The best shape of an effect beside what was accepted: its fit, by how much it lowers the squared error of the training laps, and what it explains of them, [training samples]."""
-
-    effect: str
-    fit: Fitted
-    gain: float
-    part: Reals
 
 
 # Effects refused alone that are tried beside each other [effort]
@@ -150,20 +75,18 @@ class ForceSearch:
 
     def __init__(self, bench: Bench, report: Report, effects: Sequence[str] | None = None, veto: Veto | None = None) -> None:
         """`effects`: that are looked at; without them all that the actuator does not hold. `veto`: why else an effect is not added, asked last."""
-        self.veto = veto
         actuator = bench.start.setting.actuator
         self.bench = bench
         self.bench.keep_undetermined()
+        self.judge = Judge(bench, None if veto is None else lambda accepted, tried: veto(self, accepted, tried))
         self.report = report
         others = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
         self.effects = [name for name in others if record_of(name).in_balance] if effects is None else list(effects)
         self.unsought = [Refusal(name, UNSOUGHT) for name in others if not record_of(name).in_balance]
-        self.first = float(np.sum(self.bench.without_load().residual[self.bench.training] ** 2))
         self.setting: Setting | None = None
         self.weak: list[Tried] = []  # of the last round: what was refused after it was judged
-        self.upsets_inertia = (
-            False  # whether an effect that matters would make the inertia impossible: these records do not tell the two apart
-        )
+        # whether an effect that matters would make the inertia impossible: these records do not tell the two apart
+        self.upsets_inertia = False
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
 
@@ -233,7 +156,7 @@ class ForceSearch:
         start = np.array([last.shape[name] for name in names]) / scale
         found = minimize(square, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 1e-6 * fit.square(rows), "maxfev": 120})
         best = at(found.x)
-        return best if best.square(rows) < fit.square(rows) and not outside(best) and not self.another(best, last.effect) else fit
+        return best if best.square(rows) < fit.square(rows) and not outside(best) and not self.judge.another(best, last.effect) else fit
 
     def indistinct(self, accepted: Fitted, effect: str) -> str:
         """Why these records cannot tell an effect from one that was accepted, whatever it gains; empty where they can."""
@@ -285,37 +208,12 @@ class ForceSearch:
                 break
             fit = bench.fit(accepted.samples, (*accepted.patterns, pattern), np.column_stack([accepted.columns, columns]))
             first = first or fit
-            refused = self.another(fit, pattern.effect)
+            refused = self.judge.another(fit, pattern.effect)
             if not refused:
                 return self._tried(accepted, effect, fit)
             why = why or refused
         assert first is not None
         return Refusal(effect, why, _of(effect, first.values))
-
-    def another(self, fit: Fitted, effect: str) -> str:
-        """Why an effect as it was fitted is none, or another one; empty where it is what its name says."""
-        beyond = outside(fit, effect)
-        if beyond:
-            return f"physically impossible: {beyond}"
-        record = record_of(effect)
-        size = load_definitions().effect(effect).size.name
-        if record.adds and fit.values[size] < 0.0:
-            return f"{size} would be {fit.values[size]:.3g}: less than none of it is another effect"
-        local = record.local
-        if local is None or not local.falls:
-            return ""
-        states, values = fit.samples.setting.states, fit.values
-        seen = np.abs(states.speed_rad_s)[np.abs(states.direction) > 0.0]
-        speeds = np.linspace(float(np.quantile(seen, _SLOWEST)), float(np.max(seen)), _SPEEDS)
-        extent = values[size] * (values[LEVEL] if local.of_level else 1.0)
-        shape = {name.removeprefix(f"{effect}."): value for name, value in values.items() if name.startswith(f"{effect}.")}
-        for side in (-1.0, 1.0):
-            at = replace(states, direction=np.full(speeds.size, side), speed_rad_s=side * speeds)
-            extra = -side * extent * local.torque(at, shape)
-            friction = extra + values[VISCOUS] * speeds
-            if friction[0] - float(np.min(friction)) >= _FALLS * float(np.ptp(extra)) > 0.0:
-                return ""
-        return "with it friction falls at no speed: what is seen is a drag that bends"
 
     def _told_apart(self, accepted: Fitted, effect: str, known: Sequence[Pattern]) -> tuple[Sequence[Pattern], list[Reals]]:
         """The patterns that can be another cause than what was accepted, with their columns: where no record says where the machine is, waves of whole multiples are one swing that is no pure sine."""
@@ -342,7 +240,7 @@ class ForceSearch:
             return Tried(load_effect(), before, 0.0, np.zeros(int(bench.training.sum()))), before, f"{LOAD} is fixed"
         bench.load_named = True
         found = self._tried(before, load_effect(), bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
-        why = self.refusal(before, found)
+        why = self.judge.refusal(before, found)
         bench.load_named = not why
         return found, before, why
 
@@ -368,90 +266,14 @@ class ForceSearch:
         """Takes for what the first model left that which the base values leave, the constant torque among them unless it is an effect of its own."""
         bench = self.bench
         first = bench.without_load() if bench.load_named else bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))
-        self.first = float(np.sum(first.residual[bench.training] ** 2))
+        self.judge.first = float(np.sum(first.residual[bench.training] ** 2))
 
     def judged_against(self, accepted: Fitted, effect: str, fit: Fitted) -> str:
         """Why an effect that was fitted, judged, should not be added; empty when it should."""
         beyond = [name for name in self.bench.at_ends(fit) if name not in self.bench.at_ends(accepted)]
         if beyond:
             return f"beside it {beyond[0]} would lie on an end of where it may be"
-        return self.refusal(accepted, self._tried(accepted, effect, fit))
-
-    def refusal(self, accepted: Fitted, tried: Tried) -> str:
-        """Why an effect, judged, is not added; empty when it is."""
-        bench, fit = self.bench, tried.fit
-        beyond = outside(fit)
-        if beyond:
-            return f"beside it {beyond}"
-        if INERTIA in bench.at_ends(fit) and INERTIA not in bench.at_ends(accepted):
-            return f"beside it {INERTIA} would lie on an end of where it may be"
-        if another := self.another(fit, tried.effect):
-            return another
-        size = load_definitions().effect(tried.effect).size.name
-        std = fit.std.get(size, math.inf)
-        if abs(fit.values[size]) < SIZE_IN_STD * std:
-            return f"its size {fit.values[size]:.3g} is not distinguishable from zero: standard error {std:.2g}"
-        if _at_bound(size, fit.values[size]):
-            return f"at a bound: {size} = {fit.values[size]:.3g}"
-        # every part held out once
-        change = (bench.held_out(accepted) ** 2 - bench.held_out(fit) ** 2)[bench.sliding]
-        if not self._falls(change):
-            return f"it does not lower the error of the held-out {PARTS[bench.division.by]} significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
-        gain = accepted.errors.training**2 - fit.errors.training**2
-        worse = [part for part in range(bench.division.folds) if _worse(accepted.errors.each[part], fit.errors.each[part], gain, 1.0)]
-        # friction itself differs from part to part: what is asked of the effect is whether it is the same there
-        if any(_worse(bench.foretold_part(accepted, part), bench.foretold_part(fit, part), gain, 1.0) for part in worse):
-            return f"it raises the error of a {PART[bench.division.by]} when that one is held out"
-        here = self.elsewhere(accepted, fit)
-        before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(max(len(here), 1)) for side in (0, 1))
-        if after > WORSE_ELSEWHERE * before:
-            return f"it does not carry over to places and speeds to which nothing was fitted: {before:.3g} % to {after:.3g} %"
-        for where, (before, after) in here.items():
-            if _worse(before, after, gain, WORSE_THIRD):
-                return f"it does not carry over to {where} to which nothing was fitted: {before:.3g} % to {after:.3g} %"
-        share = self.share(accepted, tried.gain)
-        if share < LEAST_SHARE:
-            return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * LEAST_SHARE:g} %"
-        matter = tried.gain / self.first
-        if matter < LEAST_OF_FIRST:
-            return f"it takes off {100.0 * matter:.2f} % of what the first model left, less than {100.0 * LEAST_OF_FIRST:g} %"
-        circle = self._in_a_circle(accepted, tried)
-        return circle or (self.veto(self, accepted, tried) if self.veto is not None else "")
-
-    def _falls(self, change: Reals) -> bool:
-        """Whether a fall of the squared error, of every sliding sample, is more than chance: in its mean, or in most stretches of time, since a single start of a motion may outweigh all else."""
-        if not float(np.mean(change)) > 0.0:
-            return False
-        of_record = self.bench.of_record[self.bench.sliding]
-        numbers = np.unique(of_record)
-        count = math.ceil(_STRETCHES / numbers.size)
-        sums = [float(np.sum(part)) for number in numbers for part in np.array_split(change[of_record == number], count) if part.size]
-        by_sign = stats.wilcoxon(sums, alternative="greater").pvalue
-        return self._in_std(change) >= FALL_IN_STD or bool(by_sign < stats.norm.sf(FALL_IN_STD))
-
-    def _in_std(self, change: Reals) -> float:
-        """A mean fall in its standard errors, as neighbours are alike."""
-        fall, of_record = float(np.mean(change)), self.bench.of_record[self.bench.sliding]
-        runs = (leastsquares.long_run((change - fall)[of_record == number, None]) for number in np.unique(of_record))
-        spread = math.sqrt(sum(float(one[0, 0]) for one in runs)) / change.size
-        return fall / spread if spread > 0.0 else 0.0
-
-    def _in_a_circle(self, accepted: Fitted, tried: Tried) -> str:
-        """Why an effect that reads the drive finds itself in the drive's own error; empty for any other."""
-        if not reads_drive(accepted.samples.setting.actuator, tried.effect):
-            return ""
-        before, after = foretold_percent(self.bench, accepted), foretold_percent(self.bench, tried.fit)
-        if not after >= before:
-            return ""
-        return f"it reads the drive, and lowers the error of the balance with the measured one alone: of the drive foretold from the motion {before:.3g} % to {after:.3g} %"
-
-    def share(self, accepted: Fitted, gain: float) -> float:
-        """Part of the squared error above the floor that a gain is."""
-        rows = self.bench.training
-        total = float(np.sum(accepted.residual[rows] ** 2))
-        floor = (0.01 * floor_of(self.bench, accepted)) ** 2 * float(np.sum(accepted.samples.drive[rows] ** 2))
-        # the floor is itself known from a few laps only
-        return gain / (total - min(floor, _MOST_FLOOR * total)) if math.isfinite(floor) else gain / total
+        return self.judge.refusal(accepted, self._tried(accepted, effect, fit))
 
     def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:
         """Every effect that is left: those that may be added, best first, and the others with the reason."""
@@ -471,8 +293,8 @@ class ForceSearch:
                 refused.append(found)
                 continue
             judged = replace(found, fit=self.bench.judged(found.fit))
-            self.upsets_inertia |= found.gain >= LEAST_OF_FIRST * self.first and unphysical(INERTIA, judged.fit)
-            why = self.refusal(accepted, judged)
+            self.upsets_inertia |= found.gain >= LEAST_OF_FIRST * self.judge.first and unphysical(INERTIA, judged.fit)
+            why = self.judge.refusal(accepted, judged)
             if why:
                 self.weak.append(judged)  # which may be more beside another
                 refused.append(Refusal(effect, why, _of(effect, judged.fit.values), _of(effect, judged.fit.std), judged.fit.errors))
@@ -488,7 +310,7 @@ class ForceSearch:
         """Whether an effect that is another one in a special case takes off too little beyond that one."""
         wanted = record_of(general.effect).special_case
         special = next((one for one in (*added, *self.weak) if one.effect == wanted and not outside(one.fit)), None)
-        return special is not None and self.share(special.fit, general.gain - special.gain) < LEAST_SHARE
+        return special is not None and self.judge.share(special.fit, general.gain - special.gain) < LEAST_SHARE
 
     def pair(self, accepted: Fitted, added: Sequence[Tried]) -> tuple[Tried, Tried] | None:
         """Two effects, at least one of which may not be added alone, that each may beside the other: the pair that lowers the error most; the first of them as it is alone.
@@ -496,7 +318,7 @@ class ForceSearch:
         One that stands in for another beside it goes wrong wherever the other is large, so that alone it raises the error of a part held out. `added`: what may be added alone; a pair is sought
         where nothing may, or where what takes off more than the best of it is refused.
         """
-        worth = [one for one in self.weak if one.gain >= LEAST_OF_FIRST * self.first and not outside(one.fit)]
+        worth = [one for one in self.weak if one.gain >= LEAST_OF_FIRST * self.judge.first and not outside(one.fit)]
         stronger = {one.effect for one in worth if not added or one.gain > added[0].gain}
         worth = sorted([*worth, *added], key=lambda one: -one.gain)[:_PAIRED]
         best: tuple[Tried, Tried] | None = None
@@ -518,7 +340,7 @@ class ForceSearch:
         if isinstance(found, Refusal):
             return None
         judged = replace(found, fit=self.bench.judged(self.refined(found.fit)))
-        return None if self.refusal(first.fit, judged) else judged
+        return None if self.judge.refusal(first.fit, judged) else judged
 
     def patterns_bend(self, effect: str) -> bool:
         """Whether an effect changes the balance itself."""
@@ -534,7 +356,7 @@ class ForceSearch:
             columns = accepted.columns[:, [owner != pattern.effect for owner in owners]]
             without = self.bench.fit(self.bench.with_bends(rest) if pattern.bends else accepted.samples, rest, columns)
             gain = float(np.sum(without.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            if (self.share(without, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.first) and not outside(without):
+            if (self.judge.share(without, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.judge.first) and not outside(without):
                 accepted = self.settled(without)
                 dropped.append(pattern.effect)
         if self.bench.load_named and accepted.patterns:
@@ -544,8 +366,8 @@ class ForceSearch:
             gain = float(np.sum(held.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
             slight = (
                 abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf)
-                or self.share(held, gain) < LEAST_SHARE
-                or gain < LEAST_OF_FIRST * self.first
+                or self.judge.share(held, gain) < LEAST_SHARE
+                or gain < LEAST_OF_FIRST * self.judge.first
             )
             if slight:
                 self.bench.load_named = False
@@ -567,36 +389,15 @@ class ForceSearch:
                 continue
             fit = self.bench.judged(self.refined(found.fit))
             lost = float(np.sum(fit.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            slight = self.share(fit, lost) < LEAST_SHARE or lost < LEAST_OF_FIRST * self.first
-            if slight and not self.refusal(without, self._tried(without, special, fit)):
+            slight = self.judge.share(fit, lost) < LEAST_SHARE or lost < LEAST_OF_FIRST * self.judge.first
+            if slight and not self.judge.refusal(without, self._tried(without, special, fit)):
                 accepted, instead[pattern.effect] = fit, special
         return accepted, instead
-
-    def elsewhere(self, before: Fitted, after: Fitted) -> dict[str, tuple[float, float]]:
-        """Errors in % without and with the last effect where neither was fitted: each third of the places, and of the speeds, told from the others where those show the effect."""
-        states, rows = before.samples.setting.states, self.bench.fitted
-        found: dict[str, tuple[float, float]] = {}
-        for by, values in (("places", states.screw_mm), ("speeds", np.abs(states.speed_rad_s))):
-            seen = self.bench.kept(values)
-            third = np.searchsorted(np.quantile(seen[rows], np.arange(1, _THIRDS) / _THIRDS), seen, side="right")
-            for number, word in enumerate(_THIRD_WORDS[by]):
-                told = rows & (third == number)
-                if told.any() and self.bench.seen_share(after, rows & ~told) > _SEEN_ELSEWHERE:
-                    found[f"{word} {by}"] = (
-                        self.bench.foretold(before, rows & ~told, told),
-                        self.bench.foretold(after, rows & ~told, told),
-                    )
-        return found
 
 
 def _of(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     """The values of one effect that are numbers."""
     return {name: value for name, value in values.items() if name.startswith(f"{effect}.") and math.isfinite(value)}
-
-
-def _worse(before: float, after: float, gain: float, allowed: float) -> bool:
-    """Whether an error, in %, rises by more than is allowed, and by what matters beside what is gained of the squared error in all."""
-    return after > allowed * before and after**2 - before**2 > WORSE_OF_GAIN * gain
 
 
 def _periods(pattern: Pattern) -> float:
@@ -612,28 +413,6 @@ def _multiples(one: float, other: float) -> bool:
 def _like(column: Reals, others: Reals, share: float = _OWN) -> bool:
     """Whether a column [samples] is a sum of others [samples, k], but for a share of its length."""
     return float(np.linalg.norm(column - others @ solved(others, column))) < share * float(np.linalg.norm(column))
-
-
-def outside(fit: Fitted, effect: str = "") -> str:
-    """The first value that lies outside its range, of one effect or of all and the base; empty when all lie inside."""
-    for name, value in fit.values.items():
-        if effect and not name.startswith(f"{effect}."):
-            continue
-        row = row_of(name)
-        if not row.lower <= value <= row.upper:
-            return f"{name} would be {value:.3g}, outside {row.lower:g} .. {row.upper:g}{' ' + row.unit if row.unit else ''}"
-    return ""
-
-
-def unphysical(name: str, fit: Fitted) -> bool:
-    """Whether a base value of a fit lies outside its range, or on an end of it."""
-    row, value = row_of(name), fit.values[name]
-    return not row.lower < value < row.upper
-
-
-def _at_bound(name: str, value: float) -> bool:
-    row = row_of(name)
-    return value >= row.upper - _BOUND * abs(row.upper) or value <= row.lower + _BOUND * abs(row.lower)
 
 
 def _class_of(best: Tried, tried: Sequence[Tried]) -> tuple[str, ...]:
@@ -690,7 +469,12 @@ def improve_by_forces(
         accepted = constant.fit
         steps.append(
             ForceStep(
-                load_effect(), accepted.values, accepted.std, search.same_as_load(), accepted.errors, search.elsewhere(first, accepted)
+                load_effect(),
+                accepted.values,
+                accepted.std,
+                search.same_as_load(),
+                accepted.errors,
+                search.judge.elsewhere(first, accepted),
             )
         )
     while True:
@@ -714,7 +498,7 @@ def improve_by_forces(
                     first_of.fit.std,
                     (),
                     first_of.fit.errors,
-                    search.elsewhere(accepted, first_of.fit),
+                    search.judge.elsewhere(accepted, first_of.fit),
                 )
             )
             before, bent = first_of.fit, first_of.fit.patterns[-1].bends
@@ -724,7 +508,9 @@ def improve_by_forces(
         alike = _class_of(best, added) if pair is None else ()
         accepted = bench.judged(search.finished(best.fit, bent))
         accepted, instead = search.simplified(accepted)
-        steps.append(ForceStep(best.effect, accepted.values, accepted.std, alike, accepted.errors, search.elsewhere(before, accepted)))
+        steps.append(
+            ForceStep(best.effect, accepted.values, accepted.std, alike, accepted.errors, search.judge.elsewhere(before, accepted))
+        )
         steps = [_renamed(one, instead) for one in steps]
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {steps[-1].effect}, which came later") for name in dropped]

@@ -17,7 +17,9 @@ from ema_tools.fit.division import Division
 from ema_tools.library.definitions import load_definitions
 from ema_tools.select.balance_bench import INERTIA, LOAD, Bench, Fitted, FoldErrors, floor_of, given_errors, load_effect, solved
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_balance import ForceSearch, Refusal, outside, unphysical
+from ema_tools.select.force_balance import ForceSearch
+from ema_tools.select.force_judge import outside, unphysical
+from ema_tools.select.force_steps import Refusal
 from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import Pattern, pattern_of
 

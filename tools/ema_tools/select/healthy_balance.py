@@ -22,8 +22,9 @@ from ema_tools.fit.nuisance import stated_std
 from ema_tools.library.definitions import load_definitions
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_balance import ForceSearch, ForceSteps, Tried, improve_by_forces
+from ema_tools.select.force_balance import ForceSearch, improve_by_forces
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
+from ema_tools.select.force_steps import ForceSteps, Tried
 from ema_tools.select.torque_patterns import Pattern, pattern_of
 
 SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]

@@ -27,7 +27,8 @@ from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
 from ema_tools.select.balance_bench import FoldErrors, compared_percent
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_balance import ForceStep, ForceSteps, improve_by_forces
+from ema_tools.select.force_balance import improve_by_forces
+from ema_tools.select.force_steps import ForceStep, ForceSteps
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import Change, HealthyByBalance, changes_of, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once

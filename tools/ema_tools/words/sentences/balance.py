@@ -9,7 +9,7 @@ from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
-from ema_tools.select.force_balance import ForceStep
+from ema_tools.select.force_steps import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyByBalance
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
