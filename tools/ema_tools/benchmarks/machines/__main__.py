@@ -10,6 +10,7 @@ import click
 from ema_tools.base.parallel import workers as cores
 from ema_tools.benchmarks.hidden import running
 from ema_tools.benchmarks.machines.document import written
+from ema_tools.benchmarks.machines.observer import observed
 from ema_tools.benchmarks.machines.trials import perform, plan
 from ema_tools.benchmarks.options import folder_option, workers_option
 from ema_tools.words.terminal.console import run_command
@@ -23,8 +24,10 @@ from ema_tools.words.terminal.console import run_command
 def main(units: int, workers: int | None, folder: Path, document: Path | None) -> None:
     """Hides effects in machines of six kinds and counts which of them are named from motion and drive alone."""
     begun = time.monotonic()
-    rows = running.run(plan(units), folder, cores() if workers is None else workers, perform)
-    text = written(rows, f"python -m ema_tools.benchmarks.machines --units {units} -o DIR --document ../docs/MACHINES.md")
+    count = cores() if workers is None else workers
+    rows = running.run(plan(units), folder, count, perform)
+    best = running.run(plan(units), folder / "observer", count, observed)
+    text = written(rows, best, f"python -m ema_tools.benchmarks.machines --units {units} -o DIR --document ../docs/MACHINES.md")
     running.told(text, "## Goals", f"{len(rows)} answers", begun, document)
 
 

@@ -26,8 +26,14 @@ def _cells(rows: Rows) -> str:
     return " | ".join([*by_size, _share(hidden, lambda row: bool(wrong(row)))[1], _share(sound, lambda row: bool(wrong(row)))[1]])
 
 
-def written(rows: Rows, call: str) -> str:
-    """The document."""
+def _best(rows: Rows) -> str:
+    """What the ideal observer would name rightly, in %."""
+    chances = [row["chance"] for row in rows if row["effect"] != HEALTHY]
+    return f"{100.0 * sum(chances) / len(chances):.1f} %" if chances else "-"
+
+
+def written(rows: Rows, best: Rows, call: str) -> str:
+    """The document: `best` are the rows of the ideal observer."""
     hidden, sound = named([dict(row) for row in rows]), [dict(row) for row in rows if row["effect"] == HEALTHY]
     goals: tuple[tuple[str, tuple[float, str], str, Callable[[float], bool]], ...] = (
         ("right effect or class accepted first, medium and large", _share(hidden, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
@@ -49,7 +55,9 @@ def written(rows: Rows, call: str) -> str:
         "accepted effect but `presliding`, which all these machines have. Medium and large, as a share of the friction, of the drag or of the torque constant: "
         + ", ".join(f"{name} {100.0 * share:g} and {250.0 * share:g} %" for name, share in EFFECTS.items())
         + ".",
-        "No ideal observer stands beside these figures.",
+        "",
+        f"The ideal observer, who knows the machine and the form of every effect and asks which of them made the torque (`observer.py`), would name {_best(best)} of what is hidden:",
+        "what is missed below is missed for the forms that nobody knows, and for the sensors of the motion.",
         "",
         "## Goals",
         "",

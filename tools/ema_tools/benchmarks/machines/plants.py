@@ -19,6 +19,9 @@ from ema_tools.data.motion_records import MotionRecord
 STEP_S = 2e-5
 _BRISTLE_RAD = 5e-4  # how far the contact yields before it slides
 _HARMONIC = 0.15  # of a wave, beside it
+_SECOND = 1.3  # its phase, over that of the wave
+_BUMP = 0.04  # of the fastest, speed at which friction's bump has halved
+NOISE_SHARE = 0.02  # of the kind's friction, standard deviation of the drive's noise
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,7 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
         if step % every == 0:
             row = step // every
             found[0, row], found[1, row], found[2, row] = angle, speed, torque
-        wave = np.sin(periods * angle + phase) + _HARMONIC * np.sin(2.0 * periods * angle + 1.3 * phase)
+        wave = np.sin(periods * angle + phase) + _HARMONIC * np.sin(2.0 * periods * angle + _SECOND * phase)
         side = 1.0 if speed > 0.0 else -1.0
         slides = level * (1.0 + rise / (1.0 + (speed / bump) ** 2)) * (1.0 + asym * side)
         # implicit in the bristle, which settles within a fraction of a step at speed
@@ -160,12 +163,55 @@ def _seconds(one: Kind, speed: float) -> float:
 
 def records(machine: Machine, command: str) -> list[MotionRecord]:
     """What its drive records: three records of a command, or twelve at steady speeds."""
+    return [_record(machine, command, number, _own(machine)) for number in range(_count(command))]
+
+
+def torques(machine: Machine, command: str) -> list[Mapping[str, Reals]]:
+    """What happened in those records, without noise: angle_rad, speed_rad_s and the drive's torque_Nm of each, [rows]."""
+    names = ("angle_rad", "speed_rad_s", "torque_Nm")
+    return [
+        dict(zip(names, _happened(machine, command, number, _own(machine), _random(machine, command, number)), strict=True))
+        for number in range(_count(command))
+    ]
+
+
+def columns_of(machine: Machine, motion: Mapping[str, Reals], effect: str) -> Reals:
+    """The drive's torque per unit of an effect's share along a motion, [rows, 1], or per unit of a wave's sine and cosine parts, [rows, 2], the part that is in the machine first;
+    of no effect that of the base values, [rows, 3]."""
+    one, own = KINDS[machine.kind], machine.values()
+    angle, speed = motion["angle_rad"], motion["speed_rad_s"]
+    if not effect:
+        return np.column_stack([np.gradient(speed, one.period_s), speed, np.sign(speed)])
+    level, phase, turned = own["friction"], own["phase"], one.periods * angle
+    second = _HARMONIC * np.sin(2.0 * turned + _SECOND * phase)
+    waves = np.column_stack([np.sin(turned + phase) + second, np.cos(turned + phase)])
+    if effect == "cogging_torque":
+        return np.asarray(level * waves)
+    if effect == "torque_ripple":
+        return np.asarray(-motion["torque_Nm"][:, None] * waves)
+    single: Mapping[str, Reals] = {
+        "constant_load": np.full_like(speed, level),
+        "coulomb_asymmetry": level * np.sign(speed) ** 2,
+        "viscous_asymmetry": own["viscous"] * np.abs(speed),
+        "quadratic_viscous": level * speed * np.abs(speed) / one.fastest_rad_s**2,
+        "stribeck_friction": level * np.sign(speed) / (1.0 + (speed / (_BUMP * one.fastest_rad_s)) ** 2),
+        "spring_load": level * angle / (one.stroke_rad or 1.0),
+    }
+    return np.asarray(single[effect][:, None])
+
+
+def _count(command: str) -> int:
+    return 12 if command == "steady speeds" else 3
+
+
+def _own(machine: Machine) -> Reals:
+    """The numbers of a machine as `_run` takes them."""
     one, values = KINDS[machine.kind], machine.values()
     hidden, level = machine.hidden, values["friction"]
     limit = 8.0 * level + 2.0 * one.arm_Nm
     # a loop that a twentieth of the largest speed of error makes overcome the friction
     stiffness = values["gain"] * max(60.0 * values["inertia"], level / (0.05 * one.fastest_rad_s))
-    own = np.array(
+    return np.array(
         [
             values["inertia"],
             level,
@@ -178,7 +224,7 @@ def records(machine: Machine, command: str) -> list[MotionRecord]:
             hidden.get("viscous_asymmetry", 0.0),
             hidden.get("quadratic_viscous", 0.0) * level / one.fastest_rad_s**2,
             hidden.get("stribeck_friction", 0.0),
-            0.04 * one.fastest_rad_s,
+            _BUMP * one.fastest_rad_s,
             hidden.get("cogging_torque", 0.0) * level,
             hidden.get("torque_ripple", 0.0),
             one.periods,
@@ -188,20 +234,27 @@ def records(machine: Machine, command: str) -> list[MotionRecord]:
             one.ratio,
         ]
     )
-    count = 12 if command == "steady speeds" else 3
-    return [_record(machine, command, number, own) for number in range(count)]
 
 
-def _record(machine: Machine, command: str, number: int, own: Reals) -> MotionRecord:
+def _random(machine: Machine, command: str, number: int) -> np.random.Generator:
+    return np.random.default_rng([104_729, machine.number, COMMANDS.index(command), number])
+
+
+def _happened(machine: Machine, command: str, number: int, own: Reals, random: np.random.Generator) -> Reals:
+    """Angle, speed and torque at every row, [3, rows]."""
     one = KINDS[machine.kind]
-    random = np.random.default_rng([104_729, machine.number, COMMANDS.index(command), number])
     asked = _moves(one, command, number, random)
     begin = -np.sign(asked[0]) * one.stroke_rad if command == "steady speeds" else float(random.uniform(-0.2, 0.2)) * one.stroke_rad
     # what was before the record, so that it begins in motion where the speed is steady
     lead_in = np.full(round(0.5 / STEP_S), asked[0]) if command == "steady speeds" else np.zeros(round(0.2 / STEP_S))
     every = round(one.period_s / STEP_S)
-    angle, speed, torque = _run(np.concatenate([lead_in, asked]), float(begin), own, every)[:, lead_in.size // every :]
-    return _measured(one, machine, angle, speed, torque, f"{command} {number + 1}", random)
+    return np.asarray(_run(np.concatenate([lead_in, asked]), float(begin), own, every)[:, lead_in.size // every :])
+
+
+def _record(machine: Machine, command: str, number: int, own: Reals) -> MotionRecord:
+    random = _random(machine, command, number)
+    angle, speed, torque = _happened(machine, command, number, own, random)
+    return _measured(KINDS[machine.kind], machine, angle, speed, torque, f"{command} {number + 1}", random)
 
 
 def _measured(
@@ -210,7 +263,7 @@ def _measured(
     """The signals as a drive gives them: counts of an encoder, noise of a torque of a percent of the friction."""
     counts = 2.0 * math.pi / 20_000.0
     read = counts * np.round(angle / counts)
-    noisy = torque + random.normal(0.0, 0.02 * one.friction_Nm, torque.size)
+    noisy = torque + random.normal(0.0, NOISE_SHARE * one.friction_Nm, torque.size)
     columns: dict[str, Sequence[float] | Reals] = {}
     if one.motion == "motor_angle_rad":
         columns[one.motion] = read
