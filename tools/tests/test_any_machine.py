@@ -13,6 +13,7 @@ import pytest
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
 from ema_tools.benchmarks.machines import plants
+from ema_tools.benchmarks.machines.observer import observed
 from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records
 from ema_tools.benchmarks.machines.trials import HEALTHY, MachineTrial, actuator_of, perform, plan, right, wrong
 from ema_tools.compare.motion_validity import judge_motion
@@ -291,3 +292,12 @@ def test_two_effects_that_are_refused_alone_are_named_together() -> None:
     # and without the rise the contact alone is
     alone = improve_by_forces(actuator, [in_contact(command, 0.0) for command in range(4)])
     assert [step.effect for step in alone.steps] == ["presliding"]
+
+
+@quick
+def test_the_observer_names_what_is_large_and_guesses_at_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bound beside which the answers are told: sure of every usual size, and no better than a coin where nothing is hidden."""
+    trial = MachineTrial("lead screw", 0, "pick and place", "torque_ripple", "medium")
+    assert observed(trial)["chance"] > 0.999
+    monkeypatch.setitem(EFFECTS, "torque_ripple", 1e-7)  # type: ignore[arg-type]
+    assert observed(trial)["chance"] == pytest.approx(0.5, abs=0.01)
