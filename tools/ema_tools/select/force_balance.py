@@ -357,7 +357,11 @@ class ForceSearch:
             without = self.bench.fit(self.bench.with_bends(rest) if pattern.bends else accepted.samples, rest, columns)
             gain = float(np.sum(without.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
             if (self.judge.share(without, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.judge.first) and not outside(without):
-                accepted = self.settled(without)
+                settled = self.settled(without)
+                if outside(settled):
+                    self.prepare(accepted.samples.setting)
+                    continue
+                accepted = settled
                 dropped.append(pattern.effect)
         if self.bench.load_named and accepted.patterns:
             size = size_of_load()
@@ -371,8 +375,12 @@ class ForceSearch:
             )
             if slight:
                 self.bench.load_named = False
-                accepted = self.with_patterns(accepted.patterns, accepted.samples)
-                dropped.append(load_effect())
+                unnamed = self.with_patterns(accepted.patterns, accepted.samples)
+                if outside(unnamed):
+                    self.bench.load_named = True
+                else:
+                    accepted = unnamed
+                    dropped.append(load_effect())
         return (self.bench.judged(accepted) if dropped else accepted), tuple(dropped)
 
     def simplified(self, accepted: Fitted) -> tuple[Fitted, dict[str, str]]:

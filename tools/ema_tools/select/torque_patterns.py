@@ -16,7 +16,7 @@ from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, combined, values_in
-from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
+from ema_tools.select.balance_setting import LEVEL, VISCOUS, Piece, Setting
 from ema_tools.select.swings import swings
 
 NOT_PLACED = "the records say how the machine moves and not where it is: record a position or an angle"
@@ -26,6 +26,7 @@ NOT_HERE = "it does not show between the motor's torque and the measured motion"
 _RELATIVE_TO = (LEVEL, VISCOUS)
 _STRETCHES = 8  # of a record, by turns, from whose one half the phase of a wave in the other half is taken [judgement]
 _PROBE = 1e-3  # probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows [precision]
+_SLOWER = 0.25  # of the motion, in which a wave passes the filter at least [judgement]
 _OF_OUTPUT = 3  # waves per turn of what a gear drives: itself, and the pairs of whatever holds it [judgement]
 _SWINGS_MAX = 60.0  # periods per motor turn, that are looked for where no number is stated [judgement]
 _ROUNDING = 1e-9  # share of the drive that is no torque [precision]
@@ -75,10 +76,16 @@ def _pair(angle: Reals) -> Reals:
     return np.column_stack([np.sin(angle), np.cos(angle)])
 
 
+def _moving(piece: Piece) -> Reals:
+    """Speeds of a record while the machine moves, rad/s; zero where it never does."""
+    speeds = np.abs(piece.motion.speed_rad_s[~piece.model.still])
+    return speeds if speeds.size else np.zeros(1)
+
+
 def _in_band(setting: Setting, one: PeriodicTorque) -> list[float]:
     """Periods per motor turn that pass the filter at least at the record's slower speeds; of what may turn behind a gear also those at which the records swing."""
     highest = max(
-        0.5 * piece.model.smoother.cutoff_hz * 2.0 * np.pi / max(float(np.quantile(np.abs(piece.motion.speed_rad_s), 0.25)), 1e-9)
+        0.5 * piece.model.smoother.cutoff_hz * 2.0 * np.pi / max(float(np.quantile(_moving(piece), _SLOWER)), 1e-9)
         for piece in setting.pieces
     )
     return [periods for periods in (*one.in_balance, *(_behind_gear(setting, highest) if one.behind_gear else ())) if periods <= highest]
