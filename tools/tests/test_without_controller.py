@@ -16,7 +16,7 @@ from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results.codec import to_json
-from ema_tools.select import force_balance
+from ema_tools.select import force_judge
 from ema_tools.select.balance_bench import Bench, compared_percent
 from ema_tools.select.fixes import fixes_of
 from ema_tools.select.force_balance import improve_by_forces
@@ -343,7 +343,7 @@ def test_an_effect_that_helps_the_balance_alone_is_refused(monkeypatch: pytest.M
     found = add_by_forces(machine(), "torque_ripple", records)
     assert not found.reason and found.foretold[1] < 0.5 * found.foretold[0]
     told = iter((5.0, 5.1, 5.0, 5.1))
-    monkeypatch.setattr(force_balance, "foretold_percent", lambda *_: next(told))
+    monkeypatch.setattr(force_judge, "foretold_percent", lambda *_: next(told))
     refused = add_by_forces(machine(), "torque_ripple", records)
     assert "with the measured one alone: of the drive foretold from the motion 5 % to 5.1 %" in refused.reason
 
