@@ -154,6 +154,8 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
             ) as cluster,
             Client(cluster) as client,
         ):
+            # a worker that is killed while it starts is not started again by its nanny: without any, nothing would ever end
+            cluster.adapt(minimum=count, maximum=count)
             yield client
 
 
