@@ -55,7 +55,23 @@ def check(arguments: argparse.Namespace) -> str:
     wheel = built(root, work)
     run([sys.executable, "-I", "-m", "venv", work / "venv"], work)
     python, ema = work / "venv/bin/python", work / "venv/bin/ema"
-    run([python, "-I", "-m", "pip", "install", "--quiet", "--no-compile", "--only-binary", ":all:", "-c", root / "tools/requirements.txt", wheel], work)
+    run(
+        [
+            python,
+            "-I",
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-compile",
+            "--only-binary",
+            ":all:",
+            "-c",
+            root / "tools/requirements.txt",
+            wheel,
+        ],
+        work,
+    )
     empty = work / "empty"
     empty.mkdir()
     lines = run([python, "-I", "-c", WHERE], empty).split()

@@ -25,10 +25,6 @@ import stack
 LEVELS = ("-O0", "-Og", "-Os", "-O2", "-O3")
 EXACT = ("-std=c11", "-ffp-contract=off", "-fno-math-errno", "-ffunction-sections", "-fdata-sections")
 ANSWER = ("a", "1", "1000", "real")
-# The level at which slices are counted: what firmware is built with.
-COUNTED = "-Os"
-SLICES = ("session_run_200", "most")
-SHIFT = 6
 
 
 class BuildError(Exception):
@@ -66,17 +62,22 @@ MACHINES = (
     Machine("gcc, Cortex-M33", "arm-none-eabi-gcc", _cortex("cortex-m33", "fpv5-sp-d16"), board="mps2-an505"),
     Machine("gcc, RISC-V, RV64GC", "riscv64-linux-gnu-gcc", ("-static",), ("qemu-riscv64",)),
     Machine("gcc, PowerPC, big-endian", "powerpc-linux-gnu-gcc", ("-static",), ("qemu-ppc",)),
-    Machine("clang, WebAssembly", "clang", ("--target=wasm32", "-nostdlib"), bare=True, levels=("-Os", "-O2", "-O3")),
+    Machine(
+        "clang, WebAssembly",
+        "clang",
+        ("--target=wasm32", "-mbulk-memory", "-isystem", "port/wasm/include"),
+        bare=True,
+        levels=("-Os", "-O2", "-O3"),
+    ),
 )
 
 
 @dataclass(frozen=True)
 class Built:
-    """What came of a machine at a level: bytes of code and constants of the whole module, the deepest public function's stack, the longest slice in instructions, and its answer."""
+    """What came of a machine at a level: bytes of code and constants of the whole module, the deepest public function's stack, and its answer."""
 
     code: int
     stack: int | None
-    slice: int | None
     answer: str
 
 
@@ -131,7 +132,22 @@ class Build:
 
         def made(source: Path) -> Path:
             made_of = folder / f"{source.stem}.o"
-            ran([self.machine.compiler, *flags, *EXACT, self.level, *graph, *board, *self.includes(), "-c", source, "-o", made_of], source.name)
+            ran(
+                [
+                    self.machine.compiler,
+                    *(str(self.root / flag) if flag.startswith("port/") else flag for flag in flags),
+                    *EXACT,
+                    self.level,
+                    *graph,
+                    *board,
+                    *self.includes(),
+                    "-c",
+                    source,
+                    "-o",
+                    made_of,
+                ],
+                source.name,
+            )
             return made_of
 
         with ThreadPoolExecutor() as pool:
@@ -148,14 +164,17 @@ class Build:
             own += self.objects([port / "startup.c", port / "ema_counter.c"], "board")
             script = port / ("mps2-an505.ld" if self.machine.board == "mps2-an505" else "mps2.ld")
             link = ["-nostartfiles", "--specs=rdimon.specs", "-Wl,--gc-sections", "-Wl,-u,ema_vectors", f"-L{port}", f"-T{script}", "-lm"]
-        ran([self.machine.compiler, *self.machine.flags, *own, *module, "-o", linked, *link], f"{self.machine.title} {self.level}: linking {name}")
+        ran(
+            [self.machine.compiler, *self.machine.flags, *own, *module, "-o", linked, *link],
+            f"{self.machine.title} {self.level}: linking {name}",
+        )
         return linked
 
-    def run(self, program: Path, arguments: Sequence[str], shift: int | None = None) -> str:
+    def run(self, program: Path, arguments: Sequence[str]) -> str:
         """What a program prints. Raises BuildError."""
         if not self.machine.board:
             return ran([*self.machine.runner, program, *arguments], program.name)
-        done = emulate.run(self.machine.board, program, list(arguments), shift=shift)
+        done = emulate.run(self.machine.board, program, list(arguments))
         if done.exit_code != 0:
             raise BuildError(f"{self.machine.title} {self.level}: ended with {done.exit_code}: {done.output.strip()[-200:]}")
         return done.output
@@ -163,18 +182,21 @@ class Build:
     def made(self) -> Built:
         """All that is told of it. Raises BuildError and what it calls."""
         module = self.objects(sorted((self.root / "src").glob("*/*.c")), "module")
-        size = "llvm-size" if self.machine.bare else self.machine.compiler.replace("gcc", "size") if self.machine.graph else "size"
-        tool = shutil.which(size) or next((found for number in range(25, 10, -1) if (found := shutil.which(f"{size}-{number}"))), None) or "size"
+        sizer = "llvm-size" if self.machine.bare else self.machine.compiler.replace("gcc", "size") if self.machine.graph else "size"
+        tool = (
+            shutil.which(sizer)
+            or next((found for number in range(25, 10, -1) if (found := shutil.which(f"{sizer}-{number}"))), None)
+            or "size"
+        )
         code = sum(int(line.split()[0]) for line in ran([tool, *module], tool).splitlines()[1:])
-        deepest = max(bytes_ for bytes_, _ in stack.worst_of(self.folder / "module", self.root / "include/ema").values()) if self.by_graph else None
+        deepest = None
+        if self.by_graph:
+            soft = "-mfloat-abi=soft" in self.machine.flags
+            deepest = max(size for size, _ in stack.worst_of(self.folder / "module", self.root / "include/ema", soft).values())
         if self.machine.bare:
-            return Built(code, deepest, None, "")
+            return Built(code, deepest, "")
         answer, _ = same_answer.shared_part(self.run(self.program("ema_answer", module), ANSWER), f"{self.machine.title} {self.level}")
-        counted = None
-        if self.machine.board and self.level == COUNTED:
-            told = dict(line.split()[:2] for line in self.run(self.program("ema_count", module), (), SHIFT).splitlines() if len(line.split()) == 2)
-            counted = int(float(told["_".join(SLICES)]))
-        return Built(code, deepest, counted, answer)
+        return Built(code, deepest, answer)
 
     @property
     def by_graph(self) -> bool:
@@ -185,11 +207,13 @@ class Build:
 def table(found: Sequence[tuple[Machine, str, Built]]) -> list[str]:
     """The rows of the document. The bits are those of the first that ran."""
     first = next(built.answer for _, _, built in found if built.answer)
-    rows = ["| compiler and machine | level | code and constants, bytes | deepest stack, bytes | longest slice of 200, instructions | bits |", "|---|---|---:|---:|---:|---|"]
+    rows = ["| compiler and machine | level | code and constants, bytes | deepest stack, bytes | bits |", "|---|---|---:|---:|---|"]
     for machine, level, built in found:
         bits = "by the page's own test" if machine.bare else "equal" if built.answer == first else "**other**"
-        cells = (built.code, built.stack, built.slice)
-        rows.append(f"| {machine.title} | `{level}` | {' | '.join('-' if cell is None else f'{cell:,}'.replace(',', ' ') for cell in cells)} | {bits} |")
+        cells = (built.code, built.stack)
+        rows.append(
+            f"| {machine.title} | `{level}` | {' | '.join('-' if cell is None else f'{cell:,}'.replace(',', ' ') for cell in cells)} | {bits} |"
+        )
     return rows
 
 
@@ -203,10 +227,13 @@ def document(found: Sequence[tuple[Machine, str, Built]], versions: Sequence[str
             "",
             "    python3 tests/target/builds.py --tables build-cortex-m4f/tests/target/records --work build/builds -o docs/BUILDS.md",
             "",
-            f"The same C files, with `{' '.join(EXACT)}` and the level, by {', '.join(versions)}. Code and constants are the sum over all of the module's objects with every effect, more than any firmware",
-            "links: what the four calls take stands in [BUDGETS](BUDGETS.md). The stack is the bound of [stack.py](../tests/target/stack.py), from the compiler's call graph, over all public functions. Bits: every line of a whole",
-            "identification of case A, estimates, errors, objective, evaluations and the state of the random numbers, against those of the first row, by the processor itself, QEMU's user emulation, or an emulated board.",
-            "The longest slice is case A's; over all effects, commands and records it is searched on the Cortex-M4F, in [BUDGETS](BUDGETS.md#the-longest-slice).",
+            f"The same C files, with `{' '.join(EXACT)}` and the level, by {', '.join(versions)}.",
+            "Code and constants are the sum over all of the module's objects with every effect, more than any firmware links: what the four calls take stands in [BUDGETS](BUDGETS.md).",
+            "The stack is the bound of [stack.py](../tests/target/stack.py), from the compiler's call graph, over all public functions.",
+            "Bits: every line of a whole identification of case A, estimates, errors, objective, evaluations and the state of the random numbers, against those of the first row,",
+            "by the processor itself, QEMU's user emulation, or an emulated board.",
+            "The longest slice is counted where the emulator counts instructions, over effects, commands and records on the Cortex-M4F, in [BUDGETS](BUDGETS.md#the-longest-slice);",
+            "its plain steps of work are the same in every build.",
             "WebAssembly is linked into the page of a diagnosis, whose tests hold its bits against the library's.",
             *(["", f"Left out, since this machine lacks them: {', '.join(left_out)}."] if left_out else []),
             "",
@@ -231,7 +258,9 @@ def main() -> int:
     found: list[tuple[Machine, str, Built]] = []
     left_out, versions = [], {}
     for machine in MACHINES:
-        missing = [tool for tool in (machine.compiler, *machine.runner, *([emulate.QEMU] if machine.board else ())) if shutil.which(tool) is None]
+        missing = [
+            tool for tool in (machine.compiler, *machine.runner, *([emulate.QEMU] if machine.board else ())) if shutil.which(tool) is None
+        ]
         if missing:
             left_out.append(f"{machine.title} ({missing[0]})")
             continue

@@ -27,6 +27,8 @@ LIBRARY_BYTES = {
     "__aeabi_l2f": 16,
     "__aeabi_f2ulz": 32,
 }
+# The same where the processor has no float unit: no routine of libgcc pushes more than nine registers and sets three words aside, newlib's square root less than twice that.
+SOFT_BYTES, SOFT_SQUARE_ROOT = 48, 96
 PUBLIC = re.compile(r"\b(ema_\w+)\(")
 
 
@@ -40,6 +42,7 @@ class Graph:
 
     frames: dict[str, int] = field(default_factory=dict)
     calls: dict[str, set[str]] = field(default_factory=dict)
+    soft: bool = False  # the processor has no float unit
 
     def add(self, text: str) -> None:
         """Adds one file of gcc's graph."""
@@ -68,6 +71,10 @@ class Graph:
             raise StackError(f"{above[-1]}: calls through a pointer: name the function")
         if name not in self.frames:
             plain = name.removeprefix("__builtin_")
+            if self.soft and plain.startswith("__aeabi_"):
+                return SOFT_BYTES, (plain,)
+            if self.soft and plain == "sqrtf":
+                return SOFT_SQUARE_ROOT, (plain,)
             if plain not in LIBRARY_BYTES:
                 raise StackError(f"{above[-1] if above else 'list'}: {name} is not in the call graph: is the whole module built?")
             return LIBRARY_BYTES[plain], (plain,)
@@ -77,12 +84,12 @@ class Graph:
         return self.frames[name] + deepest[0], (name.rsplit(":", 1)[-1], *deepest[1])
 
 
-def load(folder: Path) -> Graph:
-    """The graph of every .ci file below `folder`. Raises StackError when there is none."""
+def load(folder: Path, soft: bool = False) -> Graph:
+    """The graph of every .ci file below `folder`; `soft`: of a processor without a float unit. Raises StackError when there is none."""
     files = sorted(folder.rglob("*.ci"))
     if not files:
         raise StackError(f"{folder}: no call graph: build with -fcallgraph-info=su")
-    graph = Graph()
+    graph = Graph(soft=soft)
     for path in files:
         graph.add(path.read_text(encoding="utf-8"))
     return graph
@@ -98,9 +105,9 @@ def public_functions(include: Path) -> list[str]:
     return sorted(names)
 
 
-def worst_of(objects: Path, include: Path) -> dict[str, tuple[int, tuple[str, ...]]]:
+def worst_of(objects: Path, include: Path, soft: bool = False) -> dict[str, tuple[int, tuple[str, ...]]]:
     """Worst stack of every public function. Raises StackError."""
-    graph = load(objects)
+    graph = load(objects, soft)
     names = public_functions(include)
     if not names:
         raise StackError(f"{include}: no public function: name the folder include/ema")
