@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
@@ -96,12 +96,15 @@ class Judge:
         """Whether a fall of the squared error, of every sliding sample, is more than chance: in its mean, or in most stretches of time, since a single start of a motion may outweigh all else."""
         if not float(np.mean(change)) > 0.0:
             return False
+        # half a second to load, for this one method
+        from scipy.stats import wilcoxon
+
         of_record = self.bench.of_record[self.bench.sliding]
         numbers = np.unique(of_record)
         count = math.ceil(_STRETCHES / numbers.size)
         sums = [float(np.sum(part)) for number in numbers for part in np.array_split(change[of_record == number], count) if part.size]
-        by_sign = stats.wilcoxon(sums, alternative="greater").pvalue
-        return self._in_std(change) >= FALL_IN_STD or bool(by_sign < stats.norm.sf(FALL_IN_STD))
+        by_sign = wilcoxon(sums, alternative="greater").pvalue
+        return self._in_std(change) >= FALL_IN_STD or bool(by_sign < special.ndtr(-FALL_IN_STD))
 
     def _in_std(self, change: Reals) -> float:
         """A mean fall in its standard errors, as neighbours are alike."""
