@@ -20,6 +20,7 @@ _ADVICE = {
     128: "Use the command that the table was learned from, or learn it from records that reach as far as this one.",
     256: "Run `ema diagnose` on this record with healthy ones: it says how sure the name is, and what stands beside it.",
     512: "Run the ground test that the table was exported for, or export one for this command.",
+    1024: "Run the ground test again, without a sample missed.",
 }
 
 
