@@ -293,6 +293,10 @@ int32_t ema_desk_warmth(const double* values, const int32_t* options, int32_t si
 int32_t ema_desk_contact(const double* values, const int32_t* options, const double* angle_rad, int32_t rows,
                          double* share);
 
+/* The share after a turn from the one before, row by row; zero without such an effect. */
+int32_t ema_desk_contact_after(const double* values, const int32_t* options, const double* before,
+                               const double* turn_rad, int32_t rows, double* share);
+
 /* Output of the play behind a motor position, from `start_mm`. */
 int32_t ema_desk_play(const double* values, const int32_t* options, const double* motor_mm, int32_t rows,
                       double start_mm, double* play_mm);

@@ -146,6 +146,23 @@ int32_t ema_desk_contact(const double* values, const int32_t* options, const dou
     return (int32_t)EMA_OK;
 }
 
+int32_t ema_desk_contact_after(const double* values, const int32_t* options, const double* before,
+                               const double* turn_rad, int32_t rows, double* share)
+{
+    if ((values == NULL) || (options == NULL) || (before == NULL) || (turn_rad == NULL) || (share == NULL)) {
+        return (int32_t)EMA_ERR_NULL;
+    }
+    ema_actuator_t actuator;
+    ema_plant_t plant;
+    ema_real memory[EMA_EFFECT_MEMORY_LENGTH] = {EMA_R(0.0)};
+    ema_blocks_from(values, options, &actuator, &plant);
+    for (int32_t row = 0; row < rows; ++row) {
+        ema_site_presliding_keep(&plant, memory, (ema_real)before[row]);
+        share[row] = (double)ema_site_presliding(&plant, memory, (ema_real)turn_rad[row]);
+    }
+    return (int32_t)EMA_OK;
+}
+
 int32_t ema_desk_play(const double* values, const int32_t* options, const double* motor_mm, int32_t rows,
                       double start_mm, double* play_mm)
 {

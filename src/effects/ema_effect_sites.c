@@ -190,7 +190,8 @@ ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, e
     ema_real share = EMA_R(0.0);
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
     if (EMA_RUNS(plant->active.present, name)) {                                                                       \
-        share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad);                     \
+        share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad,                      \
+                                  plant->gearbox.lead_mm_per_rad);                                                    \
     }
 #include "ema/ema_effects.def"
     return share;

@@ -24,7 +24,8 @@
 #define EMA_EFFECT_AT_MOTOR(name)                                                                                      \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
-    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad);
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad,               \
+                               ema_real lead_mm_per_rad);
 #define EMA_EFFECT_AT_TRANSMISSION(name)                                                                               \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);                        \
     ema_rod_t ema_effect_##name(const ema_effect_##name##_t* effect, const ema_transmission_t* step, ema_real* memory);

@@ -159,11 +159,30 @@ def test_the_contact_stretches_as_its_equation_says() -> None:
     for turn in np.diff(angle).tolist():
         side = math.copysign(1, turn)
         for _ in range(parts):
-            half = share + 0.5 * turn / parts * side * module.share_slope_per_rad(effect, share, side) * side
-            share += turn / parts * module.share_slope_per_rad(effect, half, side)
+            half = share + 0.5 * turn / parts * side * module.slope_per_rad(effect, share, side, 1.0) * side
+            share += turn / parts * module.slope_per_rad(effect, half, side, 1.0)
         expected.append(share)
     assert found == pytest.approx(expected, abs=1e-6)
     assert not np.any(library().contact(*reference_actuator().arrays(), angle))
+
+
+def test_friction_behind_an_elastic_play_follows_its_equation_but_for_what_the_gap_holds() -> None:
+    example = example_of("elastic_backlash")
+    actuator = reference_actuator().changed(example)
+    angle = np.cumsum(0.2 * np.random.default_rng(7).standard_normal(ROWS))
+    found = library().contact(*actuator.arrays(), angle)
+    module, effect = module_of("elastic_backlash"), build(actuator.values).effects.elastic_backlash
+    lead = actuator["screw.lead_mm"] / (2.0 * math.pi * actuator["gearbox.ratio"])
+    most = 0.5 * example["elastic_backlash.gap_mm"] + example["elastic_backlash.contact_mm"]
+    ahead, expected = 0.0, [0.0]
+    for turn in np.diff(angle).tolist():
+        ahead = min(max(ahead + lead * turn, -most), most)
+        expected.append(module.share(effect, ahead))
+    assert np.ptp(expected) == 2.0
+    # inside the gap the module keeps its place in a hundredth of the friction
+    assert found == pytest.approx(expected, abs=0.0101)
+    one_by_one = library().contact_after(*actuator.arrays(), found[:-1], np.diff(angle))
+    assert np.array_equal(one_by_one, found[1:])
 
 
 def test_the_play_follows_at_half_its_width() -> None:

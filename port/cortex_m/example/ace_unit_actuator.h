@@ -5,7 +5,7 @@
 #include "ema/ema_actuator.h"
 #include "ema/ema_schema.h"
 
-#if EMA_CONFIG_SCHEMA != 0x9dd50604U
+#if EMA_CONFIG_SCHEMA != 0xcb12f310U
 #error "EMA_ACTUATOR: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h"
 #endif
 
@@ -279,6 +279,10 @@ static const ema_actuator_t EMA_ACTUATOR = {
         .grease_warming = {
             .fall = EMA_R(0.0), /* 0 */
             .time_s = EMA_R(5.0), /* 5 s */
+        },
+        .elastic_backlash = {
+            .gap_mm = EMA_R(0.0), /* 0 mm */
+            .contact_mm = EMA_R(0x1.3333333333333p-2), /* 0.3 mm */
         },
     },
 };

@@ -19,13 +19,13 @@ from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
-from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import library
 
 WINDOW_S = 0.5  # of a window: friction off by a tenth then moves the speed of a usual axis by a tenth [judgement]
 _ROWS_MIN, _ROWS_MAX = 20, 1000  # of a window [effort]
 _STEP_S = 2e-3  # of the solution; a shorter step of the record is taken as it is [precision]
 _SWING = 0.3  # of a stretched contact: a step is at most this share of its period over 2 pi [precision]
+_PROBE_RAD = 1e-4  # a turn that is short beside how far contacts stretch [precision]
 _STEPS_MAX = 200  # in a row of the record; a stiffer contact is not solved [effort]
 
 
@@ -84,10 +84,10 @@ def _solved(actuator: Actuator, seen: _Windows, period_s: float) -> tuple[float,
     inertia, viscous = values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"]
     static, ratio, asymmetry = values["screw.csj_Nm"], values["screw.dynamic_ratio"], values["screw.friction_asymmetry"]
     constant, limit, efficiency = values["motor.torque_constant_Nm_per_A"], values["motor.torque_limit_Nm"], values["gearbox.efficiency"]
-    stretch = _stretch(actuator)
+    stretches = acts(actuator, "PRESLIDING")
     steps = max(1, math.ceil(period_s / _STEP_S))
-    if stretch:
-        swing = math.sqrt(stretch * inertia / max(static * ratio, 1e-12))
+    if stretches:
+        swing = math.sqrt(inertia / max(static * ratio * _slope_per_rad(actuator), 1e-12))
         steps = max(steps, math.ceil(period_s / (_SWING * swing)))
         if steps > _STEPS_MAX:
             return None
@@ -122,28 +122,25 @@ def _solved(actuator: Actuator, seen: _Windows, period_s: float) -> tuple[float,
             eased = seen.eased[begin + row]
             net = drive + at("TORQUE", current, speed) - passed - known - eased * viscous * speed
             free = (speed + step / inertia * net) / damping
-            side = np.sign(contact) if stretch else np.where(speed != 0.0, np.sign(speed), np.sign(free))
-            level = static * np.where((speed != 0.0) | bool(stretch), ratio, 1.0) * (1.0 + asymmetry * side)
+            side = np.sign(contact) if stretches else np.where(speed != 0.0, np.sign(speed), np.sign(free))
+            level = static * np.where((speed != 0.0) | stretches, ratio, 1.0) * (1.0 + asymmetry * side)
             level = level * (1.0 + eased) + at("FRICTION", current, speed, level, side)
             level = level + np.where(passed * side > 0.0, 1.0 / efficiency - 1.0, 1.0 - efficiency) * np.abs(passed)
             most = step / inertia * np.maximum(level, 0.0) / damping
-            if stretch:
+            if stretches:
                 speed = free - most * contact
                 angle = angle + step * speed
-                way = np.sign(speed)
-                contact = np.where(way == 0.0, contact, way + (contact - way) * np.exp(-np.abs(step * speed) / stretch))
+                contact = library().contact_after(*arrays, contact, step * speed)
             else:
                 speed = np.where(np.abs(free) <= most, 0.0, free - np.sign(free) * most)
                 angle = angle + step * speed
     return (squares, total) if math.isfinite(squares) else None
 
 
-def _stretch(actuator: Actuator) -> float:
-    """How far the contact stretches, rad; 0 for one that sticks."""
-    for effect in load_definitions().effects:
-        if effect.site == "PRESLIDING" and effect.name in actuator.active_effects:
-            return float(actuator[effect.size.name])
-    return 0.0
+def _slope_per_rad(actuator: Actuator) -> float:
+    """How fast a contact that carries half of the friction takes up more of it, or less, per turn."""
+    half = library().contact_after(*actuator.arrays(), np.full(2, 0.5), np.array([-_PROBE_RAD, _PROBE_RAD]))
+    return float(half[1] - half[0]) / (2.0 * _PROBE_RAD)
 
 
 def _per_rad(actuator: Actuator) -> float:

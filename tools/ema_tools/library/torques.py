@@ -93,10 +93,12 @@ class LocalTorque:
 
 @dataclass(frozen=True)
 class Bending:
-    """An effect that changes the mechanical balance itself, so that its size is searched in a force balance, from these; `of_drive`: only where it changes the drive's torque."""
+    """An effect that changes the mechanical balance itself, so that its size is searched in a force balance, from these, and its shape from those `beside`;
+    `of_drive`: only where it changes the drive's torque."""
 
-    sizes: tuple[float, ...]
+    sizes: Sequence[float] | Callable[[States], Sequence[float]]
     of_drive: bool = False
+    beside: Grid = field(default_factory=dict)
 
 
 def turn(states: States) -> Reals:

@@ -472,6 +472,7 @@ class Library:
         self._declare("ema_desk_site", [real, whole, c_int32, real, c_int32, real])
         self._declare("ema_desk_warmth", [real, whole, c_int32, real, c_int32, c_double, real])
         self._declare("ema_desk_contact", [real, whole, real, c_int32, real])
+        self._declare("ema_desk_contact_after", [real, whole, real, real, c_int32, real])
         self._declare("ema_desk_play", [real, whole, real, c_int32, c_double, real])
         self._declare("ema_desk_controller", [real, whole, real, real, c_int32, real])
         self._check_lists()
@@ -850,6 +851,16 @@ class Library:
             _doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(angle), angle.size, _doubles(out)
         )
         self._raise_on(status, "contact", values, options)
+        return out
+
+    def contact_after(self, values: Reals, options: Integers, before: Reals, turn_rad: Reals) -> Reals:
+        """The share that a contact carries after a turn [rows] from the one before it [rows]. [rows]"""
+        shares, turns = (np.ascontiguousarray(column, dtype=np.float64) for column in (before, turn_rad))
+        out = np.empty(shares.size)
+        status = self._lib.ema_desk_contact_after(
+            _doubles(values), options.ctypes.data_as(POINTER(c_int32)), _doubles(shares), _doubles(turns), shares.size, _doubles(out)
+        )
+        self._raise_on(status, "contact_after", values, options)
         return out
 
     def play(self, values: Reals, options: Integers, motor_mm: Reals, start_mm: float) -> Reals:

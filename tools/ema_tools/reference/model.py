@@ -165,7 +165,7 @@ def _fastest_rate_per_s(moving: plant.Plant, lead_m_per_rad: float) -> float:
         fastest = max(fastest, 1.0 / part.drive.current_loop_s)
     level_per_inertia = part.screw.csj_Nm / moving.inertia_kgm2
     top_speed = part.drive.supply_V / max(part.motor.back_emf_V_s_per_rad, 1e-6)
-    fastest = max(fastest, sites.contact_rate_per_s(part.effects, level_per_inertia, top_speed))
+    fastest = max(fastest, sites.contact_rate_per_s(part.effects, level_per_inertia, top_speed, moving.lead_mm_per_rad))
     return max(fastest, sites.transmission_rate_per_s(part.effects, moving.inertia_kgm2, lead_m_per_rad))
 
 

@@ -192,7 +192,7 @@ def rates(plant: Plant, supply: drive.Supply, mode: Mode, state: np.ndarray, out
         active = _active_torque_Nm(plant, mode, point, state, load)
         out[SPEED] = screw.acceleration_rad_s2(part.screw, plant.inertia_kgm2, active, point.speed_rad_s, friction, share)
         out[ANGLE] = point.speed_rad_s
-        sites.contact_rates(part.effects, state, point.speed_rad_s, mode.motion, out)
+        sites.contact_rates(part.effects, state, point.speed_rad_s, mode.motion, plant.lead_mm_per_rad, out)
     play_mm, play_mm_s = play_output(plant, mode, point)
     sites.transmission_rates(part.effects, state, play_mm, play_mm_s, out)
     heat = part.motor.resistance_ohm * (1.0 + point.winding) * point.current_A * point.current_A

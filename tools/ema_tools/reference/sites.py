@@ -89,11 +89,11 @@ def _add_contact(first: Any, place: int, zero: float) -> Any:
     return both
 
 
-def _add_share(first: Any, place: int, zero: float, at: int) -> Any:
+def _add_share(first: Any, place: int, zero: float, at: int, function: Any) -> Any:
     @compiled
     def both(effects: Any, memory: np.ndarray) -> float:
         if effects[place][0] != zero:
-            return memory[at]
+            return function(effects[place], memory[at])
         return first(effects, memory)
 
     return both
@@ -101,20 +101,20 @@ def _add_share(first: Any, place: int, zero: float, at: int) -> Any:
 
 def _add_stretch(first: Any, place: int, zero: float, at: int, function: Any) -> Any:
     @compiled
-    def both(effects: Any, memory: np.ndarray, speed_rad_s: float, direction: int, out: np.ndarray) -> None:
-        first(effects, memory, speed_rad_s, direction, out)
+    def both(effects: Any, memory: np.ndarray, speed_rad_s: float, direction: int, lead_mm_per_rad: float, out: np.ndarray) -> None:
+        first(effects, memory, speed_rad_s, direction, lead_mm_per_rad, out)
         if effects[place][0] != zero:
-            out[at] = speed_rad_s * function(effects[place], memory[at], direction)
+            out[at] = speed_rad_s * function(effects[place], memory[at], direction, lead_mm_per_rad)
 
     return both
 
 
 def _add_contact_rate(first: Any, place: int, zero: float, function: Any) -> Any:
     @compiled
-    def both(effects: Any, level_per_inertia: float, speed_rad_s: float) -> float:
-        fastest = first(effects, level_per_inertia, speed_rad_s)
+    def both(effects: Any, level_per_inertia: float, speed_rad_s: float, lead_mm_per_rad: float) -> float:
+        fastest = first(effects, level_per_inertia, speed_rad_s, lead_mm_per_rad)
         if effects[place][0] != zero:
-            fastest = max(fastest, function(effects[place], level_per_inertia, speed_rad_s))
+            fastest = max(fastest, function(effects[place], level_per_inertia, speed_rad_s, lead_mm_per_rad))
         return fastest
 
     return both
@@ -130,17 +130,17 @@ def _contacts() -> tuple[Callable[..., Any], ...]:
         return 0.0
 
     @compiled
-    def rates(effects: Any, memory: np.ndarray, speed_rad_s: float, direction: int, out: np.ndarray) -> None:
+    def rates(effects: Any, memory: np.ndarray, speed_rad_s: float, direction: int, lead_mm_per_rad: float, out: np.ndarray) -> None:
         pass
 
     @compiled
-    def fastest(effects: Any, level_per_inertia: float, speed_rad_s: float) -> float:
+    def fastest(effects: Any, level_per_inertia: float, speed_rad_s: float, lead_mm_per_rad: float) -> float:
         return 0.0
 
     for place, zero, at, module in _rows("PRESLIDING"):
         elastic = _add_contact(elastic, place, zero)
-        share = _add_share(share, place, zero, at)
-        rates = _add_stretch(rates, place, zero, at, module.share_slope_per_rad)
+        share = _add_share(share, place, zero, at, module.share)
+        rates = _add_stretch(rates, place, zero, at, module.slope_per_rad)
         fastest = _add_contact_rate(fastest, place, zero, module.fastest_rate_per_s)
     return elastic, share, rates, fastest
 

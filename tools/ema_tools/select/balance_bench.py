@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division, divided
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import effect_of_base_value
+from ema_tools.library.torques import Shape
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Piece, Setting
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.torque_patterns import Pattern, continuous_of, pattern_of
@@ -35,6 +37,7 @@ _STEP = 0.05  # of a size that is searched, for its slope [precision]
 _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, says nothing of it [precision]
 _ON_END = 1e-9  # so near to an end of where it may be, relative, a base value lies on it [precision]
 _ALIKE = 0.02  # a base value's torque that is the others' but for so much of its length is not told from them [judgement]
+_ROUNDS_OF_SHAPE = 2  # over the values of a shape of several [effort]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
 LOAD = "screw.load_torque_Nm"
@@ -431,29 +434,38 @@ class Bench:
         return {name: float(value) for name, value in zip(values, spread, strict=True) if value > 0.0}
 
     def searched(self, accepted: Fitted, effect: str, known: Sequence[Pattern]) -> Fitted:
-        """The best size of an effect that changes the balance itself, beside what was accepted: of those given, then between the neighbours of the best."""
-        (name,) = known[0].shape
-        row = row_of(name)
+        """The best shape of an effect that changes the balance itself, beside what was accepted: of those given, then, value by value, between the neighbours of the best."""
 
-        def at(size: float, samples: Samples | None = None) -> Fitted:
-            patterns = (*accepted.patterns, replace(known[0], shape={name: size}))
+        def at(shape: Shape, samples: Samples | None = None) -> Fitted:
+            patterns = (*accepted.patterns, replace(known[0], shape=shape))
             return self.fit(samples or self.with_bends(patterns), patterns, accepted.columns)
 
-        sizes = [pattern.shape[name] for pattern in known]
         begun = tuple(sorted(one for pattern in accepted.patterns if pattern.bends for one in pattern.shape.items()))
         fits = []
-        for size in sizes:
-            changes = (*begun, (name, size))
+        for pattern in known:
+            changes = (*begun, *pattern.shape.items())
             if changes not in self._bent:
                 self._bent[changes] = self.changed(dict(changes))
-            fits.append(at(size, self._bent[changes]))
-        place = min(range(len(fits)), key=lambda k: fits[k].square(self.training))
-        ends = (sizes[place - 1] if place else max(row.lower, 1e-3 * sizes[0]), sizes[place + 1] if place + 1 < len(sizes) else row.upper)
-        found = minimize_scalar(
-            lambda size: at(float(size)).square(self.training), bounds=ends, method="bounded", options={"xatol": 5e-3 * sizes[place]}
-        )
-        refined = at(float(found.x))
-        return min(refined, fits[place], key=lambda fit: fit.square(self.training))
+            fits.append(at(pattern.shape, self._bent[changes]))
+        first = min(range(len(fits)), key=lambda k: fits[k].square(self.training))
+        best, shape = fits[first], dict(known[first].shape)
+        for name in list(shape) * (1 if len(shape) == 1 else _ROUNDS_OF_SHAPE):
+            sizes = sorted({pattern.shape[name] for pattern in known})
+            row, place = row_of(name), sizes.index(known[first].shape[name])
+            ends = (
+                sizes[place - 1] if place else max(row.lower, 1e-3 * sizes[0]),
+                sizes[place + 1] if place + 1 < len(sizes) else row.upper,
+            )
+            found = minimize_scalar(
+                partial(lambda name, size: at({**shape, name: float(size)}).square(self.training), name),
+                bounds=ends,
+                method="bounded",
+                options={"xatol": 5e-3 * sizes[place]},
+            )
+            refined = at({**shape, name: float(found.x)})
+            if refined.square(self.training) < best.square(self.training):
+                best, shape = refined, {**shape, name: float(found.x)}
+        return best
 
 
 def _coefficient(setting: Setting, place: int, value: float) -> float:

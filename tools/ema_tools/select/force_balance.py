@@ -391,11 +391,11 @@ class ForceSearch:
             if special not in self.effects or any(one.effect == special for one in accepted.patterns):
                 continue
             rest = tuple(one for one in accepted.patterns if one.effect != pattern.effect)
-            without = self.bench.judged(self.with_patterns(rest, accepted.samples))
+            without = self.bench.judged(self.with_patterns(rest, self.bench.with_bends(rest) if pattern.bends else accepted.samples))
             found = self.tried(without, special)
             if isinstance(found, Refusal):
                 continue
-            fit = self.bench.judged(self.refined(found.fit))
+            fit = self.bench.judged(self.finished(found.fit, found.fit.patterns[-1].bends))
             lost = float(np.sum(fit.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
             slight = self.judge.share(fit, lost) < LEAST_SHARE or lost < LEAST_OF_FIRST * self.judge.first
             if slight and not self.judge.refusal(without, self._tried(without, special, fit)):

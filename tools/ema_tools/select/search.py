@@ -70,14 +70,17 @@ def _pruned(fit: Fit, limit: float) -> Fit:
 
 
 def _as_special_case(fit: Fit, effect: str) -> Fit | None:
-    """The fit with the effect in its special case, from the values that both have; None where it is no other's."""
+    """The fit with the effect in its special case, from the values that both have; None where it is no other's, or they have none."""
     special = record_of(effect).special_case
     if not special:
         return None
     own = fit.of_effect(effect)
     known = {f"effects.{row.name}" for row in load_definitions().effect(special).parameters}
     shared = {name.replace(f"effects.{effect}.", f"effects.{special}."): value for name, value in own.items()}
-    start = {**without_effect(fit.values, effect), **{name: value for name, value in shared.items() if name in known}}
+    shared = {name: value for name, value in shared.items() if name in known}
+    if not shared:
+        return None
+    start = {**without_effect(fit.values, effect), **shared}
     # the view of the fit holds the effect itself
     return refit(settled(fit.view.evidence, start, fit.view.deviations, 1), start)
 

@@ -15,7 +15,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.registry import record_of
-from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, combined, values_in
+from ema_tools.library.torques import Bending, Grid, LocalTorque, PeriodicTorque, Shape, combined, values_in
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Piece, Setting
 from ema_tools.select.swings import swings
 
@@ -146,20 +146,21 @@ def _local(setting: Setting, effect: str, one: LocalTorque, shape: Shape) -> Pat
     return Pattern(effect, shape, setting.as_seen(-torque[:, None]), LEVEL if one.of_level else "")
 
 
-def _local_shapes(setting: Setting, effect: str, one: LocalTorque) -> list[Shape]:
+def _in_ranges(setting: Setting, effect: str, grid: Grid) -> list[Shape]:
+    """Every shape of a grid, within the ranges of its values."""
     values = {}
-    for name, wanted in values_in(one.in_balance, setting.states).items():
+    for name, wanted in values_in(grid, setting.states).items():
         row = load_definitions().by_name[f"{effect}.{name}"]
         values[row.name] = sorted({float(np.clip(value, row.lower, row.upper)) for value in wanted})
     return combined(values)
 
 
 def _bending_shapes(setting: Setting, effect: str, one: Bending) -> list[Shape]:
-    size = load_definitions().effect(effect).size.name
+    shapes = _in_ranges(setting, effect, {load_definitions().effect(effect).size.field: one.sizes, **one.beside})
     if one.of_drive:
-        changed = setting.with_actuator(setting.actuator.changed({size: one.sizes[0]}))
-        return [{size: value} for value in one.sizes] if not np.array_equal(changed.drive_Nm, setting.drive_Nm) else []
-    return [{size: value} for value in one.sizes]
+        changed = setting.with_actuator(setting.actuator.changed(shapes[0]))
+        return shapes if not np.array_equal(changed.drive_Nm, setting.drive_Nm) else []
+    return shapes
 
 
 def _shapes(setting: Setting, effect: str) -> list[Shape] | None:
@@ -169,7 +170,7 @@ def _shapes(setting: Setting, effect: str) -> list[Shape] | None:
         numbers = _in_band(setting, record.periodic)
         return [{f"{effect}.periods": float(number)} for number in numbers] if record.periodic.in_balance else [{}]
     if (local := _local_of(effect)) is not None:
-        return _local_shapes(setting, effect, local)
+        return _in_ranges(setting, effect, local.in_balance)
     return _bending_shapes(setting, effect, record.bending) if record.bending is not None else None
 
 
@@ -228,13 +229,16 @@ def is_texture(setting: Setting, effect: str, shape: Shape) -> bool:
 
 def _not_known(setting: Setting, effect: str, shape: Shape) -> str:
     """Why an effect that acts at a place cannot be told from records that do not say where the machine is; empty where it can."""
+    if record_of(effect).bending is not None:
+        on_screw = any(name.endswith("_mm") for name in shape)
+        return NO_SCREW if on_screw and setting.on_another_screw is not setting else ""
     if not setting.placed and record_of(effect).periodic is None and _differ(effect, shape, setting, setting.elsewhere):
         return NOT_PLACED
     return NO_SCREW if _differ(effect, shape, setting, setting.on_another_screw) else ""
 
 
 def _differ(effect: str, shape: Shape, one: Setting, other: Setting) -> bool:
-    if one is other or record_of(effect).bending is not None:
+    if one is other:
         return False
     here, there = pattern_of(one, effect, shape), pattern_of(other, effect, shape)
     if isinstance(here, str) or isinstance(there, str):

@@ -23,6 +23,30 @@ def stribeck_friction(v: Any, w: float) -> float:
 
 
 @kept_compiled
+def elastic_backlash(v: Any) -> float:
+    """Free way of what is behind the play, mm; 0 is none."""
+    return v["elastic_backlash.gap_mm"]
+
+
+@kept_compiled
+def elastic_backlash_carried(v: Any, ahead_mm: float) -> float:
+    """Share (-1 .. 1) of dry friction that the ends of the play carry when the shaft is ahead by so much of the middle: springs that only push."""
+    half = 0.5 * v["elastic_backlash.gap_mm"]
+    if ahead_mm > half:
+        return (ahead_mm - half) / v["elastic_backlash.contact_mm"]
+    if ahead_mm < -half:
+        return (ahead_mm + half) / v["elastic_backlash.contact_mm"]
+    return 0.0
+
+
+@kept_compiled
+def elastic_backlash_after(v: Any, ahead_mm: float, way_mm: float) -> float:
+    """How far the shaft is ahead after a way in one direction: what is behind slides along once a spring carries all of the friction."""
+    most = 0.5 * v["elastic_backlash.gap_mm"] + v["elastic_backlash.contact_mm"]
+    return min(max(ahead_mm + way_mm, -most), most)
+
+
+@kept_compiled
 def cogging_torque(v: Any, theta: float) -> float:
     """Torque on the shaft, Nm."""
     amplitude = v["cogging_torque.amplitude_Nm"]

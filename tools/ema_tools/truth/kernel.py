@@ -18,6 +18,7 @@ from ema_tools.truth.kept import kept_compiled
 COULOMB = 0
 LUGRE = 1
 DAHL = 2
+PLAY = 3
 _STATES = 12
 _HALVINGS = 48
 
@@ -280,8 +281,22 @@ def _lugre(v: Any, s: np.ndarray, law: int, held: float, presliding_rad: float, 
 
 
 @kept_compiled
-def _dahl(v: Any, s: np.ndarray, law: int, held: float, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
-    """One integration step with Dahl friction: the contact in closed form over the angle, the rest by Heun's method."""
+def _carried(v: Any, friction: int, contact: float) -> float:
+    """Share of dry friction that a contact carries."""
+    return effects.elastic_backlash_carried(v, contact) if friction == PLAY else contact
+
+
+@kept_compiled
+def _contact_after(v: Any, friction: int, contact: float, turn: float) -> float:
+    """The contact after a turn in one direction."""
+    if friction == PLAY:
+        return effects.elastic_backlash_after(v, contact, mm_per_rad(v) * turn)
+    return forms.dahl_after(v, contact, turn)
+
+
+@kept_compiled
+def _by_contact(v: Any, s: np.ndarray, law: int, held: float, friction: int, dt: float, k: np.ndarray, trial: np.ndarray) -> int:
+    """One integration step with a contact in closed form over the angle, Dahl's or one behind a play, the rest by Heun's method."""
     direction = 1 if s[1] > 0.0 else -1
     push = _pushes(v, s, direction)
     inertia = _shaft_inertia_kgm2(v)
@@ -290,16 +305,16 @@ def _dahl(v: Any, s: np.ndarray, law: int, held: float, dt: float, k: np.ndarray
         _slopes(v, trial, law, held, direction, push, k[stage])
         level = _level_Nm(v, trial[0], trial[1], trial[2], trial[7], float(direction), False)
         # the slopes hold friction of full sliding: what the contact does not carry yet is given back
-        k[stage, 1] += level * (direction - trial[5]) / inertia
+        k[stage, 1] += level * (direction - _carried(v, friction, trial[5])) / inertia
         if stage == 0:
             for j in range(5):
                 trial[j] = s[j] + dt * k[0, j]
             trial[0] = _current_after(v, law, held, trial[0], trial[1], trial[2], s)
-            trial[5] = forms.dahl_after(v, s[5], trial[2] - s[2])
+            trial[5] = _contact_after(v, friction, s[5], trial[2] - s[2])
     for j in range(5):
         trial[j] = s[j] + 0.5 * dt * (k[0, j] + k[1, j])
     s[0] = _current_after(v, law, held, trial[0], trial[1], trial[2], s)
-    s[5] = forms.dahl_after(v, s[5], trial[2] - s[2])
+    s[5] = _contact_after(v, friction, s[5], trial[2] - s[2])
     for j in range(1, 5):
         s[j] = trial[j]
     reach = v["screw.travel_mm"] / mm_per_rad(v)
@@ -451,8 +466,8 @@ def run(
                     before = s[0]
                     if law_of_friction == COULOMB:
                         moving = _coulomb(v, s, law, held, moving, dt, k, trial)
-                    elif law_of_friction == DAHL:
-                        moving = _dahl(v, s, law, held, dt, k, trial)
+                    elif law_of_friction in (DAHL, PLAY):
+                        moving = _by_contact(v, s, law, held, law_of_friction, dt, k, trial)
                     else:
                         moving = _lugre(v, s, law, held, presliding_rad, dt, k, trial)
                     s[7] += dt

@@ -117,6 +117,8 @@ def simulate_truth(
         presliding_rad = forms.lugre(record)
     if forms.dahl(record) > 0.0:
         law = kernel.DAHL
+    if effects.elastic_backlash(record) > 0.0:
+        law = kernel.PLAY
     if record["dead_time_sign.drop_V"] > 0.0 and record["motor.inductance_H"] == 0.0:
         raise ValueError("dead_time_sign: a winding without inductance has no hard edge: use dead_time_tanh")
     finest = step_s or (1e-5 if law == kernel.COULOMB else 2e-6)

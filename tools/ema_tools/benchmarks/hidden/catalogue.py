@@ -57,6 +57,8 @@ LIBRARY: Mapping[str, Hidden] = {
     # 1 to 40 % within a record
     "grease_warming": Hidden("fall", 0.05, shape=lambda r: {"time_s": _log(r, 1.0, 10.0)}),
     "presliding": Hidden("stretch_rad", 0.02),
+    # the lower end of a typical gap on a machine whose chirp reaches 2 mm
+    "elastic_backlash": Hidden("gap_mm", 0.03, shape=lambda r: {"contact_mm": _log(r, 0.02, 0.1)}),
     "coulomb_asymmetry": Hidden("asymmetry", 0.01, True),
     # typical 0 to 0.1 Nm: a twentieth of its upper end
     "constant_load": Hidden("torque_Nm", 0.005, True),

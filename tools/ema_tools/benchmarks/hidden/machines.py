@@ -119,7 +119,7 @@ _LUGRE_STEP_S = 1e-5
 _FAST_STEP_S = 1e-5
 _FAST = ("cogging_torque", "torque_ripple", "transmission_compliance", "elastic_stop", "dead_time_tanh", "dead_time_sign")
 # Forms whose contact yields before it slides.
-_YIELDING = ("presliding.stretch_rad", "lugre.stretch_rad", "dahl.stretch_rad")
+_YIELDING = ("presliding.stretch_rad", "elastic_backlash.gap_mm", "lugre.stretch_rad", "dahl.stretch_rad")
 
 
 def seed_of(*parts: object) -> int:

@@ -11,7 +11,7 @@ What a module must hold depends on its site; `effect` is the named tuple of its 
 | LOAD | `load_Nm(effect, point)`, against extension |
 | VOLTAGE | `voltage_change_V(effect, point)` |
 | MOTOR | `motor_change(effect, point)`, relative, of torque constant and back-EMF |
-| PRESLIDING | `share_slope_per_rad`, `fastest_rate_per_s`: see presliding |
+| PRESLIDING | `share`, `slope_per_rad`, `fastest_rate_per_s`: see presliding |
 | READING | `reading_mm(effect, point)`, added to the rod sensor's; `point.motor_mm` is the rod's position |
 | WINDING, GREASE | `change(effect, memory)`, relative, of the resistance, or of dry and viscous friction; `rate_per_s(effect, memory, heat_W)` of the memory |
 | TRANSMISSION | `shaft_inertia_kgm2`, `rest`, `reaction_Nm`, `rates`, `rod`, `fastest_rate_per_s`: see transmission_compliance |
@@ -34,7 +34,7 @@ SITE_FUNCTIONS = {
     "LOAD": ("load_Nm",),
     "VOLTAGE": ("voltage_change_V",),
     "MOTOR": ("motor_change",),
-    "PRESLIDING": ("share_slope_per_rad", "fastest_rate_per_s"),
+    "PRESLIDING": ("share", "slope_per_rad", "fastest_rate_per_s"),
     "READING": ("reading_mm",),
     "WINDING": ("change", "rate_per_s"),
     "GREASE": ("change", "rate_per_s"),

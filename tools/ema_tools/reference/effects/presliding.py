@@ -2,7 +2,7 @@
 
 Source: P. R. Dahl, A solid friction model, Aerospace Corp. TOR-158 (1968).
 
-`share` is z: -1 or 1 once the contact slides. `direction`: sign of the speed.
+The memory is z: -1 or 1 once the contact slides. `direction`: sign of the speed.
 """
 
 import math
@@ -14,12 +14,18 @@ EXAMPLE = {"stretch_rad": 0.05}
 
 
 @compiled
-def share_slope_per_rad(effect: Any, share: float, direction: int) -> float:
-    """Change of the share per turn of the shaft."""
-    return (1.0 - share * direction) / effect.stretch_rad
+def share(effect: Any, memory: float) -> float:
+    """Share of dry friction that is carried."""
+    return memory
 
 
 @compiled
-def fastest_rate_per_s(effect: Any, level_per_inertia: float, speed_rad_s: float) -> float:
+def slope_per_rad(effect: Any, memory: float, direction: int, lead_mm_per_rad: float) -> float:
+    """Change of the memory per turn of the shaft."""
+    return (1.0 - memory * direction) / effect.stretch_rad
+
+
+@compiled
+def fastest_rate_per_s(effect: Any, level_per_inertia: float, speed_rad_s: float, lead_mm_per_rad: float) -> float:
     """Largest rate of change, for the choice of the integration step: the contact as a spring, and its slipping at `speed_rad_s`."""
     return max(math.sqrt(level_per_inertia / effect.stretch_rad), speed_rad_s / effect.stretch_rad)
