@@ -1,12 +1,12 @@
 /* Dry friction behind a play with elastic ends, exact for a turn in one direction.
  *
  * The share of friction that is carried says where the shaft stands in the play, so that it is the whole memory: inside
- * the gap it runs over a hundredth of the friction, which nothing tells from none.
+ * the gap it runs over a part of the friction that nothing tells from none.
  */
 #include "ema_effect_sites.h"
 #include "ema_math.h"
 
-#define EMA_IN_GAP EMA_R(0.01)
+#define EMA_IN_GAP EMA_R(1.0e-5)
 
 ema_real ema_effect_elastic_backlash(const ema_effect_elastic_backlash_t* effect, ema_real stretch, ema_real turn_rad,
                                      ema_real lead_mm_per_rad)
