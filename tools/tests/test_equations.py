@@ -169,9 +169,10 @@ def test_the_contact_stretches_as_its_equation_says() -> None:
 def test_friction_behind_an_elastic_play_follows_its_equation_but_for_what_the_gap_holds() -> None:
     example = example_of("elastic_backlash")
     actuator = reference_actuator().changed(example)
-    angle = np.cumsum(0.2 * np.random.default_rng(7).standard_normal(ROWS))
+    angle = np.cumsum(0.5 * np.random.default_rng(7).standard_normal(ROWS))
     found = library().contact(*actuator.arrays(), angle)
     module, effect = module_of("elastic_backlash"), build(actuator.values).effects.elastic_backlash
+    # mm per rad of the motor
     lead = actuator["screw.lead_mm"] / (2.0 * math.pi * actuator["gearbox.ratio"])
     most = 0.5 * example["elastic_backlash.gap_mm"] + example["elastic_backlash.contact_mm"]
     ahead, expected = 0.0, [0.0]

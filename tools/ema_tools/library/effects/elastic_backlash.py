@@ -8,7 +8,7 @@ EFFECT = EffectRecord(
     shows="mechanical balance: after each reversal a way without dry friction, then its rise; hysteresis of torque against position with a flat floor",
     typical=Typical({"gap_mm": 0.1, "contact_mm": 0.1}, "usual: 0.03 to 10 mm, contacts of 0.1 to 3 mm"),
     # at two sizes, as what it shows does not grow in proportion
-    slight=Slight(0.002, free=({"gap_mm": 0.001, "contact_mm": 0.003}, {"gap_mm": 0.003, "contact_mm": 0.003})),
+    slight=Slight(0.003, free=({"gap_mm": 0.001, "contact_mm": 0.003}, {"gap_mm": 0.003, "contact_mm": 0.003})),
     independent_shapes=4,
     shapes={"contact_mm": (0.01, 0.03, 0.1, 0.3)},
     bending=Bending(
