@@ -112,15 +112,11 @@ typedef struct {
     bool average_speed;
     bool plain; /* proportional and integral action only */
     ema_real period_s;
-    ema_real rate_hz;
-    ema_real kp_per_m;
-    ema_real ki_per_m_s;
-    ema_real kd_s_per_m;
+    ema_real gain;          /* kp, 1/m; of a cascade the speed's, s/m */
+    ema_real integral_gain; /* ki, 1/(m s); of a cascade the speed's, 1/m */
+    ema_real outer_gain;    /* kd, s/m; of a cascade the position's, 1/s */
     ema_real anti_windup_per_s;
     ema_real output_limit;
-    ema_real position_gain_per_s;
-    ema_real speed_gain_s_per_m;
-    ema_real speed_integral_per_m;
     ema_real speed_limit_m_s; /* largest finite number when there is none */
     uint32_t every_steps;
 } ema_pid_t;

@@ -89,8 +89,8 @@ static void ema_lanes_responses(ema_lanes_responses_t* to, const ema_responses_t
 void ema_lanes_start(ema_lanes_t* lanes)
 {
     EMA_LANES_OF(period_s, pid)
-    EMA_LANES_OF(kp_per_m, pid)
-    EMA_LANES_OF(ki_per_m_s, pid)
+    EMA_LANES_OF(gain, pid)
+    EMA_LANES_OF(integral_gain, pid)
     EMA_LANES_OF(anti_windup_per_s, pid)
     EMA_LANES_OF(output_limit, pid)
     EMA_LANES_OF(supply_V, drive)

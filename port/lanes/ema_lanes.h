@@ -60,8 +60,8 @@ typedef struct {
 /* What of the plant every step looks at, by the names it has there. */
 typedef struct {
     ema_lane_t period_s;
-    ema_lane_t kp_per_m;
-    ema_lane_t ki_per_m_s;
+    ema_lane_t gain;
+    ema_lane_t integral_gain;
     ema_lane_t anti_windup_per_s;
     ema_lane_t output_limit;
     ema_lane_t supply_V;

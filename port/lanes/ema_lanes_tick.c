@@ -67,8 +67,8 @@ static void ema_lanes_control_plain(ema_lanes_t* lanes, ema_real command_mm, con
         const ema_pid_t pid = {.plain = true,
                                .every_steps = 1U,
                                .period_s = lanes->constant.period_s[l],
-                               .kp_per_m = lanes->constant.kp_per_m[l],
-                               .ki_per_m_s = lanes->constant.ki_per_m_s[l],
+                               .gain = lanes->constant.gain[l],
+                               .integral_gain = lanes->constant.integral_gain[l],
                                .anti_windup_per_s = lanes->constant.anti_windup_per_s[l],
                                .output_limit = lanes->constant.output_limit[l]};
         const ema_drive_t drive = {.supply_V = lanes->constant.supply_V[l]};

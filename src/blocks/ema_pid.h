@@ -21,9 +21,9 @@ static inline ema_real ema_pid_step(const ema_pid_t* pid, ema_state_t* state, em
         state->output = ema_pid_general(pid, state, error_m, feedback_mm);
         return state->output;
     }
-    const ema_real raw = (pid->kp_per_m * error_m) + state->integral;
+    const ema_real raw = (pid->gain * error_m) + state->integral;
     const ema_real output = ema_min(ema_max(raw, -pid->output_limit), pid->output_limit);
-    state->integral += pid->period_s * ((pid->ki_per_m_s * error_m) + (pid->anti_windup_per_s * (output - raw)));
+    state->integral += pid->period_s * ((pid->integral_gain * error_m) + (pid->anti_windup_per_s * (output - raw)));
     state->output = output;
     return output;
 }

@@ -2,6 +2,7 @@
 
 One shaft with bristle friction (C. Canudas de Wit et al., "A new model for control of systems with friction", IEEE Trans. Automatic Control 40(3), 1995) whose bump falls as 1 / (1 + (w/w0)^2),
 where the library has an exponential; waves with a second harmonic, where the library has pure sines. A speed loop drives it that no record tells of. Fixed steps of 20 us.
+With a play there are two masses, and a damped spring at either end of the gap, where the library has friction's share alone.
 """
 
 from __future__ import annotations
@@ -63,8 +64,13 @@ EFFECTS: Mapping[str, float] = {
     "cogging_torque": 0.1,
     "torque_ripple": 0.05,
     "spring_load": 0.2,
+    "elastic_backlash": 0.02,
 }
-_PLACED = ("spring_load",)
+# In which a place and a rod are needed.
+_PLACED = ("spring_load", "elastic_backlash")
+_BEHIND = 0.3  # share of the inertia that is behind a play
+_CONTACT = 0.4  # of the gap: how far its ends yield under the friction
+_DAMPED = 0.3  # of their critical damping
 COMMANDS = ("steady speeds", "sweeps", "start and stop", "pick and place")
 
 
@@ -100,12 +106,15 @@ class Machine:
 @compiled
 def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
     """Angle, speed and the drive's torque at every record's row, [3, rows], under a speed asked for at every step."""
-    inertia, level, viscous, kp, ki, limit, load, asym, vasym, quad, rise, bump, cog, ripple, periods, phase, spring, arm, ratio = own
+    inertia, level, viscous, kp, ki, limit, load, asym, vasym, quad, rise, bump, cog, ripple, periods, phase, spring, arm, ratio, gap = own
     bristle = level / _BRISTLE_RAD
     damping = 2.0 * 0.4 * np.sqrt(bristle * inertia)
     rows = speed_rad_s.size // every
     found = np.zeros((3, rows))
     angle, speed, z, integral = start_rad, 0.0, 0.0, 0.0
+    behind, behind_speed = start_rad, 0.0
+    stiffness = level / (_CONTACT * gap) if gap > 0.0 else 0.0
+    damper = 2.0 * _DAMPED * np.sqrt(stiffness * _BEHIND * inertia)
     for step in range(rows * every):
         error = speed_rad_s[step] - speed
         torque = kp * error + ki * integral
@@ -115,6 +124,22 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
         if step % every == 0:
             row = step // every
             found[0, row], found[1, row], found[2, row] = angle, speed, torque
+        if gap > 0.0:
+            # the friction holds the second mass, which the shaft meets at the ends of the play
+            slides = level
+            bent = (z + STEP_S * behind_speed) / (1.0 + STEP_S * abs(behind_speed) * bristle / slides)
+            friction = bristle * bent + damping * (bent - z) / STEP_S
+            z = bent
+            pressed = abs(angle - behind) - 0.5 * gap
+            force = 0.0
+            if pressed > 0.0:
+                end = 1.0 if angle > behind else -1.0
+                force = end * max(stiffness * pressed + end * damper * (speed - behind_speed), 0.0)
+            speed += STEP_S * (torque - viscous * speed - force) / ((1.0 - _BEHIND) * inertia)
+            behind_speed += STEP_S * (force - friction) / (_BEHIND * inertia)
+            angle += STEP_S * speed
+            behind += STEP_S * behind_speed
+            continue
         wave = np.sin(periods * angle + phase) + _HARMONIC * np.sin(2.0 * periods * angle + _SECOND * phase)
         side = 1.0 if speed > 0.0 else -1.0
         slides = level * (1.0 + rise / (1.0 + (speed / bump) ** 2)) * (1.0 + asym * side)
@@ -182,6 +207,7 @@ def columns_of(machine: Machine, motion: Mapping[str, Reals], effect: str) -> Re
     angle, speed = motion["angle_rad"], motion["speed_rad_s"]
     if not effect:
         return np.column_stack([np.gradient(speed, one.period_s), speed, np.sign(speed)])
+    share = machine.hidden.get("elastic_backlash", 0.0)
     level, phase, turned = own["friction"], own["phase"], one.periods * angle
     second = _HARMONIC * np.sin(2.0 * turned + _SECOND * phase)
     waves = np.column_stack([np.sin(turned + phase) + second, np.cos(turned + phase)])
@@ -196,8 +222,22 @@ def columns_of(machine: Machine, motion: Mapping[str, Reals], effect: str) -> Re
         "quadratic_viscous": level * speed * np.abs(speed) / one.fastest_rad_s**2,
         "stribeck_friction": level * np.sign(speed) / (1.0 + (speed / (_BUMP * one.fastest_rad_s)) ** 2),
         "spring_load": level * angle / (one.stroke_rad or 1.0),
+        "elastic_backlash": _relieved(angle, speed, level, share * one.stroke_rad) / (share or 1.0),
     }
     return np.asarray(single[effect][:, None])
+
+
+def _relieved(angle: Reals, speed: Reals, level: float, gap: float) -> Reals:
+    """Change of the friction where it is behind a play of `gap` without mass, [rows]."""
+    if gap == 0.0:
+        return np.zeros_like(angle)
+    most = (0.5 + _CONTACT) * gap
+    ahead, found = np.zeros_like(angle), 0.0
+    for row, turn in enumerate(np.diff(angle, prepend=angle[0]).tolist()):
+        found = min(max(found + turn, -most), most)
+        ahead[row] = found
+    carried = np.sign(ahead) * np.maximum(np.abs(ahead) - 0.5 * gap, 0.0) / (_CONTACT * gap)
+    return np.asarray(level * (carried - np.sign(speed)))
 
 
 def _count(command: str) -> int:
@@ -232,6 +272,7 @@ def _own(machine: Machine) -> Reals:
             hidden.get("spring_load", 0.0) * level / (one.stroke_rad or 1.0),
             one.arm_Nm,
             one.ratio,
+            hidden.get("elastic_backlash", 0.0) * one.stroke_rad,
         ]
     )
 
