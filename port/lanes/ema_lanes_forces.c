@@ -227,9 +227,10 @@ void ema_lanes_presliding(const ema_lanes_t* lanes, const ema_lane_t turn_rad, e
         EMA_EACH_LANE                                                                                                  \
         {                                                                                                              \
             const ema_effect_##name##_t effect = ema_lane_effect_##name(lanes, l);                                     \
-            share[l] = ema_effect_##name(&effect, lanes->now.effect_memory[EMA_MEMORY_PLACE(name)][l], turn_rad[l],    \
+            share[l] = ema_effect_##name(&effect, turn_rad[l], lanes->now.effect_memory[EMA_MEMORY_PLACE(name)][l],    \
                                          lanes->constant.lead_mm_per_rad[l]);                                          \
         }                                                                                                              \
+        return;                                                                                                        \
     }
 #include "ema/ema_effects.def"
 }

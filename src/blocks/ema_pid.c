@@ -43,7 +43,6 @@ ema_real ema_pid_general(const ema_pid_t* pid, ema_state_t* state, ema_real erro
         raw += pid->outer_gain * derivative_m_s;
     }
     const ema_real output = ema_clamp(raw, -pid->output_limit, pid->output_limit);
-    state->integral +=
-        pid->period_s * ((pid->integral_gain * controlled) + (pid->anti_windup_per_s * (output - raw)));
+    state->integral += pid->period_s * ((pid->integral_gain * controlled) + (pid->anti_windup_per_s * (output - raw)));
     return output;
 }

@@ -8,7 +8,7 @@
 
 #define EMA_IN_GAP EMA_R(1.0e-5)
 
-ema_real ema_effect_elastic_backlash(const ema_effect_elastic_backlash_t* effect, ema_real stretch, ema_real turn_rad,
+ema_real ema_effect_elastic_backlash(const ema_effect_elastic_backlash_t* effect, ema_real turn_rad, ema_real stretch,
                                      ema_real lead_mm_per_rad)
 {
     const ema_real half_mm = EMA_R(0.5) * effect->gap_mm;
@@ -19,8 +19,8 @@ ema_real ema_effect_elastic_backlash(const ema_effect_elastic_backlash_t* effect
     const ema_real place_mm =
         ((stretch < EMA_R(0.0)) ? -from_middle_mm : from_middle_mm) + (turn_rad * lead_mm_per_rad);
     const ema_real away_mm = ema_abs(place_mm);
-    const ema_real share = (ema_min(away_mm, half_mm) * (EMA_IN_GAP / half_mm))
-                           + (ema_max(away_mm - half_mm, EMA_R(0.0)) * share_per_mm);
+    const ema_real share =
+        (ema_min(away_mm, half_mm) * (EMA_IN_GAP / half_mm)) + (ema_max(away_mm - half_mm, EMA_R(0.0)) * share_per_mm);
     const ema_real within = ema_min(share, EMA_R(1.0));
     return (place_mm < EMA_R(0.0)) ? -within : within;
 }

@@ -2,7 +2,7 @@
 #include "ema_effect_sites.h"
 #include "ema_math.h"
 
-ema_real ema_effect_presliding(const ema_effect_presliding_t* effect, ema_real stretch, ema_real turn_rad,
+ema_real ema_effect_presliding(const ema_effect_presliding_t* effect, ema_real turn_rad, ema_real stretch,
                                ema_real lead_mm_per_rad)
 {
     (void)lead_mm_per_rad;

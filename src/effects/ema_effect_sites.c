@@ -187,14 +187,13 @@ ema_real ema_site_seen(const ema_plant_t* plant, ema_state_t* state)
 
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad)
 {
-    ema_real share = EMA_R(0.0);
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
     if (EMA_RUNS(plant->active.present, name)) {                                                                       \
-        share = ema_effect_##name(&plant->effects.name, memory[EMA_MEMORY_PLACE(name)], turn_rad,                      \
-                                  plant->gearbox.lead_mm_per_rad);                                                    \
+        return ema_effect_##name(&plant->effects.name, turn_rad, memory[EMA_MEMORY_PLACE(name)],                       \
+                                 plant->gearbox.lead_mm_per_rad);                                                      \
     }
 #include "ema/ema_effects.def"
-    return share;
+    return EMA_R(0.0);
 }
 
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share)

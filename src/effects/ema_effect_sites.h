@@ -24,7 +24,7 @@
 #define EMA_EFFECT_AT_MOTOR(name)                                                                                      \
     ema_real ema_effect_##name(const ema_effect_##name##_t* effect, const ema_site_t* site);
 #define EMA_EFFECT_AT_PRESLIDING(name)                                                                                 \
-    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real stretch, ema_real turn_rad,               \
+    ema_real ema_effect_##name(const ema_effect_##name##_t* effect, ema_real turn_rad, ema_real stretch,               \
                                ema_real lead_mm_per_rad);
 #define EMA_EFFECT_AT_TRANSMISSION(name)                                                                               \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);                        \
@@ -114,7 +114,7 @@ ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site);
 /* Relative change of torque constant and back-EMF. */
 ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site);
 /* Share of dry friction, -1 to 1, that the contact carries after a turn from the share that `memory` holds; without
- * changing it. */
+ * changing it. Of several such effects the first of the list. */
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad);
 /* Keeps that share. */
 void ema_site_presliding_keep(const ema_plant_t* plant, ema_real* memory, ema_real share);

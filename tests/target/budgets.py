@@ -176,7 +176,7 @@ class Measured:
             Target("code", "code and constants with all effects", 24 * 1024, self.code, "bytes"),
             Target(
                 "whole",
-                "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns -fno-ipa-cp`: no bit of an answer moves",
+                "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns -fno-ipa-cp -fno-reorder-blocks -fno-tree-dominator-opts`: no bit of an answer moves",
                 24 * 1024,
                 self.whole,
                 "bytes",

@@ -1,4 +1,5 @@
-/* Friction behind a play with elastic ends: closed form of a turn, the flat floor of a reversal, and an end of travel. */
+/* Friction behind a play with elastic ends: closed form of a turn, the flat floor of a reversal, and an end of travel.
+ */
 #include "ema_effect_sites.h"
 #include "ema_math.h"
 #include "ema_open_loop.h"
@@ -19,7 +20,7 @@ void tearDown(void)
 
 static ema_real ema_after(ema_real share, double way_mm)
 {
-    return ema_effect_elastic_backlash(&effect, share, (ema_real)(way_mm / 0.8), EMA_LEAD_MM_PER_RAD);
+    return ema_effect_elastic_backlash(&effect, (ema_real)(way_mm / 0.8), share, EMA_LEAD_MM_PER_RAD);
 }
 
 static void test_turns_in_one_direction_add_up(void)

@@ -15,18 +15,18 @@ void tearDown(void)
 static void test_turns_in_one_direction_add_up(void)
 {
     const ema_effect_presliding_t effect = {EMA_R(0.05)};
-    const ema_real half = ema_effect_presliding(&effect, EMA_R(-0.4), EMA_R(0.01), EMA_R(0.8));
-    const ema_real there = ema_effect_presliding(&effect, half, EMA_R(0.03), EMA_R(0.8));
+    const ema_real half = ema_effect_presliding(&effect, EMA_R(0.01), EMA_R(-0.4), EMA_R(0.8));
+    const ema_real there = ema_effect_presliding(&effect, EMA_R(0.03), half, EMA_R(0.8));
     EMA_ASSERT_CLOSE(1.0 - (1.4 * exp(-0.04 / 0.05)), there, 8.0 * EMA_EPS, 0.0);
-    EMA_ASSERT_CLOSE(there, ema_effect_presliding(&effect, EMA_R(-0.4), EMA_R(0.04), EMA_R(0.8)), 8.0 * EMA_EPS, 0.0);
+    EMA_ASSERT_CLOSE(there, ema_effect_presliding(&effect, EMA_R(0.04), EMA_R(-0.4), EMA_R(0.8)), 8.0 * EMA_EPS, 0.0);
 }
 
 static void test_contact_slides_after_a_long_turn_and_turns_round(void)
 {
     const ema_effect_presliding_t effect = {EMA_R(0.05)};
-    EMA_ASSERT_CLOSE(1.0, ema_effect_presliding(&effect, EMA_R(-1.0), EMA_R(5.0), EMA_R(0.8)), 2.0 * EMA_EPS, 0.0);
-    EMA_ASSERT_CLOSE(-1.0, ema_effect_presliding(&effect, EMA_R(1.0), EMA_R(-5.0), EMA_R(0.8)), 2.0 * EMA_EPS, 0.0);
-    EMA_ASSERT_CLOSE(0.3, ema_effect_presliding(&effect, EMA_R(0.3), EMA_R(0.0), EMA_R(0.8)), 0.0, 2.0 * EMA_EPS);
+    EMA_ASSERT_CLOSE(1.0, ema_effect_presliding(&effect, EMA_R(5.0), EMA_R(-1.0), EMA_R(0.8)), 2.0 * EMA_EPS, 0.0);
+    EMA_ASSERT_CLOSE(-1.0, ema_effect_presliding(&effect, EMA_R(-5.0), EMA_R(1.0), EMA_R(0.8)), 2.0 * EMA_EPS, 0.0);
+    EMA_ASSERT_CLOSE(0.3, ema_effect_presliding(&effect, EMA_R(0.0), EMA_R(0.3), EMA_R(0.8)), 0.0, 2.0 * EMA_EPS);
 }
 
 static void test_slow_pull_below_the_level_stretches_by_its_logarithm(void)

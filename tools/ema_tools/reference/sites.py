@@ -137,7 +137,8 @@ def _contacts() -> tuple[Callable[..., Any], ...]:
     def fastest(effects: Any, level_per_inertia: float, speed_rad_s: float, lead_mm_per_rad: float) -> float:
         return 0.0
 
-    for place, zero, at, module in _rows("PRESLIDING"):
+    # of several contacts the first of the list is felt
+    for place, zero, at, module in reversed(list(_rows("PRESLIDING"))):
         elastic = _add_contact(elastic, place, zero)
         share = _add_share(share, place, zero, at, module.share)
         rates = _add_stretch(rates, place, zero, at, module.slope_per_rad)
