@@ -6,7 +6,6 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -448,7 +447,7 @@ class Bench:
                 self._bent[changes] = self.changed(dict(changes))
             fits.append(at(pattern.shape, self._bent[changes]))
         first = min(range(len(fits)), key=lambda k: fits[k].square(self.training))
-        best, shape = fits[first], dict(known[first].shape)
+        best, shape = fits[first], known[first].shape
         for name in list(shape) * (1 if len(shape) == 1 else _ROUNDS_OF_SHAPE):
             sizes = sorted({pattern.shape[name] for pattern in known})
             row, place = row_of(name), sizes.index(known[first].shape[name])
@@ -456,16 +455,22 @@ class Bench:
                 sizes[place - 1] if place else max(row.lower, 1e-3 * sizes[0]),
                 sizes[place + 1] if place + 1 < len(sizes) else row.upper,
             )
-            found = minimize_scalar(
-                partial(lambda name, size: at({**shape, name: float(size)}).square(self.training), name),
-                bounds=ends,
-                method="bounded",
-                options={"xatol": 5e-3 * sizes[place]},
-            )
-            refined = at({**shape, name: float(found.x)})
-            if refined.square(self.training) < best.square(self.training):
-                best, shape = refined, {**shape, name: float(found.x)}
+            moved = _moved(at, shape, name, ends, 5e-3 * sizes[place], self.training)
+            if moved.square(self.training) < best.square(self.training):
+                best, shape = moved, moved.patterns[-1].shape
         return best
+
+
+def _moved(
+    at: Callable[[Shape], Fitted], shape: Shape, name: str, ends: tuple[float, float], near: float, rows: NDArray[np.bool_]
+) -> Fitted:
+    """The fit with one value of a shape where it is best between two ends, to `near`."""
+
+    def square(value: float) -> float:
+        return at({**shape, name: float(value)}).square(rows)
+
+    found = minimize_scalar(square, bounds=ends, method="bounded", options={"xatol": near})
+    return at({**shape, name: float(found.x)})
 
 
 def _coefficient(setting: Setting, place: int, value: float) -> float:

@@ -229,7 +229,9 @@ def _stands_alone(path: Path, strategy: Strategy) -> bool:
     name = first.effects[0]
     same = {name, *record_of(name).inseparable, record_of(name).special_case}
     # what it is a special case of explains what it explains
-    rivals = [fit.judged for fit in path.rounds[0].fits if not same & {one for own in fit.effects for one in (own, record_of(own).special_case)}]
+    rivals = [
+        fit.judged for fit in path.rounds[0].fits if not same & {one for own in fit.effects for one in (own, record_of(own).special_case)}
+    ]
     return left < _UNEXPLAINED * strategy.excess and all(rival - strategy.floor > _NEAR * left for rival in rivals)
 
 
