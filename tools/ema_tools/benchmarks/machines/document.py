@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ema_tools.benchmarks.machines.plants import COMMANDS, EFFECTS, KINDS
+from ema_tools.benchmarks.machines.plants import BEHIND, COMMANDS, EFFECTS, KINDS
 from ema_tools.benchmarks.machines.trials import HEALTHY, SIZES, named, right, wrong
 
 Rows = Sequence[Mapping[str, Any]]
@@ -52,9 +52,10 @@ def written(rows: Rows, best: Rows, call: str) -> str:
         "exponential, waves with a second harmonic of 15 %, a speed loop of which no record tells, fixed steps of 20 µs. Recorded are one motion and one drive, as that",
         "machine's drive gives them: twelve records at steady speeds, or three of each other command. The diagnosis gets the inertia to 5 %, the kind's friction, and the",
         "records. *Right* is the hidden effect, or one that the answer says these records cannot tell from it, accepted and before any other; *wrong* is any other",
-        "accepted effect but `presliding`, which all these machines have. Medium and large, as a share of the friction, of the drag or of the torque constant: "
+        "accepted effect but `presliding`, which all these machines have. Medium and large, as a share of the friction, of the drag, of the torque constant or of half the stroke: "
         + ", ".join(f"{name} {100.0 * share:g} and {250.0 * share:g} %" for name, share in EFFECTS.items())
-        + ".",
+        + ". A play",
+        f"(`elastic_backlash`) has a second mass behind it, {100.0 * BEHIND:g} % of the inertia, and a damped spring at either end; the library's law has no mass.",
         "",
         f"The ideal observer, who knows the machine and the form of every effect and asks which of them made the torque (`observer.py`), would name {_best(best)} of what is hidden:",
         "what is missed below is missed for the forms that nobody knows, and for the sensors of the motion.",

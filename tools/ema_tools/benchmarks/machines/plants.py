@@ -68,7 +68,7 @@ EFFECTS: Mapping[str, float] = {
 }
 # In which a place and a rod are needed.
 _PLACED = ("spring_load", "elastic_backlash")
-_BEHIND = 0.3  # share of the inertia that is behind a play
+BEHIND = 0.3  # share of the inertia that is behind a play
 _CONTACT = 0.4  # of the gap: how far its ends yield under the friction
 _DAMPED = 0.3  # of their critical damping
 COMMANDS = ("steady speeds", "sweeps", "start and stop", "pick and place")
@@ -114,7 +114,7 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
     angle, speed, z, integral = start_rad, 0.0, 0.0, 0.0
     behind, behind_speed = start_rad, 0.0
     stiffness = level / (_CONTACT * gap) if gap > 0.0 else 0.0
-    damper = 2.0 * _DAMPED * np.sqrt(stiffness * _BEHIND * inertia)
+    damper = 2.0 * _DAMPED * np.sqrt(stiffness * BEHIND * inertia)
     for step in range(rows * every):
         error = speed_rad_s[step] - speed
         torque = kp * error + ki * integral
@@ -135,8 +135,8 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
             if pressed > 0.0:
                 end = 1.0 if angle > behind else -1.0
                 force = end * max(stiffness * pressed + end * damper * (speed - behind_speed), 0.0)
-            speed += STEP_S * (torque - viscous * speed - force) / ((1.0 - _BEHIND) * inertia)
-            behind_speed += STEP_S * (force - friction) / (_BEHIND * inertia)
+            speed += STEP_S * (torque - viscous * speed - force) / ((1.0 - BEHIND) * inertia)
+            behind_speed += STEP_S * (force - friction) / (BEHIND * inertia)
             angle += STEP_S * speed
             behind += STEP_S * behind_speed
             continue
