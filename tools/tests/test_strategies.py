@@ -76,6 +76,13 @@ def test_a_special_case_gone_astray_is_fitted_again_from_what_it_is_a_case_of(mo
     assert shown(57.0)["stribeck_friction",] == 57.0 and asked == []
 
 
+def test_one_physics_is_the_same_name_class_or_special_case_and_nothing_else() -> None:
+    assert search._one_physics("presliding", "elastic_backlash") and search._one_physics("elastic_backlash", "presliding")
+    assert search._one_physics("constant_load", "coulomb_asymmetry") and search._one_physics("supply_sag", "supply_sag")
+    # neither is a special case of any
+    assert not search._one_physics("presliding", "spring_load") and not search._one_physics("supply_sag", "cogging_torque")
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant is slow without numba")
 def test_a_large_cogging_is_named_alone_without_repeats() -> None:

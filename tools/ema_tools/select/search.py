@@ -226,13 +226,14 @@ def _stands_alone(path: Path, strategy: Strategy) -> bool:
     if len(first.effects) != 1:
         return False
     left = first.cost - strategy.floor
-    name = first.effects[0]
-    same = {name, *record_of(name).inseparable, record_of(name).special_case}
-    # what it is a special case of explains what it explains
-    rivals = [
-        fit.judged for fit in path.rounds[0].fits if not same & {one for own in fit.effects for one in (own, record_of(own).special_case)}
-    ]
+    rivals = [fit.judged for fit in path.rounds[0].fits if not any(_one_physics(first.effects[0], other) for other in fit.effects)]
     return left < _UNEXPLAINED * strategy.excess and all(rival - strategy.floor > _NEAR * left for rival in rivals)
+
+
+def _one_physics(effect: str, other: str) -> bool:
+    """Whether two effects are one, cannot be told apart, or one is the other in a special case, which explains what that one explains."""
+    one, its = record_of(effect), record_of(other)
+    return other in (effect, *one.inseparable, one.special_case) or its.special_case == effect
 
 
 def _named(

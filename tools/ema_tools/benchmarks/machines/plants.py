@@ -124,12 +124,15 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
         if step % every == 0:
             row = step // every
             found[0, row], found[1, row], found[2, row] = angle, speed, torque
+        # with a play the friction holds the second mass, which the shaft meets at the ends of it
+        held = behind_speed if gap > 0.0 else speed
+        side = 1.0 if held > 0.0 else -1.0
+        slides = level * (1.0 + rise / (1.0 + (held / bump) ** 2)) * (1.0 + asym * side)
+        # implicit in the bristle, which settles within a fraction of a step at speed
+        bent = (z + STEP_S * held) / (1.0 + STEP_S * abs(held) * bristle / slides)
+        friction = bristle * bent + damping * (bent - z) / STEP_S
+        z = bent
         if gap > 0.0:
-            # the friction holds the second mass, which the shaft meets at the ends of the play
-            slides = level
-            bent = (z + STEP_S * behind_speed) / (1.0 + STEP_S * abs(behind_speed) * bristle / slides)
-            friction = bristle * bent + damping * (bent - z) / STEP_S
-            z = bent
             pressed = abs(angle - behind) - 0.5 * gap
             force = 0.0
             if pressed > 0.0:
@@ -141,12 +144,6 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
             behind += STEP_S * behind_speed
             continue
         wave = np.sin(periods * angle + phase) + _HARMONIC * np.sin(2.0 * periods * angle + _SECOND * phase)
-        side = 1.0 if speed > 0.0 else -1.0
-        slides = level * (1.0 + rise / (1.0 + (speed / bump) ** 2)) * (1.0 + asym * side)
-        # implicit in the bristle, which settles within a fraction of a step at speed
-        bent = (z + STEP_S * speed) / (1.0 + STEP_S * abs(speed) * bristle / slides)
-        friction = bristle * bent + damping * (bent - z) / STEP_S
-        z = bent
         against = friction + viscous * speed + viscous * vasym * abs(speed) + quad * speed * abs(speed)
         against += load + spring * angle + arm * np.sin(angle / ratio)
         speed += STEP_S * (torque * (1.0 + ripple * wave) - cog * wave - against) / inertia
