@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother, gain_of_noise
+from ema_tools.balances.lag import lagged, remembered
 from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, train_of, warmth
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
@@ -44,6 +45,7 @@ class Mechanical:
     one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
     `load` and `added` are what effects and efficiency add, the latter while sliding; `static_extra` is what they add to the static level backward and forward, where the shaft rests;
     `eased`: relative change of dry and viscous friction by temperature. `still`: rows of lasting rest; `elastic`: whether the contact stretches.
+    `lag_s`: time constant by which the drive was recorded late, which all that it is held against has as well.
     """
 
     smoother: Smoother
@@ -58,6 +60,7 @@ class Mechanical:
     time_s: Reals
     still: NDArray[np.bool_]
     elastic: bool
+    lag_s: float = 0.0
 
     @property
     def resting(self) -> NDArray[np.bool_]:
@@ -103,6 +106,9 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     drive = values["motor.torque_constant_Nm_per_A"] * (1.0 + ripple) * motion.current_A
     if values["motor.torque_limit_Nm"] > 0.0:
         drive = np.clip(drive, -values["motor.torque_limit_Nm"], values["motor.torque_limit_Nm"])
+    lag_s = actuator.drive_lag_s or 0.0
+    # a motion that is late is held against a drive as late
+    drive = lagged(drive, record.period_s, -lag_s)
     contact, elastic = _contact(actuator, motion)
     asymmetry = values["screw.friction_asymmetry"]
     load = at_points(actuator, motion, "LOAD")
@@ -121,7 +127,11 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
         return passing + eased * own + at_points(actuator, seen, "FRICTION", level_Nm=own, rows=rows, side=side)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
-    at_rest = _resting(motion, _speed_noise_rad_s(actuator, record, use), use)
+    at_rest = remembered(_resting(motion, _speed_noise_rad_s(actuator, record, use), use), record.period_s, lag_s)
+
+    def late(values: Reals) -> Reals:
+        return lagged(values, record.period_s, lag_s)
+
     resting = np.zeros_like(at_rest) if elastic else at_rest
     backward = contact < 0.0
     extra = np.where(backward, added(sliding, -1.0, motion, backward), added(sliding, 1.0, motion, ~backward))
@@ -129,16 +139,17 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     return Mechanical(
         smoother=use,
         drive_Nm=drive,
-        load_Nm=use.as_seen(load - torque + _soft_mass_Nm(actuator, record, motion, use)) + known_torque_Nm(actuator, record, use),
-        added_Nm=use.as_seen(extra * contact),
+        load_Nm=late(use.as_seen(load - torque + _soft_mass_Nm(actuator, record, motion, use)) + known_torque_Nm(actuator, record, use)),
+        added_Nm=late(use.as_seen(extra * contact)),
         static_extra_Nm=(added(static, -1.0, still, resting), added(static, 1.0, still, resting)),
         contact=contact,
         eased=eased,
         asymmetry=asymmetry,
-        columns=np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, level, np.ones_like(contact)]),
+        columns=late(np.column_stack([motion.acceleration_rad_s2, motion.speed_rad_s, level, np.ones_like(contact)])),
         time_s=record.time_s,
         still=at_rest,
         elastic=elastic,
+        lag_s=lag_s,
     )
 
 

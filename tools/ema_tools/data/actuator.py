@@ -27,6 +27,8 @@ from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forg
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions, shipped_folder
 
 ABOUT = ("name", "notes", "source", "command_acts")
+# A key of [actuator]: the time constant by which a drive records its current or torque late, where that is known.
+DRIVE_LAG, DRIVE_LAG_MAX_S = "drive_lag_s", 0.1
 # These sections are settings of the method, not of the machine: what is absent takes its nominal value.
 SETTINGS = ("search", "verdict")
 # How the unit differs from run to run: rows such as screw.csj_Nm = 0.006 below [scatter].
@@ -154,6 +156,7 @@ class Actuator:
     of the file. `absent`: values that the file leaves out, as that of a machine whose controller is not known may: what stands for them in `values` fills the module's arrays and is
     never a value of this machine. `scatter`: what the file states of how the unit differs from run to run, one standard deviation by name: relative, or in the value's unit where
     `scatters_by_share` says no; zero for what does not scatter. `healthy`: the files of the unit's healthy runs, where this is what a calibration found on them; a changed one is another.
+    `drive_lag_s`: time constant by which the drive's current or torque was recorded late, negative where the motion was; None where nothing is stated.
     """
 
     values: Mapping[str, float]
@@ -164,6 +167,7 @@ class Actuator:
     absent: frozenset[str] = frozenset()
     scatter: Mapping[str, float] = field(default_factory=dict)
     healthy: tuple[str, ...] = field(default=(), compare=False)
+    drive_lag_s: float | None = None
 
     def __getitem__(self, name: str) -> float:
         if name in self.absent:
@@ -228,6 +232,10 @@ class Actuator:
             healthy=(),
         )
 
+    def with_drive_lag(self, lag_s: float | None) -> Actuator:
+        """A copy whose drive records so late."""
+        return replace(self, drive_lag_s=lag_s)
+
     def remark(self, name: str) -> str:
         """The comment behind a value, where it is not the one that every file has."""
         row = row_of(name)
@@ -245,6 +253,7 @@ class Actuator:
         """The file's text: the document with the present values, comments kept; a fresh one when there was none."""
         document = copy.deepcopy(self.document) if self.document is not None else _fresh_document(self)
         _update_about(document, self.about)
+        _update_drive_lag(document, self.drive_lag_s)
         for row in all_rows():
             if self.has(row.name) and not (self.absent and self[row.name] == NONE_OF_IT.get(row.name) and not _stands(document, row)):
                 _update(document, row, self[row.name])
@@ -271,6 +280,17 @@ def _update_about(document: tomlkit.TOMLDocument, about: Mapping[str, str]) -> N
     for key, text in about.items():
         if table.get(key) != text:
             table[key] = text
+
+
+def _update_drive_lag(document: tomlkit.TOMLDocument, lag_s: float | None) -> None:
+    """State a lag where there is one; what the file says is left where it is the same."""
+    if lag_s is None or (not lag_s and DRIVE_LAG not in document.get("actuator", {})):
+        return
+    if "actuator" not in document:
+        document.add("actuator", tomlkit.table())
+    table: Any = document["actuator"]
+    if _plain(table.get(DRIVE_LAG)) != lag_s:
+        table[DRIVE_LAG] = lag_s
 
 
 def _update(document: tomlkit.TOMLDocument, row: Row, number: float) -> None:
@@ -455,7 +475,9 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
     known = load_definitions()
     values = defaults()
     content = document.unwrap()
-    about = _about(content.pop("actuator", {}), file)
+    own = content.pop("actuator", {})
+    lag_s = _drive_lag(own, file)
+    about = _about(own, file)
     _take_effects(content.pop("effects", {}), known, values, file)
     scatter = _scatter(content.pop(SCATTER, {}), file)
     healthy = _healthy(content.pop(CALIBRATION, {}), file)
@@ -472,10 +494,19 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
         _complain(forgotten(content, machine), file)
         absent, nothing = left_out(content, machine)
         return Actuator(
-            values={**values, **nothing}, document=document, file=file, about=about, absent=absent, scatter=scatter, healthy=healthy
+            values={**values, **nothing},
+            document=document,
+            file=file,
+            about=about,
+            absent=absent,
+            scatter=scatter,
+            healthy=healthy,
+            drive_lag_s=lag_s,
         )
     _require(content, sections, file)
-    return Actuator(values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy)
+    return Actuator(
+        values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy, drive_lag_s=lag_s
+    )
 
 
 def _healthy(table: object, file: str) -> tuple[str, ...]:
@@ -501,12 +532,24 @@ def _reason(error: TOMLKitError, text: str) -> str:
     return reason
 
 
+def _drive_lag(table: object, file: str) -> float | None:
+    """What the file states of a drive that records late, taken out of `table`. Raises InputError."""
+    if not isinstance(table, dict) or DRIVE_LAG not in table:
+        return None
+    value = table.pop(DRIVE_LAG)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= DRIVE_LAG_MAX_S:
+        raise InputError(
+            f"{file}: actuator.{DRIVE_LAG} = {value}: not a time: give one in {-DRIVE_LAG_MAX_S:g} .. {DRIVE_LAG_MAX_S:g} s, 0 where the drive records at once"
+        )
+    return float(value)
+
+
 def _about(table: object, file: str) -> dict[str, str]:
     if not isinstance(table, dict):
         raise InputError(f"{file}: actuator: not a table: write [actuator] with {', '.join(ABOUT)}")
     for key, text in table.items():
         if key not in ABOUT:
-            raise InputError(f"{file}: actuator.{key}: unknown key{nearest(key, ABOUT)}: [actuator] holds {', '.join(ABOUT)}")
+            raise InputError(f"{file}: actuator.{key}: unknown key{nearest(key, ABOUT)}: [actuator] holds {', '.join((*ABOUT, DRIVE_LAG))}")
         if not isinstance(text, str):
             raise InputError(f"{file}: actuator.{key} = {text}: not a text: put it in quotes")
     return dict(table)

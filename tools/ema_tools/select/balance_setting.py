@@ -10,6 +10,7 @@ import numpy as np
 
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.filtering import Smoother
+from ema_tools.balances.lag import lagged
 from ema_tools.balances.mechanical import Mechanical, mechanical_model
 from ema_tools.balances.motion import Motion, motion_of, train_of
 from ema_tools.base.arrays import Reals
@@ -110,7 +111,8 @@ class Setting:
         """Torques worked out row by row, as the filtered drives show them, [rows, k]."""
         ends = np.cumsum([piece.record.rows for piece in self.pieces])[:-1]
         parts = zip(self.pieces, np.split(columns, ends), strict=True)
-        return np.concatenate([piece.model.smoother.as_seen(part) for piece, part in parts])
+        seen = ((piece, piece.model.smoother.as_seen(part)) for piece, part in parts)
+        return np.concatenate([lagged(part, piece.record.period_s, piece.model.lag_s) for piece, part in seen])
 
     @property
     def drive_Nm(self) -> Reals:

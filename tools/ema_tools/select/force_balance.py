@@ -34,6 +34,7 @@ from ema_tools.select.balance_bench import (
     LOAD,
     Bench,
     Fitted,
+    FoldErrors,
     Samples,
     floor_of,
     given_errors,
@@ -41,9 +42,10 @@ from ema_tools.select.balance_bench import (
     size_of_load,
     solved,
 )
-from ema_tools.select.balance_setting import Setting
+from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
+from ema_tools.select.drive_lag import drive_lag_s, explains_more, same_lag
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_floor import estimated_floor
+from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
 from ema_tools.select.force_judge import LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, outside, unphysical
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Refusal, Tried
 from ema_tools.select.foretold_drive import foretold_percent
@@ -59,6 +61,8 @@ _OWN = 1e-3  # a column is the base values' own when they leave less than this o
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
+_AS_FLOOR = 1.1  # of what records differ by: base values that leave no more than this lack nothing that can be named [judgement]
+_BASE_ROUNDS, _BASE_SAME = 5, 1e-4  # until base values and what is a share of them agree [precision]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
 _WHOLE = 1e-6  # periods per turn that are so near to a whole multiple are one [precision]
@@ -345,6 +349,47 @@ class ForceSearch:
         judged = replace(found, fit=self.bench.judged(self.refined(found.fit)))
         return None if self.judge.refusal(first.fit, judged) else judged
 
+    def consistent(self, fit: Fitted) -> Fitted:
+        """A fit whose patterns are those of its own base values, of which some are shares, and not of the values that were stated."""
+        for _ in range(_BASE_ROUNDS):
+            base = {name: fit.values[name] for name in (LEVEL, VISCOUS) if row_of(name).lower <= fit.values[name] <= row_of(name).upper}
+            bends = {name: value for pattern in fit.patterns if pattern.bends for name, value in pattern.shape.items()}
+            found = self.with_patterns(fit.patterns, self.bench.changed({**base, **bends}))
+            if outside(found):
+                return fit
+            fit, before = found, fit
+            if all(math.isclose(fit.values[name], value, rel_tol=_BASE_SAME, abs_tol=1e-300) for name, value in before.values.items()):
+                break
+        return fit
+
+    def answer(
+        self, actuator: Actuator, given: FoldErrors, first: Fitted, accepted: Fitted, steps: Sequence[ForceStep], refused: Sequence[Refusal]
+    ) -> ForceSteps:
+        """The whole of it."""
+        bench = self.bench
+        states = accepted.samples.setting.states
+        curves = {
+            "time_s": _time_s(bench),
+            "position_mm": bench.kept(states.screw_mm),
+            "speed_rad_s": bench.kept(states.speed_rad_s),
+            "torque_Nm": accepted.samples.drive,
+            "residual_before_Nm": first.residual,
+            "residual_after_Nm": accepted.residual,
+        }
+        return ForceSteps(
+            actuator.changed(accepted.values),
+            given,
+            first.errors,
+            tuple(steps),
+            (*refused, *self.unsought),
+            floor_of(bench, accepted),
+            bench.division,
+            bench.records[0].period_s if len(bench.records) == 1 else None,
+            curves,
+            estimated_floor(bench, accepted),
+            (foretold_percent(bench, first), foretold_percent(bench, accepted)),
+        )
+
     def patterns_bend(self, effect: str) -> bool:
         """Whether an effect changes the balance itself."""
         known = self.patterns[effect]
@@ -457,9 +502,42 @@ def improve_by_forces(
 ) -> ForceSteps:
     """Add what the mechanical balance of the records asks for, effect by effect, `holdout` never being fitted; `progress` is told the share done and what is at work.
 
+    Where the actuator does not state by how much the drive records late, that is fitted as a base value is, and kept where it explains the records better than effects alone.
     Raises MissingSignal when a record has no mechanical balance.
     """
     report = progress or untold
+    if actuator.drive_lag_s is not None:
+        return _improved(actuator, records, holdout, report, fixes, veto)
+    at_once = _improved(actuator, records, holdout, lambda share, text: report(0.5 * share, text), fixes, veto)
+    lag_s = drive_lag_s(actuator, records, holdout, fixes)
+    if not lag_s:
+        return at_once
+    late = _improved(actuator.with_drive_lag(lag_s), records, holdout, lambda share, text: report(0.5 + 0.25 * share, text), fixes, veto)
+    again_s = drive_lag_s(late.actuator, records, holdout, fixes)
+    if again_s and not same_lag(again_s, lag_s):
+        # beside the effects that were found it is another one
+        known = actuator.with_drive_lag(again_s)
+        other = _improved(known, records, holdout, lambda share, text: report(0.75 + 0.25 * share, text), fixes, veto)
+        late = other if _left(other) < _left(late) else late
+    report(1.0, "done")
+    return replace(late, given=at_once.given) if explains_more(_left(late), _left(at_once)) else at_once
+
+
+def _left(way: ForceSteps) -> tuple[float, int]:
+    """Mean squared error of the parts when each is held out, and how many effects were accepted."""
+    errors = (way.steps[-1].errors if way.steps else way.refitted).each
+    return float(np.nanmean(np.square(errors))), len(way.actuator.active_effects)
+
+
+def _improved(
+    actuator: Actuator,
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord],
+    report: Report,
+    fixes: Fixes,
+    veto: Veto | None,
+) -> ForceSteps:
+    """The same with the drive as late as the actuator says, at once where it says nothing."""
     report(0.0, "parts and balance")
     bench = Bench(actuator, records, holdout, fixes)
     if (count := int(bench.sliding.sum())) < _SAMPLES_MIN:
@@ -488,10 +566,19 @@ def improve_by_forces(
                 search.judge.elsewhere(first, accepted),
             )
         )
+    # laps that differ may be what an effect does to them
+    estimated = EstimatedFloor() if math.isfinite(floor_of(bench, first)) else estimated_floor(bench, first)
+    least = estimated.percent if estimated.compared else 0.0
+    if not steps and first.errors.training <= _AS_FLOOR * least:
+        report(1.0, "done")
+        why = f"the base values leave {first.errors.training:.3g} %, no more than the records differ by, {least:.3g} %"
+        effects = [one for one in search.effects if not isinstance(search.patterns[one], str)]
+        never = [Refusal(one, str(search.patterns[one])) for one in search.effects if one not in effects]
+        return search.answer(actuator, given, first, first, (), (*(Refusal(one, why) for one in effects), *never))
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
         if search.upsets_inertia:
-            return improve_by_forces(actuator, records, holdout, progress, fixes.without(INERTIA), veto)
+            return _improved(actuator, records, holdout, report, fixes.without(INERTIA), veto)
         pair = search.pair(accepted, added) if not accepted.patterns else None
         if pair is None and not added:
             break
@@ -525,32 +612,12 @@ def improve_by_forces(
         steps = [_renamed(one, instead) for one in steps]
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {steps[-1].effect}, which came later") for name in dropped]
+    accepted = bench.judged(search.consistent(accepted))
     if steps:
-        steps[-1] = replace(steps[-1], std=bench.stated(accepted).std)
+        steps[-1] = replace(steps[-1], values=accepted.values, std=bench.stated(accepted).std, errors=accepted.errors)
     report(1.0, "done")
-    states = accepted.samples.setting.states
-    curves = {
-        "time_s": _time_s(bench),
-        "position_mm": bench.kept(states.screw_mm),
-        "speed_rad_s": bench.kept(states.speed_rad_s),
-        "torque_Nm": accepted.samples.drive,
-        "residual_before_Nm": first.residual,
-        "residual_after_Nm": accepted.residual,
-    }
-    refusals = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}), *search.unsought)
-    return ForceSteps(
-        actuator.changed(accepted.values),
-        given,
-        first.errors,
-        tuple(steps),
-        refusals,
-        floor_of(bench, accepted),
-        bench.division,
-        records[0].period_s if len(records) == 1 else None,
-        curves,
-        estimated_floor(bench, accepted),
-        (foretold_percent(bench, first), foretold_percent(bench, accepted)),
-    )
+    shown = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}))
+    return search.answer(actuator, given, first, accepted, steps, shown)
 
 
 def _time_s(bench: Bench) -> Reals:

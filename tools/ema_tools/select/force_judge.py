@@ -73,12 +73,14 @@ class Judge:
             return f"it does not lower the error of the held-out {PARTS[bench.division.by]} significantly: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
         gain = accepted.errors.training**2 - fit.errors.training**2
         worse = [part for part in range(bench.division.folds) if _worse(accepted.errors.each[part], fit.errors.each[part], gain, 1.0)]
+        if bench.division.apart and fit.errors.holdout > accepted.errors.holdout:
+            return f"it raises the error of what was held out: {accepted.errors.holdout:.3g} % to {fit.errors.holdout:.3g} %"
         # friction itself differs from part to part: what is asked of the effect is whether it is the same there
         if any(_worse(bench.foretold_part(accepted, part), bench.foretold_part(fit, part), gain, 1.0) for part in worse):
             return f"it raises the error of a {PART[bench.division.by]} when that one is held out"
         here = self.elsewhere(accepted, fit)
         before, after = (math.hypot(*(errors[side] for errors in here.values())) / math.sqrt(max(len(here), 1)) for side in (0, 1))
-        if after > WORSE_ELSEWHERE * before:
+        if _worse(before, after, gain, WORSE_ELSEWHERE):
             return f"it does not carry over to places and speeds to which nothing was fitted: {before:.3g} % to {after:.3g} %"
         for where, (before, after) in here.items():
             if _worse(before, after, gain, WORSE_THIRD):

@@ -217,5 +217,6 @@ def add_by_forces(
     doubt = search.indistinct(before, effect)
     last = bench.judged(found.fit)
     reason = doubt or search.judged_against(before, effect, last)
-    last = bench.judged(search.settled(last) if last.patterns[-1].bends else search.refined(last))
+    last = search.settled(last) if last.patterns[-1].bends else search.refined(last)
+    last = bench.judged(search.consistent(last))
     return refit.finished(given, before, last, reason)

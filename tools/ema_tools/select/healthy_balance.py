@@ -23,6 +23,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
+from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
 from ema_tools.select.force_steps import ForceSteps, Tried
 from ema_tools.select.torque_patterns import Pattern, pattern_of
@@ -86,6 +87,8 @@ class HealthyByBalance:
 
     def veto(self, search: ForceSearch, accepted: Fitted, tried: Tried) -> str:
         """Why an effect of today's records is no change; empty where it is one."""
+        if accepted.square(search.bench.training) <= self.error_Nm**2:
+            return "no change: without it the records leave no more than the healthy ones"
         if tried.effect == load_effect():
             scatter, std = self.scatter.get(LOAD, math.nan), self.refit.std.get(LOAD, 0.0)
         else:
@@ -199,6 +202,13 @@ def healthy_machine(
     )
 
 
+def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
+    """Whether the parts held out have less error with a change, and none clearly more; one that rests throughout says nothing."""
+    pairs = [(one, other) for one, other in zip(now, before, strict=True) if math.isfinite(one) and math.isfinite(other)]
+    gain = sum(other**2 - one**2 for one, other in pairs)
+    return gain > 0.0 and not any(one > WORSE_THIRD * other and one**2 - other**2 > WORSE_OF_GAIN * gain for one, other in pairs)
+
+
 @dataclass(frozen=True)
 class Change:
     """A value of the healthy machine as today's records have it. `limit`: beyond which it has changed; `counts`: whether it has, and every part held out says so too."""
@@ -226,13 +236,15 @@ def changes_of(
             # the size of a standing effect differs as much as all of its machine does
             spread = _least(machine.actuator, name, healthy)
         limit, value = machine.limit(spread, *stds), free.values[name]
+        if name.endswith("phase_rad"):
+            # the turn nearest to the healthy one
+            value = healthy + math.remainder(value - healthy, 2.0 * math.pi)
         counts = abs(value - healthy) > limit
         if counts:
             base = name in MECHANICAL_PARAMETERS
             kept = replace(fixes, kept=fixes.kept | {name}, between={key: ends for key, ends in fixes.between.items() if key != name})
             as_before = kept if base else fixes.with_effects(frozenset({name.partition(".")[0]}))
             held = refit_by_forces(today.changed({name: healthy}), records, as_before)
-            # a part that rests throughout says nothing
-            counts = not any(now >= before for now, before in zip(free.errors.each, held.errors.each, strict=True))
+            counts = _held_out_too(free.errors.each, held.errors.each)
         found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))
     return tuple(found)

@@ -37,6 +37,8 @@ LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 # What the first model leaves beyond the floor must be more than this, relative, for anything to be missing: an estimate is within a factor of two on machines
 # that lack nothing, noise alone within five [judgement]
 _MARGINS: dict[FloorFrom, float] = {"laps": 1.2, "healthy records": 1.3, "estimate": 2.5, "noise": 8.0}
+# ... or less where so much of what is left is foretold of one record by the others: it is no chance then [judgement]
+_FORETOLD, _MARGIN_FORETOLD = 0.3, 1.5
 
 
 @dataclass(frozen=True)
@@ -154,7 +156,12 @@ class BalanceAnswer:
         before = self.forces.refitted.training
         if self.healthy is not None:
             return self.healthy.beyond(0.01 * before * self._drive_Nm)
-        return self.floor_from is not None and before > _MARGINS[self.floor_from] * self.floor_percent
+        if self.floor_from is None:
+            return False
+        margin = _MARGINS[self.floor_from]
+        if self.floor_from in ("estimate", "noise") and self.forces.estimated.foretold > _FORETOLD:
+            margin = min(margin, _MARGIN_FORETOLD)
+        return before > margin * self.floor_percent
 
     @property
     def verdict(self) -> Verdict:

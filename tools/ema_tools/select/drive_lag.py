@@ -1,0 +1,112 @@
+"""By how much a drive records late, found where inertia and friction fit the records best; and whether it, or an effect in its place, is what the records show."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from ema_tools.balances.lag import lagged, remembered
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import AnyRecord
+from ema_tools.select.balance_bench import Bench, solved
+from ema_tools.select.fixes import NONE, Fixes
+
+_LONGEST_S = 0.015  # what filters a drive as it is recorded takes less, else it was another clock ... [judgement]
+_LONGEST_ROWS = 1.5  # ... or so many rows of a slow record, which waits for the next one [judgement]
+_TRIED = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)  # of the longest, to either side, between which the best is then sought [effort]
+_NEAR = 0.02  # of the best of them, to which it is sought [precision]
+_FIRST, _TWICE, _ROUNDS = 0.12, 2.0, 3  # share of the longest whose memory of a rest is left out at first; how near to the one found it must be; and how often [effort]
+_MOST = 0.5  # of the parts in which the error must fall [judgement]
+_FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
+_SAME = 0.1  # lags that differ by less, relative, are one [judgement]
+_AS_GOOD = 0.05  # answers whose squared errors differ by less, relative, are as good as each other [judgement]
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """One record before any lag: drive, what is known beside it and the columns of the base values, [rows] and [rows, 5], and where it rests."""
+
+    period_s: float
+    drive: Reals
+    asked: Reals
+    resting: Reals
+
+
+def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), fixes: Fixes = NONE) -> float:
+    """Time constant of the drive's record, negative where the motion is late; zero where the records do not show one.
+
+    Of several records all are held to have the same one. What the user held out is not looked at. Raises MissingSignal, InputError.
+    """
+    bench = Bench(actuator.with_drive_lag(0.0), records, holdout, fixes)
+    pieces = bench.start.setting.pieces
+    rows = [
+        _Rows(
+            piece.record.period_s,
+            piece.model.drive_Nm,
+            np.column_stack([piece.model.load_Nm + piece.model.added_Nm, piece.model.columns]),
+            piece.model.resting.astype(np.float64),
+        )
+        for piece in pieces
+    ]
+    longest_s = max(_LONGEST_S, _LONGEST_ROWS * max(one.period_s for one in rows))
+    found_s, seen_s = 0.0, _FIRST * longest_s
+    for _ in range(_ROUNDS):
+        # the same samples under every lag that is tried: where one remembers a rest, no friction is known
+        known = [~remembered(one.resting > 0.0, one.period_s, seen_s) for one in rows]
+        fitted = bench.fitted & np.concatenate([smoother.kept(one) for one, smoother in zip(known, bench.smoothers, strict=True)])
+        if not fitted.any():
+            return 0.0
+        found_s = _best_s(bench, rows, fitted, longest_s)
+        if abs(found_s) <= seen_s <= _TWICE * abs(found_s) or not found_s:
+            break
+        seen_s = max(abs(found_s), _FIRST * longest_s)
+    return found_s
+
+
+def _best_s(bench: Bench, rows: Sequence[_Rows], fitted: NDArray[np.bool_], longest_s: float) -> float:
+    """The lag that leaves least of some samples; zero where none leaves clearly less."""
+
+    def squares(lag_s: float) -> Reals:
+        """Squared error of each part, over what is to be explained, [folds]."""
+        target, base = [], []
+        for one, smoother in zip(rows, bench.smoothers, strict=True):
+            drive = smoother.decimated(lagged(one.drive, one.period_s, -lag_s))
+            asked = smoother.decimated(lagged(one.asked, one.period_s, lag_s))
+            target.append(drive - asked[:, 0])
+            base.append(asked[:, 1:])
+        wanted, columns = np.concatenate(target)[fitted], np.concatenate(base)[fitted]
+        left = wanted - columns @ solved(columns, wanted)
+        return np.bincount(bench.fold[fitted], weights=left**2, minlength=bench.division.folds) / (float(np.sum(wanted**2)) or 1.0)
+
+    def square(lag_s: float) -> float:
+        return float(np.sum(squares(lag_s)))
+
+    tried = sorted([0.0, *(sign * share * longest_s for sign in (-1.0, 1.0) for share in _TRIED)])
+    place = int(np.argmin([square(lag_s) for lag_s in tried]))
+    ends = tried[max(place - 1, 0)], tried[min(place + 1, len(tried) - 1)]
+    near = _NEAR * max(abs(tried[place]), _TRIED[0] * longest_s)
+    best_s = float(minimize_scalar(square, bounds=ends, method="bounded", options={"xatol": near}).x)
+    without, with_it = squares(0.0), squares(best_s)
+    parts = without > 0.0
+    falls = float(np.sum(with_it)) < (1.0 - _FALLS) * float(np.sum(without))
+    return best_s if falls and float(np.mean(with_it[parts] < without[parts])) > _MOST else 0.0
+
+
+def same_lag(one_s: float, other_s: float) -> bool:
+    """Whether two lags are one."""
+    return math.isclose(one_s, other_s, rel_tol=_SAME)
+
+
+def explains_more(late: tuple[float, int], at_once: tuple[float, int]) -> bool:
+    """Whether a drive that records late is the better answer: it leaves less, or as much with less. Each: squared error of the parts held out, and how many effects beside the base values; a lag
+    counts as one."""
+    (error, effects), (other, others) = late, at_once
+    if error < (1.0 - _AS_GOOD) * other:
+        return True
+    return error <= (1.0 + _AS_GOOD) * other and effects + 1 < others
