@@ -889,14 +889,18 @@ def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_
 )
 @json_option
 def report(results: tuple[str, ...], out: str, pictures: str | None, json_path: str | None, force: bool) -> None:
-    """Make a page of results that identify, compare, diagnose, add or map wrote with --json."""
+    """Make a page of results that identify, compare, diagnose, add or map wrote with --json.
+
+    Several results of a unit are drawn over their dates, which stand in the names of records or result files (such as 2026-03-31); without, in the order given.
+    """
     from ema_tools.results.files import ReportResult
+    from ema_tools.words.answers.over_dates import over_dates
     from ema_tools.words.page import write_report
     from ema_tools.words.page.pictures import targets, write_pictures
 
     drawn = [target for result in results if pictures for target in targets(Path(pictures), Path(result).stem).values()]
     writable(out, *map(str, drawn), json_path=json_path, force=force, inputs=results)
-    write_report([Path(result) for result in results], Path(out), command_line(), force)
+    write_report([Path(result) for result in results], Path(out), command_line(), force, over_dates)
     for result in results if pictures else ():
         for target in write_pictures(Path(result), Path(pictures or ""), Path(result).stem, force):
             output().print(f"{target} written", highlight=False)

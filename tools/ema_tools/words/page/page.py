@@ -12,7 +12,8 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, workbench
+from ema_tools.results.over_dates import UnitOverDates
+from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, over_dates, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
@@ -45,8 +46,8 @@ class _Page:
         return f'<div class="plot" id="{identity}" role="img" aria-label="{escape(label)}" style="height:{figure["height"]}px"></div>'
 
 
-def render(results: list[Result], command: str) -> str:
-    """The page as text. `command` made it and stands in its provenance. One diagnosis, or one addition, has a page of its own."""
+def render(results: list[Result], command: str, units: Sequence[UnitOverDates] = ()) -> str:
+    """The page as text. `command` made it and stands in its provenance; `units`: results of one unit over dates. One diagnosis, or one addition, has a page of its own."""
     if len(results) == 1 and isinstance(results[0], Diagnosed):
         return diagnosis_page.render(results[0], command)
     page = _Page()
@@ -55,6 +56,12 @@ def render(results: list[Result], command: str) -> str:
     page.add('<a class="skip" href="#main">Skip to the results</a>', '<header><div class="wrap">')
     _head(page, results)
     page.add("</div></header>", '<main id="main">')
+    if units:
+        page.add(
+            '<section id="dates" aria-labelledby="dates-title"><div class="wrap"><h2 id="dates-title">Over dates</h2>',
+            over_dates.section(units),
+            "</div></section>",
+        )
     for index, result in enumerate(results, start=1):
         page.add(f'<section id="result-{index}" aria-labelledby="result-{index}-title"><div class="wrap">')
         if isinstance(result, ShownIdentification):
@@ -399,7 +406,7 @@ def _plotly() -> str:
 
 def _document(title: str, page: _Page) -> str:
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = (assets / "page.css").read_text(encoding="utf-8")
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "charts.css"))
     script = (assets / "page.js").read_text(encoding="utf-8")
     # `<` would let a text in the data end the script element.
     data = json.dumps({"curves": page.curves, "figures": page.figures}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
