@@ -88,7 +88,7 @@ def test_diagnoses_count_and_what_the_model_does_not_explain_does_not() -> None:
         name="2026-06-01.csv", verdict="missing", error=WeightedErrors(3.0, 1.0), faults={"csj": fault}, provenance={"actuator": "left"}
     )
     unsure = identified("2026-06-02.csv", 40.0, adequate=False, verdict="undecided")
-    (unit,) = over_dates([*days(3), (Path("d.json"), diagnosed), (Path("e.json"), unsure)])
+    (unit,) = over_dates([*days(3), (Path("a/d.json"), diagnosed), (Path("a/e.json"), unsure)])
     assert unit.trends["csj"].shift_percent[-1] == 12.0 and len(unit.trends["csj"].days) == 4
     assert unit.rows[-1].reading("csj")[0] == 40.0
 
