@@ -1,4 +1,4 @@
-"""Figures of the page as plain Plotly dictionaries. A trace names its role in `meta`; the page gives the role its colour."""
+"""Figures of the page as plain dictionaries, laid out as Plotly has them; `figure_svg` draws them. A trace names its role in `meta`; the page gives the role its colour."""
 
 from __future__ import annotations
 

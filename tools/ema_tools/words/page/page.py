@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import re
 from collections.abc import Iterable, Sequence
@@ -17,9 +15,11 @@ from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_ma
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.results import Mapped, Result, ShownComparison, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
+from ema_tools.words.page.uplot import ABSENT, library
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
 
@@ -34,16 +34,13 @@ class _Page:
     def __init__(self) -> None:
         self.parts: list[str] = []
         self.curves: list[dict[str, Any]] = []
-        self.figures: list[dict[str, Any]] = []
 
     def add(self, *html: str) -> None:
         self.parts.extend(html)
 
     def figure(self, identity: str, figure: figures.Figure) -> str:
-        """Registers a figure; the element that it is drawn into."""
-        label = figure.pop("label")
-        self.figures.append({"id": identity, **figure})
-        return f'<div class="plot" id="{identity}" role="img" aria-label="{escape(label)}" style="height:{figure["height"]}px"></div>'
+        """The figure as it stands in the page."""
+        return figure_svg(figure, identity)
 
 
 def render(results: list[Result], command: str, units: Sequence[UnitOverDates] = ()) -> str:
@@ -275,15 +272,13 @@ def _curves(page: _Page, curves: Curves, identity: str, models: dict[str, str]) 
         page.add(f'<button type="button" data-zoom="{how}" data-zoom-of="{identity}">{text}</button>')
     page.add(f'</div></div><div class="{"pair" if len(models) > 1 else "single"}">')
     titles = ", ".join(channel["title"].lower() for channel in packed["channels"])
-    height = 40 + 215 * len(packed["channels"])
+    absent = "" if library().there else f'<p class="absent">{escape(ABSENT)}</p>'
     for key, title in models.items():
         label = f"{title}. Measured and simulated {titles} against time, each with its residual. " + "; ".join(
             f"{channel['title']} residual rms {channel['rms_text'][key]}" for channel in packed["channels"]
         )
-        page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>')
-        page.add(
-            f'<div class="plot" data-curves="{identity}" data-model="{key}" role="img" aria-label="{escape(label)}" style="height:{height}px"></div></figure>'
-        )
+        page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>{absent}')
+        page.add(f'<div class="curves" data-curves="{identity}" data-model="{key}" role="group" aria-label="{escape(label)}"></div></figure>')
     page.add("</div>")
     scale, follow = (", on the same scale before and after", "; all follow") if len(models) > 1 else ("", "")
     derived = " Speed is the slope of the position over 9 rows, the same for every curve." if curves.derived else ""
@@ -397,19 +392,14 @@ def _shared(tables: Iterable[dict[str, str]]) -> dict[str, str]:
     return {key: value for key, value in first.items() if all(other.get(key) == value for other in others)}
 
 
-def _plotly() -> str:
-    """plotly.js as the package brings it, packed (gzip, base64): the browser unpacks it, and the page is less than half as large."""
-    source = (resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes()
-    # no time of day in it: the same page again is the same bytes
-    return base64.b64encode(gzip.compress(source, mtime=0)).decode("ascii")
-
-
 def _document(title: str, page: _Page) -> str:
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "charts.css"))
-    script = (assets / "page.js").read_text(encoding="utf-8")
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "charts.css", "curves.css"))
+    script = (assets / "curves.js").read_text(encoding="utf-8")
+    loaded = library()
+    draws = f"<script>{loaded.script}</script>" if loaded.there else ""
     # `<` would let a text in the data end the script element.
-    data = json.dumps({"curves": page.curves, "figures": page.figures}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    data = json.dumps({"curves": page.curves}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     body = "\n".join(page.parts)
     return f"""<!doctype html>
 <html lang="en">
@@ -421,13 +411,14 @@ def _document(title: str, page: _Page) -> str:
 <link rel="icon" href="data:,">
 <title>{escape(title)}</title>
 <style>
+{loaded.style}
 {style}</style>
 </head>
 <body>
 {body}
 <noscript><div class="wrap"><p>The curves need JavaScript; the sentences and tables do not.</p></div></noscript>
 <script id="page-data" type="application/json">{data}</script>
-<script>const plotlyPacked = "{_plotly()}";</script>
+{draws}
 <script>
 {script}</script>
 </body>
