@@ -922,17 +922,20 @@ def report(results: tuple[str, ...], out: str, pictures: str | None, json_path: 
 
 @cli.command(name="demo", short_help="Find a hidden effect and two faults in shipped records.")
 @click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
+@click.option("--paper", is_flag=True, help="The paper's cases alone, with the curves and surfaces that a paper shows: DIR/paper.html.")
 @json_option
-def demo_command(folder: str | None, json_path: str | None, force: bool) -> None:
+def demo_command(folder: str | None, paper: bool, json_path: str | None, force: bool) -> None:
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools.base.files import keep_apart
     from ema_tools.cli import demo as work
+    from ema_tools.cli import paper as paper_work
     from ema_tools.results.files import DemoResult
 
     target = Path(folder) if folder else work.output_folder()
-    keep_apart([*work.written(target), *filter(None, (json_path,))])
+    chosen = paper_work if paper else work
+    keep_apart([*chosen.written(target), *filter(None, (json_path,))])
     writable(json_path=json_path, force=force, made=target)
-    page = work.run(output(), target)
+    page = chosen.run(output(), target)
     save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 

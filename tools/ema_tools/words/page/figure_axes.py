@@ -38,6 +38,10 @@ class Axis:
         number = float(self.names.index(value)) if isinstance(value, str) else float(value)
         if self.log:
             number = math.log10(max(number, 1e-300))
+        return self.spot(number)
+
+    def spot(self, number: float) -> float:
+        """Place of a number as the ends are stated: of a logarithmic axis of a logarithm."""
         return self.start + (self.stop - self.start) * (number - self.low) / (self.high - self.low)
 
     @property

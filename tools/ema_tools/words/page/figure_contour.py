@@ -1,4 +1,4 @@
-"""A quantity over two axes in steps of shade: dark is small. Where its points lie closer the picture is as fine as they are."""
+"""A quantity over two axes in steps of shade: dark is small. Its points are stated as the ends of the axes: on a logarithmic one by their logarithms."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ def contour(trace: dict[str, Any], frame: Frame, axis: Axis) -> str:
     steps = np.clip(((cells - low) / ((high - low) or 1.0) * count).astype(int), 0, count - 1)
     parts = []
     for place, row in enumerate(steps):
-        top, bottom = frame.y.at(up[place + 1]), frame.y.at(up[place])
+        top, bottom = frame.y.spot(up[place + 1]), frame.y.spot(up[place])
         edges = np.flatnonzero(np.diff(row)) + 1
         for start, stop in zip((0, *edges), (*edges, row.size), strict=True):
-            left, right = axis.at(across[start]), axis.at(across[stop])
+            left, right = axis.spot(across[start]), axis.spot(across[stop])
             opacity = _FULL + (_LEAST - _FULL) * row[start] / max(count - 1, 1)
             parts.append(f'<path fill-opacity="{opacity:.2f}" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}z"/>')
     return f'<g class="steps r-{trace["meta"]["role"]}" shape-rendering="crispEdges">{"".join(parts)}</g>'
