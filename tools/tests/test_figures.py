@@ -12,7 +12,16 @@ from ema_tools.words.page.figure_svg import figure_svg
 
 
 def trace(x: list[Any], y: list[Any], **changes: Any) -> dict[str, Any]:
-    return {"type": "scatter", "mode": "markers", "x": x, "y": y, "meta": {"role": "after"}, "marker": {"size": 8}, "name": "one", **changes}
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": x,
+        "y": y,
+        "meta": {"role": "after"},
+        "marker": {"size": 8},
+        "name": "one",
+        **changes,
+    }
 
 
 def drawn(*traces: dict[str, Any], **layout: Any) -> ElementTree.Element:
@@ -50,7 +59,9 @@ def test_lines_break_and_step_and_bands_lie_between() -> None:
 
 
 def test_bars_and_bars_of_error_reach_as_far_as_they_say() -> None:
-    bars = list(drawn({"type": "bar", "x": ["a", "b"], "y": [1.0, 2.0], "base": [0.0, 0.0], "meta": {"role": "after"}, "name": "left"}).iter("rect"))
+    bars = list(
+        drawn({"type": "bar", "x": ["a", "b"], "y": [1.0, 2.0], "base": [0.0, 0.0], "meta": {"role": "after"}, "name": "left"}).iter("rect")
+    )
     heights = [float(one.attrib["height"]) for one in bars if "clip" not in one.attrib.get("id", "") and len(one)]
     assert heights[1] == pytest.approx(2.0 * heights[0], abs=0.2)
     wide = drawn(trace([1.0, 2.0], [0.0, 1.0], error_x={"array": [0.5, 0.0], "arrayminus": [1.0, 0.0], "thickness": 2}))
@@ -69,5 +80,5 @@ def test_a_contour_is_dark_where_its_quantity_is_small() -> None:
     shades = [float(one.attrib["fill-opacity"]) for one in steps]
     darkest = [one.attrib["d"] for one in steps if float(one.attrib["fill-opacity"]) == max(shades)]
     middle = 0.5 * (float(darkest[0].split("M")[1].split(" ")[0]) + float(darkest[0].split("H")[1].split("V")[0]))
-    (rect,) = [one for one in found.iter("rect")]
+    (rect,) = list(found.iter("rect"))
     assert len(set(shades)) == 6 and middle == pytest.approx(float(rect.attrib["x"]) + 0.5 * float(rect.attrib["width"]), abs=3.0)

@@ -103,7 +103,9 @@ def test_the_page_shows_every_reading(tmp_path: Path) -> None:
     section = page[page.index('<section id="dates"') : page.index('<section id="result-1"')]
     assert section.count("<svg") == 2 and section.count('<tr><th scope="row">2026-05-') == 9
     csj = section[section.index("CSJ, static dry friction, days since 2026-05-01") :]
-    assert re.search(r'class="dots after big"[^>]* d="(?:M[\d.]+ [\d.]+h0){8}"', csj) and re.search(r'class="dots open big"[^>]* d="M[\d.]+ [\d.]+h0"', csj)
+    assert re.search(r'class="dots after big"[^>]* d="(?:M[\d.]+ [\d.]+h0){8}"', csj) and re.search(
+        r'class="dots open big"[^>]* d="M[\d.]+ [\d.]+h0"', csj
+    )
     assert csj.index('class="band healthy"') < csj.index('class="threshold thin"') < csj.index('class="band after"')
 
 

@@ -64,7 +64,13 @@ def test_the_page_cites_the_paper_and_puts_its_numbers_beside_those_reached_here
     assert found.problems == [] and found.open == [] and len(found.identities) == len(set(found.identities))
     text = " ".join("".join(found.texts).split())
     assert CITED in text
-    for title in ("Command and response", "What static dry friction does", "What backlash does", "how the annealer converges", "Beside the paper"):
+    for title in (
+        "Command and response",
+        "What static dry friction does",
+        "What backlash does",
+        "how the annealer converges",
+        "Beside the paper",
+    ):
         assert title in text
     for case in CASES:
         assert f"{case.paper_csj_Nm:g}" in text and f"{case.paper_blk_mm:g}" in text and str(case.paper_iterations) in text
@@ -85,7 +91,11 @@ def test_the_page_is_drawn(width: int, browser: Any, tmp_path: Path) -> None:  #
     assert page.locator(".lines").count() == 4 + 3 + 3
     assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
     page.locator('[data-lines-of="responses"][data-view]').click()
-    assert page.locator("#response-position_mm").get_attribute("data-view") == "1.0000 1.6000" == page.locator("#response-current_A").get_attribute("data-view")
+    assert (
+        page.locator("#response-position_mm").get_attribute("data-view")
+        == "1.0000 1.6000"
+        == page.locator("#response-current_A").get_attribute("data-view")
+    )
     assert page.locator("#csj-position").get_attribute("data-view") is None
     assert complaints == []
     context.close()

@@ -26,7 +26,11 @@ _SVG = "{http://www.w3.org/2000/svg}"
 _SHAPE = {
     "csj_Nm": {"value": [0.2, 0.28, 0.3, 0.32, 0.4], "objective_mm2s": [0.2, 0.01, 2.5e-4, 0.01, 0.3], "limit_mm2s": 4e-4},
     "blk_mm": {"value": [0.02, 0.04, 0.04125, 0.06], "objective_mm2s": [3e-3, 3e-4, 2.5e-4, 4e-3], "limit_mm2s": 4e-4},
-    "map": {"csj_Nm": [0.1, 0.3, 0.4], "blk_mm": [0.02, 0.04, 0.06], "objective_mm2s": [[0.7, 0.1, 0.3], [0.6, 2.5e-4, 0.2], [0.8, 0.1, 0.4]]},
+    "map": {
+        "csj_Nm": [0.1, 0.3, 0.4],
+        "blk_mm": [0.02, 0.04, 0.06],
+        "objective_mm2s": [[0.7, 0.1, 0.3], [0.6, 2.5e-4, 0.2], [0.8, 0.1, 0.4]],
+    },
     "path": {"csj_Nm": [0.138, 0.25, 0.3], "blk_mm": [0.033, 0.05, 0.04125]},
     "path_cost_mm2s": [0.674, 0.1, 2.5e-4],
 }
@@ -37,7 +41,10 @@ def result_of(data: dict[str, Any]) -> Result:
 
 
 def mapped() -> Result:
-    points = tuple(MapPointEntry(speed, 0.1 * math.copysign(1.0, speed), 0.09, 0.11, (0.09, 0.11), 0.1, 3, 2.0, ("a.csv",)) for speed in (-20.0, -5.0, 5.0, 20.0))
+    points = tuple(
+        MapPointEntry(speed, 0.1 * math.copysign(1.0, speed), 0.09, 0.11, (0.09, 0.11), 0.1, 3, 2.0, ("a.csv",))
+        for speed in (-20.0, -5.0, 5.0, 20.0)
+    )
     return shown(MapResult("map", "a.csv", "mine", ("a.csv",), "Friction is 0.1 Nm.", 12, points, ()), "m.json", "m")
 
 
@@ -64,7 +71,11 @@ def colours_of(path: Path) -> set[str]:
 def test_each_result_gives_its_pictures_in_both_forms(kind: str, tmp_path: Path) -> None:
     make, kinds = RESULTS[kind]
     written = write_pictures(make(), tmp_path, "x")
-    assert {path.name for path in written} == {f"x_{one}.{ending}" for one in kinds for ending in ENDINGS} == {path.name for path in tmp_path.iterdir()}
+    assert (
+        {path.name for path in written}
+        == {f"x_{one}.{ending}" for one in kinds for ending in ENDINGS}
+        == {path.name for path in tmp_path.iterdir()}
+    )
     assert set(written) <= set(targets(tmp_path, "x"))
     for path in written:
         if path.suffix == ".png":
@@ -84,11 +95,28 @@ def test_each_result_gives_its_pictures_in_both_forms(kind: str, tmp_path: Path)
 def test_pictures_say_what_the_result_says(tmp_path: Path) -> None:
     write_pictures(result_of(diagnosis("missing")), tmp_path, "d")
     ladder = words_of(tmp_path / "d_ladder.svg")
-    for told in ("as given", "48.0", "+ Stribeck friction", "4.00", "+ friction (CSJ)", "0.860", "noise level 0.870", "validation record", "times the sensor noise"):
+    for told in (
+        "as given",
+        "48.0",
+        "+ Stribeck friction",
+        "4.00",
+        "+ friction (CSJ)",
+        "0.860",
+        "noise level 0.870",
+        "validation record",
+        "times the sensor noise",
+    ):
         assert told in ladder, told
     signals = words_of(tmp_path / "d_signals.svg")
     assert "The model does not hold. Stribeck friction is missing" in " ".join(signals.replace(" | ", " ").split())
-    for told in ("Rod position, mm", "Motor current, A", "Motor voltage, V", "measured minus simulated, µm: rms", "with Stribeck friction", "time, s"):
+    for told in (
+        "Rod position, mm",
+        "Motor current, A",
+        "Motor voltage, V",
+        "measured minus simulated, µm: rms",
+        "with Stribeck friction",
+        "time, s",
+    ):
         assert told in signals, told
     assert colours_of(tmp_path / "d_signals.svg") >= {style.MEASURED, style.BEFORE, style.AFTER}
     where = words_of(tmp_path / "d_where.svg")
@@ -98,7 +126,14 @@ def test_pictures_say_what_the_result_says(tmp_path: Path) -> None:
 
     write_pictures(result_of(identified(shape=_SHAPE)), tmp_path, "i")
     objective = words_of(tmp_path / "i_objective.svg")
-    for told in ("0.3000 Nm", "CSJ, static dry friction, Nm", "BLK, backlash at the rod, mm", "healthy", "found", "Integrated squared error, mm² s"):
+    for told in (
+        "0.3000 Nm",
+        "CSJ, static dry friction, Nm",
+        "BLK, backlash at the rod, mm",
+        "healthy",
+        "found",
+        "Integrated squared error, mm² s",
+    ):
         assert told in objective, told
     assert "Model run" in words_of(tmp_path / "i_search.svg")
 
@@ -156,7 +191,11 @@ def test_commands_write_their_pictures(tmp_path: Path) -> None:
     assert ran.code == 0 and "case_b_identify_*: signals, objective, search, each as .svg and .png" in ran.out
     assert run_ema("compare", REFERENCE, record, "--pictures", folder).code == 0
     names = {path.name for path in folder.iterdir()}
-    assert {f"case_b_{one}.{ending}" for one in ("identify_signals", "identify_objective", "compare_signals", "compare_balances") for ending in ENDINGS} <= names
+    assert {
+        f"case_b_{one}.{ending}"
+        for one in ("identify_signals", "identify_objective", "compare_signals", "compare_balances")
+        for ending in ENDINGS
+    } <= names
     with io.BytesIO((folder / "case_b_compare_signals.png").read_bytes()) as stream:
         assert image.imread(stream).shape[1] == 1500
     # it is said before the work

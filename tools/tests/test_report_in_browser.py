@@ -82,7 +82,9 @@ def test_what_is_zoomed_in_one_is_zoomed_in_all_of_its_result(opened: Any) -> No
     assert first == second and [float(end) for end in first.split()] == pytest.approx([0.29975, 0.89925], abs=2e-4) and others == [None] * 2
     page.locator('[data-zoom-of="result-1"][data-zoom="whole"]').click()
     assert views()[:2] == ["0.0000 1.1990"] * 2
-    box = page.locator('[data-curves="result-2"] .main .u-over').first.bounding_box()
+    plot = page.locator('[data-curves="result-2"] .main .u-over').first
+    plot.evaluate("(one) => one.scrollIntoView({ block: 'center', behavior: 'instant' })")
+    box = plot.bounding_box()
     middle = box["y"] + 0.5 * box["height"]
     page.mouse.move(box["x"] + 0.25 * box["width"], middle)
     page.mouse.down()

@@ -103,7 +103,9 @@ def test_report_writes_the_pictures_beside_the_page(tmp_path: Path) -> None:
     asked = ("report", result, "-o", tmp_path / "p.html", "--pictures", tmp_path / "pictures")
     assert run_ema(*asked).code == 0
     kinds = ("signals", "where", "candidates", "ladder", "friction")
-    assert {path.name for path in (tmp_path / "pictures").iterdir()} == {f"diagnose_{kind}.{ending}" for kind in kinds for ending in ("svg", "png")}
+    assert {path.name for path in (tmp_path / "pictures").iterdir()} == {
+        f"diagnose_{kind}.{ending}" for kind in kinds for ending in ("svg", "png")
+    }
     (tmp_path / "p.html").unlink()
     assert "diagnose_signals.svg: exists already" in complaint(run_ema(*asked))
     assert not (tmp_path / "p.html").exists()

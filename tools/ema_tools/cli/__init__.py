@@ -869,7 +869,9 @@ def telemetry(file: str, json_path: str | None, force: bool) -> None:
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the picture there.")
 @pictures_option
 @json_option
-def map_command(actuator: str, records: tuple[str, ...], page: str | None, pictures: str | None, json_path: str | None, force: bool) -> None:
+def map_command(
+    actuator: str, records: tuple[str, ...], page: str | None, pictures: str | None, json_path: str | None, force: bool
+) -> None:
     """Friction of ACTUATOR against speed, from runs at constant speed in any REC, both directions.
 
     REC takes files, patterns and folders. The model's friction stands beside it; no controller needs to be known.

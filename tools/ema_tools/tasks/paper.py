@@ -17,7 +17,7 @@ COMMAND = "chirp"  # with its usual numbers: a linear sweep, unloaded, as the pa
 CSJ_SHIFTS_PERCENT = (25.0, 50.0, 117.4)  # of CSJ alone; the last is that of case A [layout]
 BLK_SHIFTS_PERCENT = (25.0, 100.0, 200.0)  # of BLK alone; the second is that of case B [layout]
 _COLUMNS, _ROWS = 33, 23  # points of the objective over CSJ and BLK [layout]
-_BITS = 64
+_BITS = 64  # of the module: what is drawn is as exact as it can be [precision]
 
 
 def paper_responses(actuator: Actuator) -> PaperResponses:
@@ -48,7 +48,7 @@ def _box(actuator: Actuator, measured: Record, case: str, start_mm: float) -> Wh
     """Denser in CSJ where it is small: the box is ten times the healthy value wide."""
     ends = [[actuator[name] for name in BOUNDS[value]] for value in ("screw.csj_Nm", "screw.blk_mm")]
     csj = ends[0][0] + (ends[0][1] - ends[0][0]) * np.linspace(0.0, 1.0, _COLUMNS) ** 1.5
-    blk = np.linspace(*ends[1], _ROWS)
+    blk = np.linspace(ends[1][0], ends[1][1], _ROWS)
     table = measured.table()
 
     def objective(point: tuple[float, float]) -> float:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 from ema_tools.data.manifest import date_in_name
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
@@ -94,8 +95,8 @@ def _read(path: Path, found: IdentificationResult | DiagnosisResult | DiagnosisB
     return _Read(replace(row, **_diagnosed(found)), date, source, {})
 
 
-def _identified(found: IdentificationResult) -> dict[str, float]:
-    values: dict[str, float] = {}
+def _identified(found: IdentificationResult) -> dict[str, Any]:
+    values: dict[str, Any] = {}
     for short, key in _KEY_OF.items():
         one = found.estimates.get(key)
         if one is None:
@@ -116,8 +117,8 @@ def _healthy(one: EstimateEntry) -> float:
     return one.estimate / share if share > 0.0 else 0.0
 
 
-def _diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult) -> dict[str, float]:
-    values: dict[str, float] = {}
+def _diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult) -> dict[str, Any]:
+    values: dict[str, Any] = {}
     for short, one in found.faults.items():
         if short in _KEY_OF and one.shift_percent is not None:
             values[f"{short}_shift_percent"] = one.shift_percent

@@ -28,9 +28,7 @@ def _unit(one: SeveralReadings) -> UnitOverDates:
         dated=one.dated,
         rows=rows,
         days=days,
-        trends={
-            trend.name: trend_entry(trend) if one.dated else trend_entry(trend, by_order_words(trend)) for trend in one.history.trends
-        },
+        trends={trend.name: trend_entry(trend) if one.dated else trend_entry(trend, by_order_words(trend)) for trend in one.history.trends},
         thresholds_percent=dict(one.thresholds),
         sentence=several_words(one),
         whence=whence_words(one),

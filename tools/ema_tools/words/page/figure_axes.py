@@ -22,7 +22,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
-class Axis:
+class FigureAxis:
     """From a value, or a name, to a place between `start` and `stop`; `low` and `high` are the ends, of a logarithmic axis as logarithms."""
 
     start: float
@@ -75,15 +75,15 @@ def _power(power: int) -> str:
 class Frame:
     """All axes of a figure, and its edges."""
 
-    x: dict[str, Axis]
-    y: Axis
+    x: dict[str, FigureAxis]
+    y: FigureAxis
     left: float
     right: float
     top: float
     bottom: float
     identity: str
 
-    def x_of(self, trace: dict[str, Any]) -> Axis:
+    def x_of(self, trace: dict[str, Any]) -> FigureAxis:
         """The x axis of a trace."""
         return self.x[trace.get("xaxis", "x")]
 
@@ -110,9 +110,9 @@ class Frame:
             parts.append(f'<text transform="translate(11 {middle:.1f}) rotate(-90)" text-anchor="middle">{self.y.title}</text>')
         return [f"<defs>{''.join(clips)}</defs>", *parts]
 
-    def _x_marks(self, axis: Axis) -> list[str]:
+    def _x_marks(self, axis: FigureAxis) -> list[str]:
         room = axis.stop - axis.start
-        marks = axis.marks(max(2, int(room // 58)))
+        marks = axis.marks(max(3, int(room // 50)))
         parts = []
         for value, text in marks:
             x = axis.at(value)
@@ -121,7 +121,9 @@ class Frame:
                 parts.append(f'<line class="grid{zero}" x1="{x:.1f}" x2="{x:.1f}" y1="{self.top:.1f}" y2="{self.bottom:.1f}"/>')
             parts.append(_lines(text, x, self.bottom + 14.0, "middle"))
         if axis.title:
-            parts.append(f'<text x="{0.5 * (axis.start + axis.stop):.1f}" y="{self.bottom + 31.0:.1f}" text-anchor="middle">{axis.title}</text>')
+            parts.append(
+                f'<text x="{0.5 * (axis.start + axis.stop):.1f}" y="{self.bottom + 31.0:.1f}" text-anchor="middle">{axis.title}</text>'
+            )
         return parts
 
 
@@ -186,7 +188,7 @@ def _ends(trace: dict[str, Any], axis: str) -> list[float]:
 
 def _axis(
     settings: dict[str, Any], start: float, stop: float, values: Sequence[Sequence[float]], names: tuple[str, ...], title: str
-) -> Axis:
+) -> FigureAxis:
     log = settings.get("type") == "log"
     if "range" in settings:
         low, high = settings["range"]
@@ -198,4 +200,4 @@ def _axis(
         room = _ROOM * (high - low) or 0.5
         zero = settings.get("rangemode") == "tozero"
         low, high = (0.0 if zero else low - room), high + room
-    return Axis(start, stop, float(low), float(high), log, names, title)
+    return FigureAxis(start, stop, float(low), float(high), log, names, title)

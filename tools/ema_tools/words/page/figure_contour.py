@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.words.page.figure_axes import Axis, Frame
+from ema_tools.words.page.figure_axes import FigureAxis, Frame
 
 _COLUMNS, _ROWS = 96, 64  # cells of the picture; neighbours of one shade are drawn as one [layout]
 _FULL, _LEAST = 0.72, 0.04  # opacity of the lowest and of the highest step [layout]
 
 
-def contour(trace: dict[str, Any], frame: Frame, axis: Axis) -> str:
+def contour(trace: dict[str, Any], frame: Frame, axis: FigureAxis) -> str:
     """Markup of the steps."""
     x, y, z = (np.asarray(trace[name], dtype=np.float64) for name in ("x", "y", "z"))
     low, high, count = float(z.min()), float(z.max()), trace.get("ncontours", 12)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.words.page.figure_axes import HEIGHT_SHARE, WIDTH, Axis, Frame, frame_of
+from ema_tools.words.page.figure_axes import HEIGHT_SHARE, WIDTH, FigureAxis, Frame, frame_of
 from ema_tools.words.page.figure_contour import contour
 
 Figure = dict[str, Any]
@@ -45,7 +45,7 @@ def figure_svg(figure: Figure, identity: str) -> str:
     return f'<svg class="picture" id="{identity}" viewBox="0 0 {WIDTH:g} {height:g}" role="img" aria-label="{escape(figure["label"])}"{zooms}>{"".join(parts)}</svg>'
 
 
-def _points(frame: Frame, axis: Axis, x: Sequence[Any], y: Sequence[Any]) -> list[tuple[float, float]]:
+def _points(frame: Frame, axis: FigureAxis, x: Sequence[Any], y: Sequence[Any]) -> list[tuple[float, float]]:
     return [(axis.at(one), frame.y.at(other)) for one, other in zip(x, y, strict=True) if one is not None and other is not None]
 
 
@@ -65,7 +65,7 @@ def _runs(x: Sequence[Any], y: Sequence[Any]) -> list[tuple[list[Any], list[Any]
     return [run for run in runs if run[0]]
 
 
-def _scatter(trace: Figure, frame: Frame, axis: Axis) -> list[str]:
+def _scatter(trace: Figure, frame: Frame, axis: FigureAxis) -> list[str]:
     role, mode, line = trace["meta"]["role"], trace["mode"], trace.get("line", {})
     parts = []
     if "lines" in mode and line.get("width", 1.5) > 0:
@@ -75,7 +75,9 @@ def _scatter(trace: Figure, frame: Frame, axis: Axis) -> list[str]:
         for x, y in _runs(trace["x"], trace["y"]):
             points = _points(frame, axis, x, y)
             if line.get("shape") == "hv":
-                points = [point for place, one in enumerate(points) for point in (((one[0], points[place - 1][1]), one) if place else (one,))]
+                points = [
+                    point for place, one in enumerate(points) for point in (((one[0], points[place - 1][1]), one) if place else (one,))
+                ]
             parts.append(f'<polyline class="r-{role}" {style} points="{_joined(points)}"{frame.clip(trace)}/>')
     if trace.get("error_x", {}).get("array"):
         parts.append(_errors(trace, frame, axis))
@@ -84,7 +86,7 @@ def _scatter(trace: Figure, frame: Frame, axis: Axis) -> list[str]:
     return parts
 
 
-def _errors(trace: Figure, frame: Frame, axis: Axis) -> str:
+def _errors(trace: Figure, frame: Frame, axis: FigureAxis) -> str:
     found = trace["error_x"]
     bars = "".join(
         f"M{axis.at(x - below):.1f} {frame.y.at(y):.1f}H{axis.at(x + above):.1f}"
@@ -93,7 +95,7 @@ def _errors(trace: Figure, frame: Frame, axis: Axis) -> str:
     return f'<path class="r-{trace["meta"]["role"]}" stroke-width="{found["thickness"]}" d="{bars}"/>'
 
 
-def _markers(trace: Figure, frame: Frame, axis: Axis) -> str:
+def _markers(trace: Figure, frame: Frame, axis: FigureAxis) -> str:
     marker = trace.get("marker", {})
     role, size, symbol = trace["meta"]["role"], marker.get("size", 6), marker.get("symbol", "circle")
     if role == "measured" and symbol.endswith("open"):
@@ -117,7 +119,7 @@ def _markers(trace: Figure, frame: Frame, axis: Axis) -> str:
     return f'<g class="{kind} r-{role}"{opacity}{frame.clip(trace)}>{"".join(shapes)}</g>'
 
 
-def _bars(trace: Figure, frame: Frame, axis: Axis) -> str:
+def _bars(trace: Figure, frame: Frame, axis: FigureAxis) -> str:
     base = trace.get("base") or [frame.y.low] * len(trace["x"])
     half = 0.5 * axis.step * trace.get("width", 0.65)
     shapes = []
@@ -142,7 +144,7 @@ def _told(trace: Figure, place: int, x: Any, y: Any) -> str:
         one, form = values.get(match[1], ""), (match[2] or "").replace("~", "")
         return f"{one:{form}}" if form and isinstance(one, int | float) else str(one)
 
-    said = _FIELD.sub(value, re.sub(r"<extra>.*?</extra>", "", trace.get("hovertemplate", trace.get("name", ""))))
+    said = _FIELD.sub(value, re.sub(r"<extra>.*?</extra>", "", str(trace.get("hovertemplate") or trace.get("name", ""))))
     return re.sub(r"<[^>]+>", " ", said)
 
 

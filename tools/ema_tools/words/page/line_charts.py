@@ -37,13 +37,24 @@ class LineChart:
     def data(self) -> dict[str, Any]:
         """For the script."""
         series = [
-            {"label": one.label, "role": one.role, "packed": packed(one.values), **({"dash": _DASHES[one.role]} if one.role in _DASHES else {})}
+            {
+                "label": one.label,
+                "role": one.role,
+                "packed": packed(one.values),
+                **({"dash": _DASHES[one.role]} if one.role in _DASHES else {}),
+            }
             for one in self.curves
         ]
         view = {"view": self.view} if self.view else {}
         return {
-            "id": self.identity, "group": self.group, "unit": self.unit, "period_s": self.period_s, "rows": int(self.curves[0].values.size), "series": series, **view
-        }  # fmt: skip
+            "id": self.identity,
+            "group": self.group,
+            "unit": self.unit,
+            "period_s": self.period_s,
+            "rows": int(self.curves[0].values.size),
+            "series": series,
+            **view,
+        }
 
     def markup(self, caption: str = "") -> str:
         """A figure with its legend; `caption` is text."""

@@ -280,7 +280,9 @@ def _curves(page: Page, curves: Curves, identity: str, models: dict[str, str]) -
             f"{channel['title']} residual rms {channel['rms_text'][key]}" for channel in packed["channels"]
         )
         page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>{absent}')
-        page.add(f'<div class="curves" data-curves="{identity}" data-model="{key}" role="group" aria-label="{escape(label)}"></div></figure>')
+        page.add(
+            f'<div class="curves" data-curves="{identity}" data-model="{key}" role="group" aria-label="{escape(label)}"></div></figure>'
+        )
     page.add("</div>")
     scale, follow = (", on the same scale before and after", "; all follow") if len(models) > 1 else ("", "")
     derived = " Speed is the slope of the position over 9 rows, the same for every curve." if curves.derived else ""

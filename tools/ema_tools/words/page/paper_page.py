@@ -12,9 +12,9 @@ import numpy as np
 
 from ema_tools.results.paper import PaperResponses, PaperRun
 from ema_tools.words.page import text as words
-from ema_tools.words.page.figures import Figure
 from ema_tools.words.page.line_charts import LineChart, NamedCurve
 from ema_tools.words.page.page import Page, document, identified_section, origin_section, paper_section
+from ema_tools.words.page.paper_figures import LEAST, SIZES, best_so_far, box_surface
 from ema_tools.words.page.results import ShownIdentification
 from ema_tools.words.page.uplot import ABSENT, library
 
@@ -22,9 +22,7 @@ CITED = (
     "M. D. L. Dalla Vedova, D. Lauria, P. Maggiore, L. Pace: “Electromechanical actuators affected by multiple failures: "
     "a simulated-annealing-based fault identification algorithm”."
 )
-_SIZES = ("one", "two", "three")
 _NEAR = (1.0, 1.6)  # s: the first reversal, where friction and play are seen apart [layout]
-_LEAST = 1e-12  # mm2 s that is drawn of an objective [layout]
 _UM = 1000.0  # um in a mm [physics]
 
 
@@ -60,8 +58,15 @@ _BLK_WORDS = "The rod lags by half the play after each reversal, whatever the sp
 
 
 def _title(results: Sequence[ShownIdentification]) -> str:
-    worst = max(abs(one.faults[name].shift_percent - one.case.shift_percent(name)) for one in results if one.case is not None for name in one.faults)
-    paper = max(abs(one.paper.paper_shift_percent(name) - one.paper.shift_percent(name)) for one in results if one.paper is not None for name in one.faults)
+    worst = max(
+        abs(one.faults[name].shift_percent - one.case.shift_percent(name)) for one in results if one.case is not None for name in one.faults
+    )
+    paper = max(
+        abs(one.paper.paper_shift_percent(name) - one.paper.shift_percent(name))
+        for one in results
+        if one.paper is not None
+        for name in one.faults
+    )
     return f"The paper’s {len(results)} cases are found to {words.number(worst, 2)} % of the healthy value, where the paper is off by up to {words.number(paper, 2)} %."
 
 
@@ -80,22 +85,37 @@ def _zoom(page: Page, group: str) -> None:
 
 def _responses(page: Page, found: PaperResponses) -> None:
     """Command, healthy and faulty response."""
-    page.add('<section id="responses" aria-labelledby="responses-title"><div class="wrap"><h2 id="responses-title">Command and response</h2>')
+    page.add(
+        '<section id="responses" aria-labelledby="responses-title"><div class="wrap"><h2 id="responses-title">Command and response</h2>'
+    )
     seconds = found.period_s * found.command_mm.size
-    page.add(f"<p>A linear sweep of the position command, {seconds:.0f} s, unloaded; the healthy actuator, and case A with more friction and a little more play.</p>")
+    page.add(
+        f"<p>A linear sweep of the position command, {seconds:.0f} s, unloaded; the healthy actuator, and case A with more friction and a little more play.</p>"
+    )
     _zoom(page, "responses")
     worn = found.cases[0]
     charts = []
-    for name, title, unit in (("position_mm", "Rod position", "mm"), ("speed_mm_s", "Rod speed", "mm/s"), ("current_A", "Motor current", "A")):
+    for name, title, unit in (
+        ("position_mm", "Rod position", "mm"),
+        ("speed_mm_s", "Rod speed", "mm/s"),
+        ("current_A", "Motor current", "A"),
+    ):
         curves = [NamedCurve("healthy", "after", getattr(found.healthy, name)), NamedCurve(worn.name, "two", getattr(worn, name))]
         if name == "position_mm":
             curves.insert(0, NamedCurve("command", "measured", found.command_mm))
         charts.append(LineChart(f"response-{name}", title, unit, "responses", found.period_s, curves))
     charts.append(
         LineChart(
-            "response-lag", "Command minus rod position", "µm", "responses", found.period_s,
-            [NamedCurve(one.name, role, _UM * (found.command_mm - one.position_mm)) for one, role in ((found.healthy, "after"), (worn, "two"))],
-        )  # fmt: skip
+            "response-lag",
+            "Command minus rod position",
+            "µm",
+            "responses",
+            found.period_s,
+            [
+                NamedCurve(one.name, role, _UM * (found.command_mm - one.position_mm))
+                for one, role in ((found.healthy, "after"), (worn, "two"))
+            ],
+        )
     )
     captions = ("", "", "", "What the rod lags behind the command by: friction adds to it at every reversal.")
     _charts(page, charts, captions)
@@ -104,14 +124,16 @@ def _responses(page: Page, found: PaperResponses) -> None:
 
 def _one_value(page: Page, found: PaperResponses, name: str, title: str, runs: Sequence[PaperRun], told: str) -> None:
     """What one value alone does to position and current, in rising sizes."""
-    page.add(f'<section id="{name}" aria-labelledby="{name}-title"><div class="wrap"><h2 id="{name}-title">{escape(title)}</h2><p>{escape(told)}</p>')
+    page.add(
+        f'<section id="{name}" aria-labelledby="{name}-title"><div class="wrap"><h2 id="{name}-title">{escape(title)}</h2><p>{escape(told)}</p>'
+    )
     _zoom(page, name)
-    rod = [NamedCurve(one.name, role, _UM * (one.position_mm - found.healthy.position_mm)) for one, role in zip(runs, _SIZES, strict=True)]
+    rod = [NamedCurve(one.name, role, _UM * (one.position_mm - found.healthy.position_mm)) for one, role in zip(runs, SIZES, strict=True)]
     drive = [NamedCurve("healthy", "after", found.healthy.current_A)] + [
-        NamedCurve(one.name, role, one.current_A) for one, role in zip(runs, _SIZES, strict=True)
+        NamedCurve(one.name, role, one.current_A) for one, role in zip(runs, SIZES, strict=True)
     ]
     position = [NamedCurve("healthy", "after", found.healthy.position_mm)] + [
-        NamedCurve(one.name, role, one.position_mm) for one, role in zip(runs, _SIZES, strict=True)
+        NamedCurve(one.name, role, one.position_mm) for one, role in zip(runs, SIZES, strict=True)
     ]
     charts = [
         LineChart(f"{name}-position", "Rod position", "mm", name, found.period_s, position, _NEAR),
@@ -124,66 +146,36 @@ def _one_value(page: Page, found: PaperResponses, name: str, title: str, runs: S
 
 def _largest(runs: Sequence[PaperRun], found: PaperResponses) -> str:
     rms = [_UM * float(np.sqrt(np.mean((one.position_mm - found.healthy.position_mm) ** 2))) for one in runs]
-    return "rms over the record: " + ", ".join(f"{one.name} {words.number(value, 2)} µm" for one, value in zip(runs, rms, strict=True)) + "."
+    return (
+        "rms over the record: " + ", ".join(f"{one.name} {words.number(value, 2)} µm" for one, value in zip(runs, rms, strict=True)) + "."
+    )
 
 
 def _objective(page: Page, found: PaperResponses, results: Sequence[ShownIdentification]) -> None:
     """The objective of one case over the whole box, and the annealer's way down on every case."""
     box = found.box
-    page.add('<section id="objective" aria-labelledby="objective-title"><div class="wrap"><h2 id="objective-title">The objective, and how the annealer converges</h2>')
     page.add(
-        f"<p>The integrated squared position error of case {escape(box.case)} for every CSJ and BLK that the search may try. A valley runs along BLK: there the error hardly says which value is right, "
-        "and this, not the search, is what makes backlash hard to find.</p>"
+        '<section id="objective" aria-labelledby="objective-title"><div class="wrap"><h2 id="objective-title">The objective, and how the annealer converges</h2>'
     )
-    page.add('<div class="pair"><figure><div class="figure-head"><h3>Integrated squared error over the box</h3><ul class="legend"><li><span class="key diamond full before"></span>healthy</li>')
-    page.add('<li><span class="key dot"></span>truth</li></ul></div>', page.figure("objective-box", _surface(found)))
-    ends = (words.number(float(np.max(box.objective_mm2s)), 2), words.number(max(float(np.min(box.objective_mm2s)), _LEAST), 2))
+    page.add(
+        f"<p>The integrated squared position error of case {escape(box.case)} for every CSJ and BLK that the search may try. A valley runs along BLK: "
+        "there the error hardly says which value is right, and this, not the search, is what makes backlash hard to find.</p>"
+    )
+    page.add('<div class="pair"><figure><div class="figure-head"><h3>Integrated squared error over the box</h3><ul class="legend">')
+    page.add('<li><span class="key diamond full before"></span>healthy</li>')
+    page.add('<li><span class="key dot"></span>truth</li></ul></div>', page.figure("objective-box", box_surface(found)))
+    ends = (words.number(float(np.max(box.objective_mm2s)), 2), words.number(max(float(np.min(box.objective_mm2s)), LEAST), 2))
     page.add(f"<figcaption>In logarithmic steps; dark is small: from {ends[0]} down to {ends[1]} mm² s on this grid.</figcaption></figure>")
     shown = [one for one in results if one.search is not None and one.paper is not None]
     if shown:
-        keys = "".join(f'<li><span class="key {role}"></span>{escape(one.label)}</li>' for one, role in zip(shown, _SIZES, strict=False))
-        page.add(f'<figure><div class="figure-head"><h3>Best error so far</h3><ul class="legend">{keys}</ul></div>', page.figure("search-best", _best(shown)))
+        keys = "".join(f'<li><span class="key {role}"></span>{escape(one.label)}</li>' for one, role in zip(shown, SIZES, strict=False))
+        page.add(
+            f'<figure><div class="figure-head"><h3>Best error so far</h3><ul class="legend">{keys}</ul></div>',
+            page.figure("search-best", best_so_far(shown)),
+        )
         paper = min(one.paper.paper_iterations for one in shown if one.paper is not None)
         page.add(
-            f"<figcaption>From the healthy values. The paper’s search takes {paper} iterations and more; how often this one arrives, and from where, is counted over 500 searches a case in docs/RESULTS.md.</figcaption></figure>"
+            f"<figcaption>From the healthy values. The paper’s search takes {paper} iterations and more; how often this one arrives, and from where, "
+            "is counted over 500 searches a case in docs/RESULTS.md.</figcaption></figure>"
         )
     page.add("</div></div></section>")
-
-
-def _surface(found: PaperResponses) -> Figure:
-    box = found.box
-    levels = np.log10(np.maximum(box.objective_mm2s, _LEAST))
-    worn, healthy = found.cases[0], found.healthy
-    points = [
-        {
-            "type": "scatter", "mode": "markers", "x": [run.csj_Nm], "y": [run.blk_mm], "name": name, "meta": {"role": role},
-            "marker": {"symbol": symbol, "size": 13}, "hovertemplate": f"{name}: CSJ %{{x:.4~g}} Nm, BLK %{{y:.4~g}} mm",
-        }
-        for run, name, role, symbol in ((healthy, "Healthy", "before", "diamond"), (worn, "Truth", "after", "circle"))
-    ]  # fmt: skip
-    contour: Figure = {
-        "type": "contour", "x": np.log10(box.csj_Nm).tolist(), "y": box.blk_mm.tolist(), "z": levels.tolist(), "ncontours": 20, "meta": {"role": "candidate"}
-    }  # fmt: skip
-    ends = [float(np.log10(box.csj_Nm[0])), float(np.log10(box.csj_Nm[-1]))]
-    layout = {
-        "xaxis": {"title": {"text": "CSJ, Nm, logarithmic"}, "type": "log", "range": ends},
-        "yaxis": {"title": {"text": "BLK, mm"}, "range": [float(box.blk_mm[0]), float(box.blk_mm[-1])]},
-    }
-    label = f"Objective over CSJ and BLK of case {box.case}: smallest at CSJ {worn.csj_Nm:g} Nm, BLK {worn.blk_mm:g} mm"
-    return {"data": [contour, *points], "layout": layout, "height": 320, "label": label}
-
-
-def _best(shown: Sequence[ShownIdentification]) -> Figure:
-    dashes = {"one": "dot", "two": "dash"}
-    traces = []
-    for one, role in zip(shown, _SIZES, strict=False):
-        assert one.search is not None
-        best = np.maximum(one.search.best, _LEAST)
-        line = {"width": 2, "shape": "hv", **({"dash": dashes[role]} if role in dashes else {})}
-        traces.append({"type": "scatter", "mode": "lines", "x": list(range(1, best.size + 1)), "y": best.tolist(), "name": one.label, "meta": {"role": role}, "line": line})
-    layout = {
-        "xaxis": {"title": {"text": "Model run"}, "rangemode": "tozero"},
-        "yaxis": {"title": {"text": "E<sub>int</sub>, mm² s"}, "type": "log"},
-    }
-    label = "Best objective against model run: " + "; ".join(f"case {one.label} {words.number(float(one.search.best[-1]))} mm2 s after {one.search.best.size} runs" for one in shown if one.search is not None)
-    return {"data": traces, "layout": layout, "height": 320, "label": label}

@@ -36,7 +36,9 @@ def torque_picture(result: Diagnosed) -> Figure | None:
         if entry is not None:
             _line(axes, entry, colour, style, said)
     axes.set_ylim(*np.percentile(torque, _MIDDLE) * 1.15)
-    titled(axes, "Mean, and band of one standard deviation", f"Speed of the motor, {found.axis_unit}", f"Torque without inertia, {found.unit}")
+    titled(
+        axes, "Mean, and band of one standard deviation", f"Speed of the motor, {found.axis_unit}", f"Torque without inertia, {found.unit}"
+    )
     made.legend(loc="outside lower left", ncols=3)
     return made
 
@@ -55,7 +57,14 @@ def map_picture(result: Mapped) -> Figure:
         speed = [one.speed_rad_s for one in here]
         axes.fill_between(speed, [one.low_Nm for one in here], [one.high_Nm for one in here], color=BEFORE, alpha=0.15, linewidth=0)
         axes.plot(speed, [one.torque_Nm for one in here], "o-", color=BEFORE, markersize=5, label="measured" if place else None)
-        axes.plot(speed, [one.model_Nm for one in here], color=AFTER, linestyle=(0, (5, 1.5)), linewidth=1.8, label="model" if place else None)
-    titled(axes, "Runs at constant speed: mean, and band of one standard deviation", "Speed of the motor, rad/s", "Torque at the motor shaft, inertia taken off, Nm")
+        axes.plot(
+            speed, [one.model_Nm for one in here], color=AFTER, linestyle=(0, (5, 1.5)), linewidth=1.8, label="model" if place else None
+        )
+    titled(
+        axes,
+        "Runs at constant speed: mean, and band of one standard deviation",
+        "Speed of the motor, rad/s",
+        "Torque at the motor shaft, inertia taken off, Nm",
+    )
     made.legend(loc="outside lower left", ncols=2)
     return made

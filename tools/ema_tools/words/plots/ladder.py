@@ -26,9 +26,7 @@ def ladder_picture(result: Diagnosed) -> Figure | None:
     if not found:
         return None
     known = {one.name for one in result.suspects} | set(faults(result)) | {result.added}
-    titles = [
-        name if place == 0 else f"+ {names.within(name) if name in known else name}" for place, (name, _, _) in enumerate(found)
-    ]
+    titles = [name if place == 0 else f"+ {names.within(name) if name in known else name}" for place, (name, _, _) in enumerate(found)]
     made = figure(f"{result.name}: the error after each step", 1.5 + 0.42 * len(found))
     axes = made.subplots()
     here = np.array([one for _, one, _ in found])
@@ -38,13 +36,25 @@ def ladder_picture(result: Diagnosed) -> Figure | None:
     if held:
         said = "parts held out in turn" if result.by_forces else "validation record, to which nothing was fitted"
         axes.plot(
-            [one for _, one in held], [place for place, _ in held], "D", markerfacecolor="none", markeredgecolor=BEFORE, markeredgewidth=1.8, markersize=8, label=said
-        )  # fmt: skip
+            [one for _, one in held],
+            [place for place, _ in held],
+            "D",
+            markerfacecolor="none",
+            markeredgecolor=BEFORE,
+            markeredgewidth=1.8,
+            markersize=8,
+            label=said,
+        )
     for place, value in zip(places, here, strict=True):
         axes.annotate(
-            number(float(value)), (value, place), xytext=(0, 8), textcoords="offset points", ha="center", fontsize=8.5,
+            number(float(value)),
+            (value, place),
+            xytext=(0, 8),
+            textcoords="offset points",
+            ha="center",
+            fontsize=8.5,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-        )  # fmt: skip
+        )
     unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
     _rows(axes, titles, here, [one for _, one in held], result.errors.get("floor"))
     titled(axes, "", f"Error, {unit}, logarithmic; all values refitted together")
@@ -57,7 +67,10 @@ def candidates_picture(result: Diagnosed) -> Figure | None:
     tried = [one for one in candidates(result) if one.entry.accepted or one.entry.score > 0.0]
     by_error = sorted((one for one in tried if one.left is not None), key=lambda one: one.left or 0.0)[:_CANDIDATES_MAX]
     if by_error:
-        values, title = np.array([one.left for one in by_error], dtype=np.float64), "the error that each effect leaves when it alone is added"
+        values, title = (
+            np.array([one.left for one in by_error], dtype=np.float64),
+            "the error that each effect leaves when it alone is added",
+        )
         entries, limits, floor = [one.entry for one in by_error], [], result.errors.get("floor")
         unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
         x_title = f"Error left, {unit}, logarithmic"
@@ -76,7 +89,9 @@ def candidates_picture(result: Diagnosed) -> Figure | None:
         if chosen:
             axes.plot(values[chosen], chosen, marker, color=colour, markersize=8, label=said)
     if any(limit > 0.0 for limit in limits):
-        axes.plot(np.maximum(limits, 1e-3), np.arange(len(limits)), "|", color=NOISE, markersize=13, markeredgewidth=2.2, label="must exceed")
+        axes.plot(
+            np.maximum(limits, 1e-3), np.arange(len(limits)), "|", color=NOISE, markersize=13, markeredgewidth=2.2, label="must exceed"
+        )
     _rows(axes, [names.display(one.name) for one in entries], values, [limit for limit in limits if limit > 0.0], floor)
     titled(axes, "", x_title)
     made.legend(loc="outside lower left", ncols=4)

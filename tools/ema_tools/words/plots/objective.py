@@ -47,7 +47,9 @@ def _map(axes: Axes, result: ShownIdentification) -> None:
     shown = axes.contourf(found.csj, found.blk, levels, 14, cmap="cividis")
     axes.contour(found.csj, found.blk, levels, 14, colors="white", linewidths=0.4, alpha=0.6)
     ends = ((found.csj[0], found.csj[-1]), (found.blk[0], found.blk[-1]))
-    inside = (found.path_csj >= ends[0][0]) & (found.path_csj <= ends[0][1]) & (found.path_blk >= ends[1][0]) & (found.path_blk <= ends[1][1])
+    inside = (
+        (found.path_csj >= ends[0][0]) & (found.path_csj <= ends[0][1]) & (found.path_blk >= ends[1][0]) & (found.path_blk <= ends[1][1])
+    )
     axes.plot(found.path_csj[inside], found.path_blk[inside], ".", color="#ffffff", markersize=3, alpha=0.75)
     if found.path_cost.size:
         better = found.path_cost <= np.minimum.accumulate(found.path_cost)
@@ -62,7 +64,7 @@ def _map(axes: Axes, result: ShownIdentification) -> None:
     axes.grid(visible=False)
     titled(axes, "White: the way of the search", "CSJ, Nm", "BLK, mm")
     bar = axes.figure.colorbar(shown, ax=axes, pad=0.02)
-    ticks = [tick for tick in range(int(np.ceil(levels.min())), int(np.floor(levels.max())) + 1)]
+    ticks = list(range(int(np.ceil(levels.min())), int(np.floor(levels.max())) + 1))
     if ticks:
         bar.set_ticks(ticks, labels=[f"$10^{{{tick}}}$" for tick in ticks])
     bar.set_label("mm² s")

@@ -42,9 +42,7 @@ def signals_picture(curves: Curves, channels: tuple[str, ...], models: Mapping[s
     return made
 
 
-def _signal(
-    main: Axes, beneath: Axes, curves: Curves, name: str, models: Mapping[str, str], time: Reals, rows: slice, whole: bool
-) -> None:
+def _signal(main: Axes, beneath: Axes, curves: Curves, name: str, models: Mapping[str, str], time: Reals, rows: slice, whole: bool) -> None:
     signal, unit, residual_unit, scale = names.SIGNALS[name]
     measured = curves.measured[name]
     main.plot(*thinned(time[rows], measured[rows]), color=MEASURED, linewidth=3.0, label="measured")

@@ -31,7 +31,9 @@ def where_picture(result: Diagnosed) -> Figure | None:
         return None
     scale = heat.levels(drawn)
     rows = (len(drawn) + 1) // 2
-    made = figure(f"{result.name}: where the model fails, times the noise level", 1.3 + rows * (0.75 + 0.24 * max(len(one.rows) for one in drawn)))
+    made = figure(
+        f"{result.name}: where the model fails, times the noise level", 1.3 + rows * (0.75 + 0.24 * max(len(one.rows) for one in drawn))
+    )
     grid = made.subplots(rows, 2, squeeze=False)
     colours, norm = ListedColormap(list(HEAT)), BoundaryNorm([0.0, *scale, 10.0 * scale[-1]], len(HEAT))
     for axes in grid.flat[len(drawn) :]:
@@ -48,7 +50,9 @@ def where_picture(result: Diagnosed) -> Figure | None:
 def _map(axes: Axes, one: heat.Map, colours: Any, norm: Any) -> Any:
     cells = np.array([np.where(np.isfinite(row.multiples) & (not row.above), 0.0, row.multiples) for row in one.rows])
     axes.set_facecolor("#cfd5da")
-    mesh = axes.pcolormesh(one.edges, np.arange(len(one.rows) + 1), np.ma.masked_invalid(cells), cmap=colours, norm=norm, edgecolor="#dfe3e7", linewidth=0.4)
+    mesh = axes.pcolormesh(
+        one.edges, np.arange(len(one.rows) + 1), np.ma.masked_invalid(cells), cmap=colours, norm=norm, edgecolor="#dfe3e7", linewidth=0.4
+    )
     shown = names.block if one.lights else names.signal
     axes.set_yticks(np.arange(len(one.rows)) + 0.5, [shown(row.name) for row in one.rows])
     axes.invert_yaxis()
@@ -90,8 +94,8 @@ def balances_picture(result: ShownComparison) -> Figure | None:
     axes = made.subplots()
     values = [value[1] for value in known.values()]
     axes.barh(range(len(known)), values, height=0.55, color=AFTER)
-    for place, value in enumerate(values):
-        axes.annotate(f"{number(value)} %", (value, place), xytext=(5, 0), textcoords="offset points", va="center")
+    for place, percent in enumerate(values):
+        axes.annotate(f"{number(percent)} %", (percent, place), xytext=(5, 0), textcoords="offset points", va="center")
     axes.set_yticks(range(len(known)), [f"{names.block(name)}:\n{names.BLOCKS[name][1]}" for name in known], fontsize=8.5)
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)

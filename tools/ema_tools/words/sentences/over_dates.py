@@ -35,6 +35,4 @@ def whence_words(one: SeveralReadings) -> str:
     if one.dated:
         return f"Dates are from {listed([_WHERE[who] for who in one.sources])}."
     shown = listed([*one.undated[:_NAMED], *([f"{len(one.undated) - _NAMED} more"] if len(one.undated) > _NAMED else [])])
-    return (
-        f"In the order given: {shown} {'has' if len(one.undated) == 1 else 'have'} no date (such as 2026-03-31) in the name of record, result or folder."
-    )
+    return f"In the order given: {shown} {'has' if len(one.undated) == 1 else 'have'} no date (such as 2026-03-31) in the name of record, result or folder."
