@@ -128,19 +128,13 @@ class Frame:
 
 
 def _lines(text: str, x: float, y: float, anchor: str, centred: bool = False) -> str:
-    """A text of one or more lines, `<br>` between them; bold is bold."""
-    rows = text.split("<br>")
+    """A text of one or more lines, `<br>` between them; a line of bold words is bold. Words of names are escaped already."""
+    rows, spans = text.split("<br>"), []
     y -= 0.5 * _LINE * (len(rows) - 1) if centred else 0.0
-    spans = "".join(
-        f'<tspan x="{x:.1f}" y="{y + _LINE * place:.1f}"{" class=" + chr(34) + "told" + chr(34) if "<b>" in row else ""}>{_shown(row)}</tspan>'
-        for place, row in enumerate(rows)
-    )
-    return f'<text text-anchor="{anchor}">{spans}</text>'
-
-
-def _shown(row: str) -> str:
-    """Words of names are escaped already; markup of bold is not shown."""
-    return re.sub(r"</?b>", "", row)
+    for place, row in enumerate(rows):
+        bold = ' class="told"' if "<b>" in row else ""
+        spans.append(f'<tspan x="{x:.1f}" y="{y + _LINE * place:.1f}"{bold}>{re.sub(r"</?b>", "", row)}</tspan>')
+    return f'<text text-anchor="{anchor}">{"".join(spans)}</text>'
 
 
 def frame_of(figure: dict[str, Any], identity: str) -> Frame:
