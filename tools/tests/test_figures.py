@@ -58,6 +58,13 @@ def test_lines_break_and_step_and_bands_lie_between() -> None:
     assert [len(one.attrib["points"].split()) for one in between.iter("polygon")] == [4] and not list(between.iter("polyline"))
 
 
+def test_long_names_are_parted_and_stay_text() -> None:
+    names = ["first model<br><b>48.1</b>", "+ a_very_long_name_of_an_effect &lt;b&gt; &amp; more", *(f"+ {one}" for one in "abcdef")]
+    found = drawn(trace(names, [float(place) for place in range(8)], type="bar"))
+    said = ["".join(one.itertext()).replace(" ", "") for one in found.iter("text")]
+    assert "firstmodel48.1" in said and "+a_very_long_name_of_an_effect<b>&more" in said
+
+
 def test_bars_and_bars_of_error_reach_as_far_as_they_say() -> None:
     bars = list(
         drawn({"type": "bar", "x": ["a", "b"], "y": [1.0, 2.0], "base": [0.0, 0.0], "meta": {"role": "after"}, "name": "left"}).iter("rect")

@@ -10,11 +10,10 @@ from html import escape
 from typing import Any
 
 from ema_tools.words.page.charts import ticks
+from ema_tools.words.page.figure_text import CHARACTER, LINE, folded, lines_of
 
 WIDTH = 460.0  # of a figure, in its own units; it is as wide as its place [layout]
 HEIGHT_SHARE = 0.85  # of the height that a figure states, which is in points of a wide screen [layout]
-_CHARACTER = 5.9  # width of a letter [layout]
-_LINE = 12.0  # from line to line of a name [layout]
 _ROOM = 0.05  # of an axis beyond its values, where it states no range [layout]
 _NAMES_MOST = 0.44  # of the width for the names of rows [layout]
 _POWERS_PLAIN = 3  # powers of ten up to here are written out [layout]
@@ -58,13 +57,9 @@ class FigureAxis:
         powers = range(math.ceil(self.low - 1e-9), math.floor(self.high + 1e-9) + 1)
         if len(powers) < 3:
             values = [lead * 10.0**power for power in range(math.floor(self.low), math.ceil(self.high) + 1) for lead in (1, 2, 5)]
-            return [(value, _plain(value)) for value in values if self.low - 1e-9 <= math.log10(value) <= self.high + 1e-9]
+            return [(value, f"{value:.3g}") for value in values if self.low - 1e-9 <= math.log10(value) <= self.high + 1e-9]
         step = max(1, math.ceil(len(powers) / count))
         return [(10.0**power, _power(power)) for power in powers if power % step == 0]
-
-
-def _plain(value: float) -> str:
-    return f"{value:.3g}" if 1e-4 <= value < 1e5 else f"{value:.0e}"
 
 
 def _power(power: int) -> str:
@@ -104,7 +99,7 @@ class Frame:
                 if not self.y.names:
                     parts.append(f'<line class="grid{zero}" x1="{axis.start:.1f}" x2="{axis.stop:.1f}" y1="{y:.1f}" y2="{y:.1f}"/>')
                 if name == "x":
-                    parts.append(_lines(text, self.left - 6.0, y + 3.5, "end", centred=True))
+                    parts.append(lines_of(text, self.left - 6.0, y + 3.5, "end", centred=True))
         if self.y.title:
             middle = 0.5 * (self.top + self.bottom)
             parts.append(f'<text transform="translate(11 {middle:.1f}) rotate(-90)" text-anchor="middle">{self.y.title}</text>')
@@ -119,22 +114,12 @@ class Frame:
             if not axis.names:
                 zero = " zero" if not axis.log and value == 0.0 else ""
                 parts.append(f'<line class="grid{zero}" x1="{x:.1f}" x2="{x:.1f}" y1="{self.top:.1f}" y2="{self.bottom:.1f}"/>')
-            parts.append(_lines(text, x, self.bottom + 14.0, "middle"))
+            parts.append(lines_of(folded(text, axis.step) if axis.names else text, x, self.bottom + 14.0, "middle"))
         if axis.title:
             parts.append(
                 f'<text x="{0.5 * (axis.start + axis.stop):.1f}" y="{self.bottom + 31.0:.1f}" text-anchor="middle">{axis.title}</text>'
             )
         return parts
-
-
-def _lines(text: str, x: float, y: float, anchor: str, centred: bool = False) -> str:
-    """A text of one or more lines, `<br>` between them; a line of bold words is bold. Words of names are escaped already."""
-    rows, spans = text.split("<br>"), []
-    y -= 0.5 * _LINE * (len(rows) - 1) if centred else 0.0
-    for place, row in enumerate(rows):
-        bold = ' class="told"' if "<b>" in row else ""
-        spans.append(f'<tspan x="{x:.1f}" y="{y + _LINE * place:.1f}"{bold}>{re.sub(r"</?b>", "", row)}</tspan>')
-    return f'<text text-anchor="{anchor}">{"".join(spans)}</text>'
 
 
 def frame_of(figure: dict[str, Any], identity: str) -> Frame:
@@ -143,11 +128,11 @@ def frame_of(figure: dict[str, Any], identity: str) -> Frame:
     names = _names(layout.get("yaxis", {}), [value for trace in data for value in trace["y"]])
     longest = max((len(re.sub(r"<[^>]+>", "", row)) for name in names for row in name.split("<br>")), default=0)
     y_title = _title(layout.get("yaxis", {}))
-    left = min(_CHARACTER * longest + 10.0, _NAMES_MOST * WIDTH) if names else 46.0 + (12.0 if y_title else 0.0)
+    left = min(CHARACTER * longest + 10.0, _NAMES_MOST * WIDTH) if names else 46.0 + (12.0 if y_title else 0.0)
     x_names = _names(layout.get("xaxis", {}), [value for trace in data for value in trace["x"]])
-    lines = max((name.count("<br>") for name in x_names), default=0)
+    lines = max((folded(name, (WIDTH - 12.0 - left) / len(x_names)).count("<br>") for name in x_names), default=0)
     height = HEIGHT_SHARE * figure["height"]
-    top, bottom = 8.0, height - (22.0 + _LINE * lines if x_names else 38.0)
+    top, bottom = 8.0, height - (22.0 + LINE * lines if x_names else 38.0)
     right = WIDTH - 12.0
     y = _axis(layout.get("yaxis", {}), bottom, top, [_ends(trace, "y") for trace in data], names, y_title)
     axes = {}

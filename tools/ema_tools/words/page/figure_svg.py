@@ -18,6 +18,7 @@ from ema_tools.words.page.figure_contour import contour
 Figure = dict[str, Any]
 
 _SMALL = 3.9  # size of markers that are dots, drawn as one path and without words of their own [layout]
+_TEXT_ROOM = 15.0  # height of a bar that holds a text [layout]
 _DASHES = {"dash": "6 4", "dot": "2 4"}
 _FIELD = re.compile(r"%\{(x|y|z|customdata)(?::([^}]*))?\}")
 
@@ -131,7 +132,7 @@ def _bars(trace: Figure, frame: Frame, axis: FigureAxis) -> str:
             f'<rect x="{middle - half:.1f}" y="{upper:.1f}" width="{max(2.0 * half, 1.0):.1f}" height="{max(lower - upper, 0.0):.1f}"><title>{escape(told)}</title></rect>'
         )
         text = trace.get("text", ())
-        if place < len(text) and text[place]:
+        if place < len(text) and text[place] and lower - upper > _TEXT_ROOM:
             shapes.append(f'<text x="{middle:.1f}" y="{0.5 * (upper + lower) + 4.0:.1f}" text-anchor="middle">{escape(text[place])}</text>')
     return f'<g class="bars r-{trace["meta"]["role"]}">{"".join(shapes)}</g>'
 
