@@ -128,7 +128,7 @@ def frame_of(figure: dict[str, Any], identity: str) -> Frame:
     names = _names(layout.get("yaxis", {}), [value for trace in data for value in trace["y"]])
     longest = max((len(re.sub(r"<[^>]+>", "", row)) for name in names for row in name.split("<br>")), default=0)
     y_title = _title(layout.get("yaxis", {}))
-    left = min(CHARACTER * longest + 10.0, _NAMES_MOST * WIDTH) if names else 46.0 + (12.0 if y_title else 0.0)
+    left = min(CHARACTER * longest + 10.0, _NAMES_MOST * WIDTH) if names else 48.0 + (16.0 if y_title else 0.0)
     x_names = _names(layout.get("xaxis", {}), [value for trace in data for value in trace["x"]])
     lines = max((folded(name, (WIDTH - 12.0 - left) / len(x_names)).count("<br>") for name in x_names), default=0)
     height = HEIGHT_SHARE * figure["height"]

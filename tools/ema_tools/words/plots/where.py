@@ -23,11 +23,11 @@ _PLACES_MAX = 12  # parts that are drawn, the most telling first [layout]
 
 
 def where_picture(result: Diagnosed) -> Figure | None:
-    """None where nothing was localised."""
+    """None where no equation was localised."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     drawn = heat.maps(result, traces(result))
-    if not drawn:
+    if not any(one.lights for one in drawn):
         return None
     scale = heat.levels(drawn)
     rows = (len(drawn) + 1) // 2
