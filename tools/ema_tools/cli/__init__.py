@@ -536,7 +536,7 @@ def add(
     model = read_actuator(actuator, complete=False)
     if effect in FAULTS:
         raise InputError(f"add {effect}: no effect but a value that every model has, {FAULTS[effect]}: ema identify finds it")
-    find_effect(effect)
+    effect = find_effect(effect).name
     if not files:
         if not settings or page or holdout or healthy or known or fixed or method:
             raise InputError(

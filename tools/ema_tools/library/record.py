@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ema_tools.library.measurements import Measurement
-from ema_tools.library.torques import Bending, LocalTorque, PeriodicTorque, Shape, combined
+from ema_tools.library.torques import AlongStroke, Bending, LocalTorque, PeriodicTorque, Shape, combined
 
 
 @dataclass(frozen=True)
@@ -108,6 +108,8 @@ class EffectRecord:
     periodic: PeriodicTorque | None = None
     local: LocalTorque | None = None
     bending: Bending | None = None
+    # A table that the balance of forces finds over the stroke; by simulation it is what is left over the position.
+    along: AlongStroke | None = None
     # A parameter whose spread hides it without healthy repeats.
     confounded: ConfoundedParameter | None = None
     # A base value of the mechanical balance that it is one with.

@@ -94,6 +94,22 @@ def record_of(effect: str) -> EffectRecord:
     return records().get(effect, GENERIC)
 
 
+def named() -> tuple[str, ...]:
+    """The effects that have a physical name, in the order of the list: all but tables of what has none."""
+    return tuple(name for name, record in records().items() if record.learned is None or record.along is not None)
+
+
+def called(effect: str) -> str:
+    """What people know an effect by that the balance of forces found: a table over the stroke by what it is there, any other by its row's name."""
+    along = record_of(effect).along
+    return along.called if along is not None else effect
+
+
+def row_called(name: str) -> str:
+    """The row of an effect by what people know it by, or by its own name; what is none comes back as it is."""
+    return next((effect for effect, record in records().items() if record.along is not None and record.along.called == name), name)
+
+
 def learned_effect(balance: str, friction: bool = False) -> str:
     """The effect whose table holds what is left of a balance."""
     return next(

@@ -92,6 +92,17 @@ class LocalTorque:
 
 
 @dataclass(frozen=True)
+class AlongStroke:
+    """Friction that is another one at every place: a table over the stroke that the records show, in a force balance a sum of so many waves, all of them fitted at once.
+
+    `called`: what people know it by, where its row is one for any axis.
+    """
+
+    waves: int
+    called: str
+
+
+@dataclass(frozen=True)
 class Bending:
     """An effect that changes the mechanical balance itself, so that its size is searched in a force balance, from these, and its shape from those `beside`;
     `of_drive`: only where it changes the drive's torque."""

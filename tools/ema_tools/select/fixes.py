@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, nearest, row_of
-from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import named
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def _ends(text: str, name: str, ends: str) -> tuple[float, float]:
 
 def _names() -> dict[str, str]:
     """Full names by every way to write them."""
-    found = {effect.name: effect.name for effect in load_definitions().physical}
+    found = {effect: effect for effect in named()}
     for name in MECHANICAL_PARAMETERS:
         whole = row_of(name).field
         first = whole.partition("_")[0]

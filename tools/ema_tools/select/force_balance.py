@@ -27,7 +27,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
-from ema_tools.library.registry import record_of
+from ema_tools.library.registry import named, record_of
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
     INERTIA,
@@ -51,6 +51,7 @@ from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, i
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
 UNSOUGHT = "beside refitted base values it would stand in for others: it is sought by simulation alone (--method simulation)"
+ONE_MOTION = "one motion alone does not tell friction that differs by place from friction that differs by speed: record another motion"
 _SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part and confirmed in another [judgement]
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
@@ -80,7 +81,7 @@ class ForceSearch:
         self.bench.keep_undetermined()
         self.judge = Judge(bench, None if veto is None else lambda accepted, tried: veto(self, accepted, tried))
         self.report = report
-        others = [effect.name for effect in load_definitions().physical if effect.name not in actuator.active_effects]
+        others = [effect for effect in named() if effect not in actuator.active_effects]
         self.effects = [name for name in others if record_of(name).in_balance] if effects is None else list(effects)
         self.unsought = [Refusal(name, UNSOUGHT) for name in others if not record_of(name).in_balance]
         self.setting: Setting | None = None
@@ -166,6 +167,8 @@ class ForceSearch:
         known, _ = self._told_apart(accepted, effect, known)
         if not known:
             return SAME_SWING
+        if record_of(effect).along is not None and self.bench.division.by != "record":
+            return ONE_MOTION
         texture = next((one.effect for one in accepted.patterns if is_texture(accepted.samples.setting, one.effect, one.shape)), "")
         if texture and self.bench.division.by != "record" and is_texture(accepted.samples.setting, effect, known[0].shape):
             return f"{texture} was accepted, and one record of one motion does not tell textures along the way apart: record another motion"

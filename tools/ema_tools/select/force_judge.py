@@ -159,7 +159,9 @@ class Judge:
         """Errors in % without and with the last effect where neither was fitted: each third of the places, and of the speeds, told from the others where those show the effect."""
         states, rows = before.samples.setting.states, self.bench.fitted
         found: dict[str, tuple[float, float]] = {}
-        for by, values in (("places", states.screw_mm), ("speeds", np.abs(states.speed_rad_s))):
+        # what a table says of one place it does not say of another
+        of_place = bool(after.patterns) and record_of(after.patterns[-1].effect).along is not None
+        for by, values in (("places", states.screw_mm), ("speeds", np.abs(states.speed_rad_s)))[of_place:]:
             seen = self.bench.kept(values)
             third = np.searchsorted(np.quantile(seen[rows], np.arange(1, _THIRDS) / _THIRDS), seen, side="right")
             for number, word in enumerate(_THIRD_WORDS[by]):

@@ -15,6 +15,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import named
 from ema_tools.select.balance_bench import INERTIA, LOAD, Bench, Fitted, FoldErrors, floor_of, given_errors, load_effect, solved
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch
@@ -68,8 +69,7 @@ class _Refit:
         report: Report,
     ) -> None:
         zeros = {name: (size, zero) for name, size, zero in load_definitions().sizes}
-        physical = {effect.name for effect in load_definitions().physical}
-        free = [name for name in actuator.active_effects if name in physical and name not in fixes.effects]
+        free = [name for name in actuator.active_effects if name in named() and name not in fixes.effects]
         self.actuator, self.added = actuator, added
         while True:
             bare = actuator.changed(dict(zeros[name] for name in free))

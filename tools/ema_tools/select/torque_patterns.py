@@ -15,15 +15,17 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.library.registry import record_of
-from ema_tools.library.torques import Bending, Grid, LocalTorque, PeriodicTorque, Shape, combined, values_in
+from ema_tools.library.torques import AlongStroke, Bending, Grid, LocalTorque, PeriodicTorque, Shape, combined, values_in
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Piece, Setting
 from ema_tools.select.swings import swings
 
 NOT_PLACED = "the records say how the machine moves and not where it is: record a position or an angle"
 NO_SCREW = "it acts along the stroke, and the actuator states neither lead nor ratio"
+NOT_BY_PLACE = "its table is over something else than the position"
 NOT_HERE = "it does not show between the motor's torque and the measured motion"
 # Base values that an effect's size may be a share of.
 _RELATIVE_TO = (LEVEL, VISCOUS)
+_OVER_POSITION = 1.0  # the axis of a table, as EMA_TABLE counts them [layout]
 _STRETCHES = 8  # of a record, by turns, from whose one half the phase of a wave in the other half is taken [judgement]
 _PROBE = 1e-3  # probe of an effect asked through the balances: its size as a share of its range; larger when nothing shows [precision]
 _SLOWER = 0.25  # of the motion, in which a wave passes the filter at least [judgement]
@@ -34,7 +36,7 @@ _ROUNDING = 1e-9  # share of the drive that is no torque [precision]
 
 @dataclass(frozen=True)
 class Pattern:
-    """An effect in one shape. `columns` [rows, 1 or 2]: torque against extension per unit of the fitted coefficient, two for an amplitude and a phase.
+    """An effect in one shape. `columns` [rows, k]: torque against extension per unit of the fitted coefficients: one, two for an amplitude and a phase, or as many as a table has waves.
 
     `size_per`: the size is the coefficient over this base value; empty when it is the coefficient. `phase`: name of the phase parameter of a pair, which are the sine and the cosine of
     an angle to which the effect's own `cosine` or sine adds its phase. An effect that is not a torque on top but changes the balance itself has no columns, and `shape` holds its size.
@@ -54,18 +56,21 @@ class Pattern:
 
     @property
     def light(self) -> Pattern:
-        """The same without its rows, [0, 1 or 2]: of minutes of record all shapes of all effects together are gigabytes."""
+        """The same without its rows, [0, k]: of minutes of record all shapes of all effects together are gigabytes."""
         return replace(self, columns=self.columns[:0].copy())
 
     def values(self, coefficients: Reals, base: Mapping[str, float]) -> dict[str, float]:
-        """The effect's values by name for fitted coefficients [1 or 2] and base values."""
-        size = load_definitions().effect(self.effect).size.name
+        """The effect's values by name for fitted coefficients [k] and base values."""
+        row = load_definitions().effect(self.effect)
         if self.bends:
             return dict(self.shape)
-        amount = float(np.hypot(*coefficients)) if self.phase else float(coefficients[0])
         per = base[self.size_per] if self.size_per else 1.0
+        nodes = _along(len(row.nodes), coefficients.size) @ coefficients if row.nodes else np.zeros(0)
+        largest = float(np.max(np.abs(nodes), initial=0.0))
+        amount = float(np.hypot(*coefficients)) if self.phase else largest if row.nodes else float(coefficients[0])
         # a share of nothing is no size
-        found = {size: amount / per if per else math.inf, **self.shape}
+        found = {row.size.name: amount / per if per else math.inf, **self.shape}
+        found |= {node.name: float(share) for node, share in zip(row.nodes, nodes / (largest or 1.0), strict=True)}
         if self.phase:
             sine, cosine = float(coefficients[0]), float(coefficients[1])
             found[self.phase] = float(np.arctan2(-sine, cosine) if self.cosine else np.arctan2(cosine, sine))
@@ -74,6 +79,32 @@ class Pattern:
 
 def _pair(angle: Reals) -> Reals:
     return np.column_stack([np.sin(angle), np.cos(angle)])
+
+
+def _along(nodes: int, waves: int) -> Reals:
+    """Waves over the nodes of a table, whose mean is zero, since the level of friction is a base value: [nodes, waves]."""
+    place = (np.arange(nodes) + 0.5) / nodes
+    return np.cos(np.pi * place[:, None] * np.arange(1, waves + 1))
+
+
+def _tabled(setting: Setting, effect: str, one: AlongStroke, shape: Shape) -> Pattern | str:
+    """A table over the stroke, one column for each of its waves; none of a table over something else."""
+    if shape[f"{effect}.axis"] != _OVER_POSITION:
+        return NOT_BY_PLACE
+    states, nodes = setting.states, len(load_definitions().effect(effect).nodes)
+    first, last = (shape[f"{effect}.{end}"] for end in ("first", "last"))
+    waves = _along(nodes, one.waves)
+    places = np.linspace(first, last, nodes)
+    columns = np.column_stack([np.interp(states.screw_mm, places, wave) for wave in waves.T])
+    return Pattern(effect, shape, setting.as_seen(states.direction[:, None] * columns))
+
+
+def _stroke(setting: Setting, effect: str) -> Shape:
+    """The range that two records show, as a table has it: what one alone shows cannot be told by the others, and holds the edge's value."""
+    ends = np.cumsum([piece.record.rows for piece in setting.pieces])[:-1]
+    seen = np.sort([(float(np.min(one)), float(np.max(one))) for one in np.split(setting.states.screw_mm, ends)], axis=0)
+    first, last = (seen[1, 0], seen[-2, 1]) if len(seen) > 1 else seen[0]
+    return {f"{effect}.axis": _OVER_POSITION, f"{effect}.first": float(first), f"{effect}.last": float(last)} if first < last else {}
 
 
 def _moving(piece: Piece) -> Reals:
@@ -171,6 +202,8 @@ def _shapes(setting: Setting, effect: str) -> list[Shape] | None:
         return [{f"{effect}.periods": float(number)} for number in numbers] if record.periodic.in_balance else [{}]
     if (local := _local_of(effect)) is not None:
         return _in_ranges(setting, effect, local.in_balance)
+    if record.along is not None:
+        return [_stroke(setting, effect)]
     return _bending_shapes(setting, effect, record.bending) if record.bending is not None else None
 
 
@@ -221,7 +254,7 @@ def is_texture(setting: Setting, effect: str, shape: Shape) -> bool:
     record, states = record_of(effect), setting.states
     local = _local_of(effect)
     if local is None:
-        return record.periodic is not None
+        return record.periodic is not None or record.along is not None
     field_by_field = {name.removeprefix(f"{effect}."): value for name, value in shape.items()}
     moved = replace(states, screw_mm=states.screw_mm + float(np.ptp(states.screw_mm)))
     return not np.array_equal(local.torque(states, field_by_field), local.torque(moved, field_by_field))
@@ -255,13 +288,15 @@ def pattern_of(setting: Setting, effect: str, shape: Shape) -> Pattern | str:
         return wave if setting.placed else _aligned(setting, wave)
     if (local := _local_of(effect)) is not None:
         return _local(setting, effect, local, shape)
+    if record.along is not None:
+        return _tabled(setting, effect, record.along, shape)
     if record.bending is not None:
         return Pattern(effect, shape, np.zeros((setting.rows, 0)))
     return _asked(setting.foretold if load_definitions().effect(effect).site == "FRICTION" else setting, load_definitions().effect(effect))
 
 
 def rows_of(setting: Setting, pattern: Pattern) -> Reals:
-    """A pattern's columns in a setting, [rows, 0, 1 or 2]. Raises InputError where the effect has none there."""
+    """A pattern's columns in a setting, [rows, k]. Raises InputError where the effect has none there."""
     found = pattern_of(setting, pattern.effect, pattern.shape)
     if isinstance(found, str):
         raise InputError(f"{pattern.effect}: {found}: leave it out")

@@ -9,7 +9,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
-from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import named
 from ema_tools.select.balance_bench import compared_percent
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_refit import ForceRefit, add_by_forces
@@ -54,7 +54,7 @@ def add_by_balance(
     report: Report | None = None,
 ) -> BalanceAdded:
     """Fits `effect` together with base values and the model's own effects. Raises InputError for records that cannot answer, and for an effect that they do not show."""
-    if effect not in {row.name for row in load_definitions().physical}:
+    if effect not in named():
         raise InputError(
             f"add {effect}: a table that is learned: by the balance only the physical effects that ema effects lists are fitted, so give --method simulation"
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import called
 from ema_tools.results import addition as result
 from ema_tools.results.parts import ComparedErrors, CurvesEntry, ErrorsEntry, FittedValue, Provenance, StepEntry
 from ema_tools.select.force_refit import ForceRefit
@@ -59,14 +60,14 @@ def addition_by_balance(found: BalanceAdded, actuator: str, provenance: Provenan
     return result.Addition(
         name=found.records[0].file,
         actuator=actuator,
-        effect=found.effect,
+        effect=called(found.effect),
         sentence=sentence_by_balance(found),
         error=ErrorsEntry(given.training, after.training, forces.floor_percent, given.holdout, after.holdout),
         parameters=fitted_values(forces),
         steps=(
             StepEntry((), FIRST, given.training, given.holdout),
             StepEntry((), REFITTED, before.training, before.holdout),
-            StepEntry((found.effect,), found.effect, after.training, after.holdout),
+            StepEntry((called(found.effect),), called(found.effect), after.training, after.holdout),
         ),
         recommended=found.recommended,
         reason=reason_by_balance(found),

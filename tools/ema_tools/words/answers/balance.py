@@ -15,7 +15,7 @@ from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
-from ema_tools.library.registry import record_of
+from ema_tools.library.registry import called, record_of
 from ema_tools.results import diagnosis as result
 from ema_tools.results.localisation import Localisation, Pictures
 from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
@@ -141,8 +141,8 @@ def _steps(way: ForceSteps) -> tuple[StepEntry, ...]:
     ]
     names: tuple[str, ...] = ()
     for step in way.steps:
-        names = (*names, step.effect)
-        steps.append(StepEntry(names, step.effect, step.errors.training, step.errors.holdout))
+        names = (*names, called(step.effect))
+        steps.append(StepEntry(names, called(step.effect), step.errors.training, step.errors.holdout))
     return tuple(steps)
 
 
@@ -152,8 +152,8 @@ def _accepted(way: ForceSteps, step: ForceStep) -> EffectEntry:
     before = way.steps[place - 1].errors if place else way.refitted
     values, std = _numbers(step.effect, way.steps[-1].values), _numbers(step.effect, way.steps[-1].std)
     return EffectEntry(
-        name=step.effect,
-        alike=(step.effect, *step.alike),
+        name=called(step.effect),
+        alike=(called(step.effect), *map(called, step.alike)),
         parameters=values,
         std=dict(std),
         interval95={name: interval95(values[name], doubt) for name, doubt in std.items() if name in values},
@@ -165,8 +165,8 @@ def _accepted(way: ForceSteps, step: ForceStep) -> EffectEntry:
 
 def _refused(one: Refusal) -> EffectEntry:
     return EffectEntry(
-        name=one.effect,
-        alike=(one.effect,),
+        name=called(one.effect),
+        alike=(called(one.effect),),
         parameters=_numbers(one.effect, one.values),
         std=dict(_numbers(one.effect, one.std)),
         score=0.0,
@@ -212,9 +212,9 @@ def _values(values: Mapping[str, float], std: Mapping[str, float]) -> dict[str, 
 def _step(step: ForceStep, kept: bool) -> result.ForceStepEntry:
     return result.ForceStepEntry(
         **vars(_errors(step.errors)),
-        effects=(step.effect,),
-        added=step.effect,
-        alike=(step.effect, *step.alike),
+        effects=(called(step.effect),),
+        added=called(step.effect),
+        alike=(called(step.effect), *map(called, step.alike)),
         parameters=_values(step.values, step.std),
         elsewhere={by: result.Elsewhere(before, after) for by, (before, after) in step.elsewhere.items()},
         recommended=True,
@@ -225,4 +225,4 @@ def _step(step: ForceStep, kept: bool) -> result.ForceStepEntry:
 
 def _refusal(one: Refusal) -> result.ForceRefusal:
     there = vars(_errors(one.errors)) if one.errors is not None else {}
-    return result.ForceRefusal(effect=one.effect, reason=one.reason, parameters=_values(one.values, one.std), recommended=False, **there)
+    return result.ForceRefusal(effect=called(one.effect), reason=one.reason, parameters=_values(one.values, one.std), recommended=False, **there)

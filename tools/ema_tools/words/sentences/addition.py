@@ -7,6 +7,7 @@ import math
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import called
 from ema_tools.tasks.add import Added, Why
 from ema_tools.tasks.add_by_balance import BalanceAdded
 from ema_tools.words.sentences.sizes import size_text
@@ -57,7 +58,7 @@ def sentence_by_balance(found: BalanceAdded) -> str:
         f" {percent(forces.errors.training)} and {percent(forces.errors.holdout)} after"
     )
     value = f"{row_of(size).field} {size_text(size, forces.values[size], forces.std.get(size))}"
-    return f"{found.effect} {done}, {value}: {errors}. {'Recommended' if found.recommended else 'Not recommended'}: {reason_by_balance(found)}."
+    return f"{called(found.effect)} {done}, {value}: {errors}. {'Recommended' if found.recommended else 'Not recommended'}: {reason_by_balance(found)}."
 
 
 def percent(value: float) -> str:

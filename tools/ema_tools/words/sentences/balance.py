@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
+from ema_tools.library.registry import called
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
 from ema_tools.select.force_steps import ForceStep
@@ -60,7 +61,7 @@ def sentence(found: BalanceAnswer) -> str:
 
 def _named(steps: Sequence[ForceStep]) -> str:
     """The effects, a swing with how often it comes, each with those that these records do not tell from it."""
-    return ", ".join(f"{step.effect}{_told_of(step)}" for step in steps)
+    return ", ".join(f"{called(step.effect)}{_told_of(step)}" for step in steps)
 
 
 def _told_of(step: ForceStep) -> str:
@@ -68,7 +69,7 @@ def _told_of(step: ForceStep) -> str:
     periods = step.values.get(f"{step.effect}.periods")
     told = [swing_text(periods)] if periods is not None else []
     if step.alike:
-        told.append(f"looks like {', '.join(step.alike)}")
+        told.append(f"looks like {', '.join(map(called, step.alike))}")
     return f" ({', '.join(told)})" if told else ""
 
 
