@@ -102,7 +102,10 @@ def test_report_writes_the_pictures_beside_the_page(tmp_path: Path) -> None:
     result = demo_run()[0] / "diagnose.json"
     asked = ("report", result, "-o", tmp_path / "p.html", "--pictures", tmp_path / "pictures")
     assert run_ema(*asked).code == 0
-    assert {path.name for path in (tmp_path / "pictures").iterdir()} == {f"diagnose_{kind}.svg" for kind in ("record", "torque", "error")}
+    kinds = ("signals", "where", "candidates", "ladder", "friction")
+    assert {path.name for path in (tmp_path / "pictures").iterdir()} == {
+        f"diagnose_{kind}.{ending}" for kind in kinds for ending in ("svg", "png")
+    }
     (tmp_path / "p.html").unlink()
-    assert "diagnose_record.svg: exists already" in complaint(run_ema(*asked))
+    assert "diagnose_signals.svg: exists already" in complaint(run_ema(*asked))
     assert not (tmp_path / "p.html").exists()

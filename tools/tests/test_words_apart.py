@@ -28,7 +28,7 @@ def test_computation_knows_no_words(folder: str) -> None:
     paths = sorted((PACKAGE / folder).rglob("*.py"))
     assert paths
     for path in paths:
-        assert not [name for name in imported(path) if name.startswith(("ema_tools.words", "ema_tools.cli", "rich", "plotly"))], path
+        assert not [name for name in imported(path) if name.startswith(("ema_tools.words", "ema_tools.cli", "rich", "matplotlib"))], path
 
 
 @pytest.mark.parametrize("folder", ["terminal", "page"])

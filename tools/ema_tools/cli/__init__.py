@@ -27,7 +27,8 @@ from ema_tools.cli.exit_codes import exit_code_option, leave, of_diagnosis, of_i
 from ema_tools.cli.fleets import fleet
 from ema_tools.cli.greedy import TakesHealthy, healthy_option
 from ema_tools.cli.importing import import_group
-from ema_tools.cli.options import command_line, fix_option, json_option, method_option, precision_option, save, writable
+from ema_tools.cli.options import command_line, fix_option, json_option, method_option, pictures_option, precision_option, save, writable
+from ema_tools.cli.picturing import draw, picture_files, say_drawn
 from ema_tools.cli.sections import InSections
 from ema_tools.cli.watching import watch
 from ema_tools.words.terminal.console import complain, output, progress
@@ -107,8 +108,9 @@ def simulate(
 @click.argument("actuator")
 @click.argument("record")
 @precision_option("64")
+@pictures_option
 @json_option
-def compare(actuator: str, record: str, precision: str, json_path: str | None, force: bool) -> None:
+def compare(actuator: str, record: str, precision: str, pictures: str | None, json_path: str | None, force: bool) -> None:
     """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known."""
     from ema_tools.compare.comparison import compare as work
     from ema_tools.compare.motion_comparison import compare_motion
@@ -122,7 +124,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
-    writable(json_path=json_path, force=force, inputs=(actuator, record))
+    writable(*picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
     model = read_actuator(actuator, complete=False)
     measured = read_any_record(record, model)
     with progress("comparing", 3) as bar:
@@ -134,6 +136,7 @@ def compare(actuator: str, record: str, precision: str, json_path: str | None, f
     result = replace(result, workbench=bench(model, measured) if json_path and isinstance(measured, Record) else None)
     save(json_path, result, force)
     show.comparison(output(), result, model.name)
+    draw(pictures, result, record, force)
 
 
 @cli.command(short_help="Fit ACTUATOR to healthy records of a unit.")
@@ -260,6 +263,7 @@ def calibrate(
 )
 @precision_option("32")
 @exit_code_option
+@pictures_option
 @json_option
 def identify(
     actuator: str,
@@ -274,6 +278,7 @@ def identify(
     table: str | None,
     precision: str,
     by_verdict: bool,
+    pictures: str | None,
     json_path: str | None,
     force: bool,
 ) -> None:
@@ -300,7 +305,8 @@ def identify(
     from ema_tools.words.terminal import show
 
     healthy = record_files(healthy)
-    writable(fitted, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
+    drawn_to = picture_files(pictures, "identify", record)
+    writable(fitted, *drawn_to, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
     model = read_actuator(actuator)
     measured = read_record(record, model)
     # what the onboard module alone would say knows of no other record
@@ -324,7 +330,7 @@ def identify(
             bar.note,
         )
         bar.note("looking round")
-        shape = shape_of(found, mapped=bool(json_path))
+        shape = shape_of(found, mapped=bool(json_path or pictures))
         several = None
         if value_names is not None:
             several = several_values(
@@ -334,7 +340,9 @@ def identify(
         found.actuator.write(fitted, force)
     held = {"healthy": ", ".join(one.file for one in references)} if references else {}
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit", **held)
-    drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured)) if json_path else None
+    drawn = None
+    if json_path or pictures:
+        drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured))
     # behind a table the search begins as the table says
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
     more = values(several) if several is not None else {}
@@ -353,6 +361,7 @@ def identify(
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
+    draw(pictures, result, record, force)
     if by_verdict:
         leave(of_identification(result))
 
@@ -369,6 +378,7 @@ def identify(
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the pictures there.")
 @click.option("--fitted", metavar="NEW.toml", help="Write the actuator with what was found there, when it is recommended.")
 @exit_code_option
+@pictures_option
 @json_option
 def diagnose(
     actuator: str,
@@ -380,6 +390,7 @@ def diagnose(
     page: str | None,
     fitted: str | None,
     by_verdict: bool,
+    pictures: str | None,
     json_path: str | None,
     force: bool,
 ) -> None:
@@ -401,7 +412,8 @@ def diagnose(
     from ema_tools.words.terminal import show
 
     record, healthy = record_files(record), record_files(healthy)
-    writable(page, fitted, json_path=json_path, force=force, inputs=(actuator, *record, *healthy, *filter(None, (holdout,))))
+    drawn_to = picture_files(pictures, "diagnose", record[0])
+    writable(page, fitted, *drawn_to, json_path=json_path, force=force, inputs=(actuator, *record, *healthy, *filter(None, (holdout,))))
     model = read_actuator(actuator, complete=False)
     records = [read_any_record(path, model) for path in record]
     measured = records[0]
@@ -411,7 +423,7 @@ def diagnose(
     with progress("diagnosing", 100) as bar:
         found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way, fixes)
     drawn = entry = None
-    if (json_path or page) and isinstance(measured, Record) and not model.absent:
+    if (json_path or page or pictures) and isinstance(measured, Record) and not model.absent:
         entry = bench(found.known, measured)
         drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
@@ -425,6 +437,7 @@ def diagnose(
         found.actuator.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
+    draw(pictures, result, record[0], force)
     if by_verdict:
         leave(of_diagnosis(result))
 
@@ -854,8 +867,11 @@ def telemetry(file: str, json_path: str | None, force: bool) -> None:
 @click.argument("actuator")
 @click.argument("records", nargs=-1, required=True, metavar="REC...")
 @click.option("--report", "page", metavar="FILE.html", help="Write the page with the picture there.")
+@pictures_option
 @json_option
-def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_path: str | None, force: bool) -> None:
+def map_command(
+    actuator: str, records: tuple[str, ...], page: str | None, pictures: str | None, json_path: str | None, force: bool
+) -> None:
     """Friction of ACTUATOR against speed, from runs at constant speed in any REC, both directions.
 
     REC takes files, patterns and folders. The model's friction stands beside it; no controller needs to be known.
@@ -868,7 +884,7 @@ def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_
     from ema_tools.words.terminal.friction_map import print_map
 
     records = record_files(records)
-    writable(page, json_path=json_path, force=force, inputs=(actuator, *records))
+    writable(page, *picture_files(pictures, "map", records[0]), json_path=json_path, force=force, inputs=(actuator, *records))
     model = read_actuator(actuator, complete=False)
     found = work(model, [read_any_record(path, model) for path in records])
     origin = provenance(command_line(), actuator=model.name, records=_few([one.file for one in found.records]))
@@ -877,46 +893,51 @@ def map_command(actuator: str, records: tuple[str, ...], page: str | None, json_
     _page(page, result, force)
     print_map(output(), result)
     _written(page)
+    draw(pictures, result, records[0], force)
 
 
 @cli.command(short_help="Make one page of several results.")
 @click.argument("results", nargs=-1, required=True, metavar="RESULT.json...")
 @click.option("-o", "--output", "out", required=True, metavar="FILE.html", help="The page to write.")
-@click.option(
-    "--pictures",
-    metavar="FOLDER",
-    help="Write the pictures of each diagnosis there too, as SVG for documents: the record, the torque, the fall of the error.",
-)
+@pictures_option
 @json_option
 def report(results: tuple[str, ...], out: str, pictures: str | None, json_path: str | None, force: bool) -> None:
-    """Make a page of results that identify, compare, diagnose, add or map wrote with --json."""
-    from ema_tools.results.files import ReportResult
-    from ema_tools.words.page import write_report
-    from ema_tools.words.page.pictures import targets, write_pictures
+    """Make a page of results that identify, compare, diagnose, add or map wrote with --json.
 
-    drawn = [target for result in results if pictures for target in targets(Path(pictures), Path(result).stem).values()]
+    Several results of a unit are drawn over their dates, which stand in the names of records or result files (such as 2026-03-31); without, in the order given.
+    """
+    from ema_tools.results.files import ReportResult
+    from ema_tools.words.answers.over_dates import over_dates
+    from ema_tools.words.page import write_report
+    from ema_tools.words.page.results import read_result
+    from ema_tools.words.plots import targets, write_pictures
+
+    drawn = [target for result in results if pictures for target in targets(Path(pictures), Path(result).stem)]
     writable(out, *map(str, drawn), json_path=json_path, force=force, inputs=results)
-    write_report([Path(result) for result in results], Path(out), command_line(), force)
+    write_report([Path(result) for result in results], Path(out), command_line(), force, over_dates)
     for result in results if pictures else ():
-        for target in write_pictures(Path(result), Path(pictures or ""), Path(result).stem, force):
-            output().print(f"{target} written", highlight=False)
+        name = Path(result).stem
+        say_drawn(pictures or "", name, write_pictures(read_result(Path(result)), Path(pictures or ""), name, force))
     save(json_path, ReportResult("report", results, out), force)
     output().print(f"{out} written", highlight=False)
 
 
 @cli.command(name="demo", short_help="Find a hidden effect and two faults in shipped records.")
 @click.option("-o", "--output", "folder", metavar="DIR", help="Folder of results and page; beside the libraries when absent.")
+@click.option("--paper", is_flag=True, help="The paper's cases alone, with the curves and surfaces that a paper shows: DIR/paper.html.")
 @json_option
-def demo_command(folder: str | None, json_path: str | None, force: bool) -> None:
+def demo_command(folder: str | None, paper: bool, json_path: str | None, force: bool) -> None:
     """Identify the shipped recordings and make their page; results of an earlier demo are replaced."""
     from ema_tools.base.files import keep_apart
     from ema_tools.cli import demo as work
+    from ema_tools.cli import paper as paper_work
     from ema_tools.results.files import DemoResult
 
     target = Path(folder) if folder else work.output_folder()
-    keep_apart([*work.written(target), *filter(None, (json_path,))])
+    chosen = paper_work if paper else work
+    keep_apart([*chosen.written(target), *filter(None, (json_path,))])
     writable(json_path=json_path, force=force, made=target)
-    page = work.run(output(), target)
+    page = chosen.run(output(), target)
     save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 

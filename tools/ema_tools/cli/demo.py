@@ -119,16 +119,21 @@ def run(output: Console, folder: Path) -> Path:
     """
     unit = _unit()
     healthy, later = _own_unit(unit.sheet)
-    cases = [(shipped, _recording(shipped.file)) for shipped in RECORDINGS]
+    cases = shipped_cases()
     _tell_story(output, folder, unit)
     output.print()
     _tell_flight(output, folder, unit, healthy, later)
     output.print()
-    _tell_cases(output, folder, cases)
+    tell_cases(output, folder, cases)
     page = folder / "report.html"
     write_report(_results(folder), page, COMMAND, force=True)
     output.print(Text(f"The page with all of this and the curves: {_shown(page)}"))
     return page
+
+
+def shipped_cases(noisy: bool = True) -> list[tuple[Shipped, Path]]:
+    """The recordings of the paper's cases, with where they lie. Raises InputError when one is absent."""
+    return [(shipped, _recording(shipped.file)) for shipped in RECORDINGS if noisy or not shipped.noise]
 
 
 def _recording(name: str) -> Path:
@@ -292,8 +297,8 @@ def _write(path: Path, result: Result) -> None:
     write_json(path, to_json(result), force=True)
 
 
-def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]) -> None:
-    """The paper's cases, for which the model holds all there is."""
+def tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]) -> list[ShownIdentification]:
+    """The paper's cases, for which the model holds all there is: searched, written to `folder`, printed."""
     actuator = reference_actuator()
     budget = actuator["search.evaluation_budget"]
     results: list[ShownIdentification] = []
@@ -304,6 +309,7 @@ def _tell_cases(output: Console, folder: Path, cases: list[tuple[Shipped, Path]]
             results.append(identified(found, str(path), path.stem))
     _print_cases(output, results)
     output.print()
+    return results
 
 
 def _tell(bar: terminal.Bar, before: float, run_number: int, _cost: float, best: float, _tried: tuple[float, ...]) -> None:

@@ -53,6 +53,15 @@ def fix_option(command: Command) -> Command:
     )(command)
 
 
+def pictures_option(command: Command) -> Command:
+    """--pictures DIR."""
+    return click.option(
+        "--pictures",
+        metavar="DIR",
+        help="Write what the result has to show there, for documents: NAME_KIND.svg and .png.",
+    )(command)
+
+
 def save(json_path: str | Path | None, result: Result, force: bool) -> None:
     """Write --json when it was asked for."""
     if json_path:

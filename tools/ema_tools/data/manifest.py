@@ -102,10 +102,10 @@ def _by_names(folder: Path) -> list[Entry]:
 
 def _in_order(entries: Sequence[Entry]) -> list[Entry]:
     """Entries of a unit; healthy runs whose names have no date come before its first dated record, not when their files were copied."""
-    dated = [one.date for one in entries if _date_in_name(one.file) is not None]
+    dated = [one.date for one in entries if date_in_name(one.file) is not None]
     if not dated:
         return list(entries)
-    undated = [one for one in entries if one.kind == "healthy" and _date_in_name(one.file) is None]
+    undated = [one for one in entries if one.kind == "healthy" and date_in_name(one.file) is None]
     before = {one.file: min(dated) - timedelta(days=len(undated) - place) for place, one in enumerate(undated)}
     return [replace(one, date=before.get(one.file, one.date)) for one in entries]
 
@@ -143,7 +143,7 @@ def _stated_date(text: str | None, where: str) -> datetime | None:
 
 def _date_of(file: Path) -> datetime:
     """The date in a file's name, else that of its last change."""
-    named = _date_in_name(file)
+    named = date_in_name(file)
     if named is not None:
         return named
     try:
@@ -152,7 +152,8 @@ def _date_of(file: Path) -> datetime:
         return datetime.fromtimestamp(0, tz=UTC)
 
 
-def _date_in_name(file: Path) -> datetime | None:
+def date_in_name(file: Path) -> datetime | None:
+    """The date in a file's name, UTC; None where there is none."""
     found = _DATE.search(file.stem)
     try:
         return datetime(*(int(part) for part in found.groups() if part is not None), tzinfo=UTC) if found else None  # type: ignore[misc, arg-type]

@@ -20,6 +20,7 @@ Indices = np.ndarray[Any, np.dtype[np.intp]]
 
 _DRAWS = 4000  # of days by chance: to 0.25 % of a rate of 1 % [precision]
 _SIDE = 2  # days on each side of a change [judgement]
+READINGS_LEAST = 2 * _SIDE  # below which no change is told [judgement]
 _DAYS_MAX = 80  # days that remaining life is found by: more are joined with their neighbours [layout]
 _SEED = 20_011  # of the draws: the same days, the same answer [layout]
 _LIKELY = 3.84  # twice the logarithm of the likelihood ratio at the end of a 95 % interval [chance]
@@ -65,7 +66,7 @@ class Life:
 def change(days: Reals, values: Reals, stds: Reals, false_alarm: float = 0.01) -> Drift:
     """Whether `values` [n] of `days` [n], in order, have changed, with standard errors `stds` [n], at a false-alarm rate."""
     count = days.size
-    if count < 2 * _SIDE or not days[-1] > days[0]:
+    if count < READINGS_LEAST or not days[-1] > days[0]:
         return Drift(False, 1.0, math.inf, (math.inf, math.inf), 0.0)
     std = _robust(values, np.hypot(stds, _beyond(values, stds)))
     shapes, begins = _shapes(days)

@@ -32,6 +32,7 @@ class EstimateEntry:
     bias: float | None = field(
         default=None, metadata=SPARE
     )  # how far it may be off besides, for what lasts in the residual; None as the standard error
+    threshold_percent: float | None = field(default=None, metadata=SPARE)  # smallest shift that is called a fault; None in older files
 
 
 @dataclass(frozen=True)

@@ -225,4 +225,6 @@ def _step(step: ForceStep, kept: bool) -> result.ForceStepEntry:
 
 def _refusal(one: Refusal) -> result.ForceRefusal:
     there = vars(_errors(one.errors)) if one.errors is not None else {}
-    return result.ForceRefusal(effect=called(one.effect), reason=one.reason, parameters=_values(one.values, one.std), recommended=False, **there)
+    return result.ForceRefusal(
+        effect=called(one.effect), reason=one.reason, parameters=_values(one.values, one.std), recommended=False, **there
+    )

@@ -21,17 +21,18 @@ def fleet_result(
 
 def _unit(one: UnitHistory) -> FleetUnitEntry:
     last = one.last
-    trends = {trend.name: _trend(trend) for trend in one.trends}
+    trends = {trend.name: trend_entry(trend) for trend in one.trends}
     nearest = soonest(one) if math.isfinite(one.urgency[0]) else None
     return FleetUnitEntry(
         one.unit, trends, last.verdict if last is not None else None, len(one.rows), len(one.bad), unit_words(one), nearest
     )
 
 
-def _trend(trend: Trend) -> TrendEntry:
+def trend_entry(trend: Trend, sentence: str = "") -> TrendEntry:
+    """One value of a unit; `sentence` in place of the fleet's own."""
     change = trend.change
     return TrendEntry(
-        sentence=trend_words(trend),
+        sentence=sentence or trend_words(trend),
         days=tuple(trend.days.tolist()),
         shift_percent=tuple(trend.shift_percent.tolist()),
         std_percent=tuple(trend.std_percent.tolist()),

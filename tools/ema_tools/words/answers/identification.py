@@ -15,7 +15,7 @@ from ema_tools.results.parts import CurvesEntry, Provenance
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import Identified
 from ema_tools.tasks.objective_shape import Shape
-from ema_tools.tasks.onboard_search import KEYS, identified_of
+from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, identified_of
 from ema_tools.tasks.several_values import SeveralValues
 from ema_tools.words.answers.steps import field_of
 from ema_tools.words.sentences.identification import reasons, sentence, undetermined_words
@@ -104,7 +104,14 @@ def _values(found: Identified) -> Mapping[str, Any]:
     }
     return absent | {
         KEYS[one.name]: result.EstimateEntry(
-            one.estimate, one.std, one.shift_percent, found.interval95(one), found.healthy[one.name], one.at_bound, one.bias
+            one.estimate,
+            one.std,
+            one.shift_percent,
+            found.interval95(one),
+            found.healthy[one.name],
+            one.at_bound,
+            one.bias,
+            found.healthy[MIN_SHIFTS[one.name]],
         )
         for one in found.answer.identified
     }

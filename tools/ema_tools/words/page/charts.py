@@ -122,6 +122,7 @@ class Drawing:
     x_ends: tuple[float, float]
     y_ends: tuple[float, float]
     log: tuple[bool, bool] = (False, False)
+    counts: bool = False  # whether x counts something: no ticks between whole numbers
     parts: list[str] = field(default_factory=list)
 
     def at(self, x: Reals, y: Reals) -> tuple[Reals, Reals]:
@@ -152,6 +153,12 @@ class Drawing:
         dots = "".join(f"M{a:.1f} {b:.1f}h0" for a, b in zip(*self.at(x, y), strict=True))
         self.parts.append(f'<path class="dots {kind}" stroke-width="{2.0 * radius:g}" d="{dots}"/>')
 
+    def bars(self, x: Reals, low: Reals, high: Reals, kind: str) -> None:
+        """A vertical line from low to high at each x, as of intervals."""
+        lower, upper = self.at(x, low), self.at(x, high)
+        bars = "".join(f"M{a:.1f} {b:.1f}V{c:.1f}" for a, b, c in zip(lower[0], lower[1], upper[1], strict=True))
+        self.parts.append(f'<path class="thin {kind}" d="{bars}"/>')
+
     def stems(self, x: Reals, y: Reals, kind: str) -> None:
         """Lines from the lower edge."""
         lower = _HEIGHT - _BOTTOM
@@ -163,6 +170,8 @@ class Drawing:
         lower, right = _HEIGHT - _BOTTOM, _WIDTH - _RIGHT
         shown = []
         for value in self._marks(self.x_ends, self.log[0], 6):
+            if self.counts and value != round(value):
+                continue
             x = float(self.at(np.array([value]), np.array([self.y_ends[0]]))[0][0])
             shown.append(f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="{_TOP:g}" y2="{lower:g}"/>')
             shown.append(f'<text x="{x:.1f}" y="{lower + 14.0:g}" text-anchor="middle">{_minus(value)}</text>')

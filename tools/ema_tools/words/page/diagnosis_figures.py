@@ -1,4 +1,4 @@
-"""Figures of a diagnosis as plain Plotly dictionaries; roles give the colours, as in `ema_tools.words.page.figures`."""
+"""Figures of a diagnosis as plain dictionaries; roles give the colours, as in `ema_tools.words.page.figures`."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def render(result: Diagnosed, command: str) -> str:
 
 def _document(result: Diagnosed, sections: list[tuple[str, str, str]], data: str, policy: str) -> str:
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = (assets / "diagnosis.css").read_text(encoding="utf-8")
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("diagnosis.css", "charts.css"))
     script = (assets / "diagnosis.js").read_text(encoding="utf-8")
     loaded = library()
     first = first_screen(result)

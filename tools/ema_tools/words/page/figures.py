@@ -1,4 +1,4 @@
-"""Figures of the page as plain Plotly dictionaries. A trace names its role in `meta`; the page gives the role its colour."""
+"""Figures of the page as plain dictionaries, laid out as Plotly has them; `figure_svg` draws them. A trace names its role in `meta`; the page gives the role its colour."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def profiles(result: ShownIdentification) -> Figure:
     for place, (name, one) in enumerate(result.profiles.items(), start=1):
         fault, unit, axis = result.faults[name], name.partition("_")[2], "x" if place == 1 else f"x{place}"
         least = max(float(np.min(one.objective)), _LEAST_OBJECTIVE)
-        low, high = _seen(one.value, fault)
+        low, high = profile_ends(one.value, fault)
         inside = (one.value >= low) & (one.value <= high)
         common = {"type": "scatter", "xaxis": axis, "yaxis": "y"}
         title = LABELS[name]
@@ -252,7 +252,7 @@ def _error_bar(fault: ShownEstimate) -> Figure:
     }
 
 
-def _seen(values: np.ndarray, fault: ShownEstimate) -> tuple[float, float]:
+def profile_ends(values: np.ndarray, fault: ShownEstimate) -> tuple[float, float]:
     """The part of a profile that is drawn: healthy value, estimate and interval with room around them, inside what was searched."""
     inner = [fault.healthy, fault.estimate, *(fault.interval or ())]
     room = max(_PROFILE_ROOM * (max(inner) - min(inner)), _LEAST_PROFILE_ROOM * abs(fault.healthy))

@@ -7,18 +7,13 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
-import numpy as np
-
-from ema_tools.base.interval import WIDTH_95
-from ema_tools.results.fleet import FleetResult, FleetUnitEntry, TrendEntry
+from ema_tools.results.fleet import FleetResult, FleetUnitEntry
 from ema_tools.results.store import FleetRow
 from ema_tools.words.page import text as words
-from ema_tools.words.page.charts import Drawing, ends
-from ema_tools.words.page.names import FAULT_TITLES, listed
+from ema_tools.words.page.names import listed
+from ema_tools.words.page.trend import SHORT, drawing
 
 CARDS_MAX = 200  # units that are drawn on the fleet's page; all are in its table [layout]
-_AHEAD = 0.25  # of the days so far, drawn beyond the last [layout]
-SHORT = {"csj": "CSJ", "blk": "BLK"}
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
@@ -61,37 +56,6 @@ def unit_page(one: FleetUnitEntry, records: Sequence[FleetRow], back: str, comma
         f'<section id="records"><h2>Records</h2>{_table("records", heads, rows)}</section>'
         f'<section id="made"><h2>Provenance</h2><p><code>{escape(command)}</code></p></section>',
     )
-
-
-def drawing(name: str, trend: TrendEntry) -> str:
-    """Readings with their intervals over days, the limit, and what remaining life says."""
-    days, shift = np.array(trend.days), np.array(trend.shift_percent)
-    half = WIDTH_95 * np.array(trend.std_percent)
-    span = max(float(days[-1] - days[0]), 1.0)
-    end = days[-1] + span * _AHEAD
-    low, high = trend.life.interval90_days if trend.life is not None else (None, None)
-    if low is not None:
-        end = max(end, min(days[-1] + 1.05 * (high if high is not None else low), days[-1] + span))
-    x_ends = (float(days[0]) - 0.02 * span, float(end))
-    shows_limit = (trend.changed and trend.by_percent > 0.0) or float(np.max(shift)) > 0.4 * trend.limit_percent
-    y_ends = ends(shift - half, shift + half, np.array([0.0, *([trend.limit_percent] if shows_limit else [])]))
-    drawn = Drawing(
-        f"{FAULT_TITLES[name]} over days: {trend.sentence}", "days since the first reading", f"{SHORT[name]}, %", x_ends, y_ends
-    )
-    if days.size > 1:
-        drawn.band(days, shift - half, shift + half, "after")
-        drawn.line(days, shift, "after thin")
-    drawn.dots(days, shift, "after", 2.2)
-    if shows_limit:
-        drawn.line(np.array(x_ends), np.full(2, trend.limit_percent), "noise thin")
-    if trend.since_day is not None:
-        drawn.line(np.full(2, trend.since_day), np.array(y_ends), "back thin")
-    if trend.life is not None and low is not None:
-        beyond = x_ends[1] - float(days[-1])
-        fan = days[-1] + np.array([0.0, low, min(high if high is not None else beyond, beyond)])
-        now = trend.life.now_percent
-        drawn.band(fan, np.array([now, trend.limit_percent, trend.limit_percent]), np.array([now, now, trend.limit_percent]), "")
-    return drawn.svg()
 
 
 def _card(one: FleetUnitEntry, page: str) -> str:
@@ -138,7 +102,7 @@ def _table(label: str, heads: Sequence[str], rows: str) -> str:
 
 def _document(title: str, sentence: str, body: str) -> str:
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("diagnosis.css", "fleet.css"))
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("diagnosis.css", "charts.css", "fleet.css"))
     return f"""<!doctype html>
 <html lang="en">
 <head>

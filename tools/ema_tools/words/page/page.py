@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import re
 from collections.abc import Iterable, Sequence
@@ -12,13 +10,16 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, workbench
+from ema_tools.results.over_dates import UnitOverDates
+from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, over_dates, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.results import Mapped, Result, ShownComparison, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
+from ema_tools.words.page.uplot import ABSENT, library
 
 _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "backlash at the rod", "mm")}
 
@@ -27,38 +28,42 @@ _NAMES = {"csj_Nm": ("CSJ", "static dry friction", "Nm"), "blk_mm": ("BLK", "bac
 _POLICY = f"default-src 'none'; {workbench.POLICY}; style-src 'unsafe-inline'; img-src data:"
 
 
-class _Page:
+class Page:
     """Collects the page's parts: HTML, and what its script draws."""
 
     def __init__(self) -> None:
         self.parts: list[str] = []
         self.curves: list[dict[str, Any]] = []
-        self.figures: list[dict[str, Any]] = []
+        self.lines: list[dict[str, Any]] = []
 
     def add(self, *html: str) -> None:
         self.parts.extend(html)
 
     def figure(self, identity: str, figure: figures.Figure) -> str:
-        """Registers a figure; the element that it is drawn into."""
-        label = figure.pop("label")
-        self.figures.append({"id": identity, **figure})
-        return f'<div class="plot" id="{identity}" role="img" aria-label="{escape(label)}" style="height:{figure["height"]}px"></div>'
+        """The figure as it stands in the page."""
+        return figure_svg(figure, identity)
 
 
-def render(results: list[Result], command: str) -> str:
-    """The page as text. `command` made it and stands in its provenance. One diagnosis, or one addition, has a page of its own."""
+def render(results: list[Result], command: str, units: Sequence[UnitOverDates] = ()) -> str:
+    """The page as text. `command` made it and stands in its provenance; `units`: results of one unit over dates. One diagnosis, or one addition, has a page of its own."""
     if len(results) == 1 and isinstance(results[0], Diagnosed):
         return diagnosis_page.render(results[0], command)
-    page = _Page()
+    page = Page()
     identified = [result for result in results if isinstance(result, ShownIdentification)]
     compared = [result for result in results if isinstance(result, ShownComparison)]
     page.add('<a class="skip" href="#main">Skip to the results</a>', '<header><div class="wrap">')
     _head(page, results)
     page.add("</div></header>", '<main id="main">')
+    if units:
+        page.add(
+            '<section id="dates" aria-labelledby="dates-title"><div class="wrap"><h2 id="dates-title">Over dates</h2>',
+            over_dates.section(units),
+            "</div></section>",
+        )
     for index, result in enumerate(results, start=1):
         page.add(f'<section id="result-{index}" aria-labelledby="result-{index}-title"><div class="wrap">')
         if isinstance(result, ShownIdentification):
-            _identified(page, result, f"result-{index}")
+            identified_section(page, result, f"result-{index}")
         elif isinstance(result, Diagnosed):
             diagnosis.section(page, result, f"result-{index}", partial(_curves, page))
         elif isinstance(result, Mapped):
@@ -72,11 +77,11 @@ def render(results: list[Result], command: str) -> str:
         page.add(workbench.section(bench))
     with_case = [result for result in identified if result.case is not None]
     if with_case:
-        _paper(page, with_case)
+        paper_section(page, with_case)
     _next(page, identified, compared, [result for result in results if isinstance(result, Diagnosed)])
-    _origin(page, results, command)
+    origin_section(page, results, command)
     page.add("</main>")
-    return _document(_short_title(results[0]), page)
+    return document(_short_title(results[0]), page)
 
 
 def sentence(result: ShownIdentification) -> str:
@@ -142,7 +147,7 @@ def _short_title(result: Result) -> str:
     )
 
 
-def _head(page: _Page, results: list[Result]) -> None:
+def _head(page: Page, results: list[Result]) -> None:
     first = results[0]
     page.add('<p class="eyebrow">Electromechanical actuator: what its record says</p>', f"<h1>{_text(_title(first))}</h1>")
     if isinstance(first, ShownIdentification):
@@ -180,7 +185,8 @@ def _tile(result: Result) -> str:
     )
 
 
-def _identified(page: _Page, result: ShownIdentification, identity: str) -> None:
+def identified_section(page: Page, result: ShownIdentification, identity: str) -> None:
+    """Everything about one identification."""
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     page.add(f'<p><span class="verdict {result.verdict}">{result.verdict.capitalize()}:</span> {escape(verdict(result))}</p>')
     page.add('<dl class="facts">')
@@ -228,7 +234,7 @@ def _identified(page: _Page, result: ShownIdentification, identity: str) -> None
     _shape(page, result, identity)
 
 
-def _shape(page: _Page, result: ShownIdentification, identity: str) -> None:
+def _shape(page: Page, result: ShownIdentification, identity: str) -> None:
     """The objective round the answer."""
     if not result.profiles:
         return
@@ -255,7 +261,7 @@ def _shape(page: _Page, result: ShownIdentification, identity: str) -> None:
     page.add("</div>")
 
 
-def _curves(page: _Page, curves: Curves, identity: str, models: dict[str, str]) -> None:
+def _curves(page: Page, curves: Curves, identity: str, models: dict[str, str]) -> None:
     packed = pack(curves)
     for channel in packed["channels"]:
         channel["rms_text"] = {key: f"{words.number(value)} {channel['residual_unit']}" for key, value in channel.pop("rms").items()}
@@ -268,14 +274,14 @@ def _curves(page: _Page, curves: Curves, identity: str, models: dict[str, str]) 
         page.add(f'<button type="button" data-zoom="{how}" data-zoom-of="{identity}">{text}</button>')
     page.add(f'</div></div><div class="{"pair" if len(models) > 1 else "single"}">')
     titles = ", ".join(channel["title"].lower() for channel in packed["channels"])
-    height = 40 + 215 * len(packed["channels"])
+    absent = "" if library().there else f'<p class="absent">{escape(ABSENT)}</p>'
     for key, title in models.items():
         label = f"{title}. Measured and simulated {titles} against time, each with its residual. " + "; ".join(
             f"{channel['title']} residual rms {channel['rms_text'][key]}" for channel in packed["channels"]
         )
-        page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>')
+        page.add(f'<figure><div class="figure-head"><h3>{escape(title)}</h3></div>{absent}')
         page.add(
-            f'<div class="plot" data-curves="{identity}" data-model="{key}" role="img" aria-label="{escape(label)}" style="height:{height}px"></div></figure>'
+            f'<div class="curves" data-curves="{identity}" data-model="{key}" role="group" aria-label="{escape(label)}"></div></figure>'
         )
     page.add("</div>")
     scale, follow = (", on the same scale before and after", "; all follow") if len(models) > 1 else ("", "")
@@ -287,7 +293,8 @@ def _role(model: str) -> str:
     return "before" if model == "before" else "after"
 
 
-def _paper(page: _Page, results: list[ShownIdentification]) -> None:
+def paper_section(page: Page, results: list[ShownIdentification]) -> None:
+    """The cases beside what the paper prints for them."""
     page.add('<section id="paper" aria-labelledby="paper-title"><div class="wrap"><h2 id="paper-title">Beside the paper</h2>')
     page.add(
         "<p>Dalla Vedova, Lauria, Maggiore and Pace search the same two parameters with simulated annealing. They print no electrical data, gear ratio, gains or "
@@ -304,7 +311,7 @@ def _paper(page: _Page, results: list[ShownIdentification]) -> None:
     )
 
 
-def _compared(page: _Page, result: ShownComparison, identity: str) -> None:
+def _compared(page: Page, result: ShownComparison, identity: str) -> None:
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     if result.sentence and identity != "result-1":
         page.add(f"<p>{_text(result.sentence)}</p>")
@@ -324,7 +331,7 @@ def _compared(page: _Page, result: ShownComparison, identity: str) -> None:
         )
 
 
-def _next(page: _Page, identified: list[ShownIdentification], compared: list[ShownComparison], diagnosed: Sequence[Diagnosed]) -> None:
+def _next(page: Page, identified: list[ShownIdentification], compared: list[ShownComparison], diagnosed: Sequence[Diagnosed]) -> None:
     page.add('<section id="next" aria-labelledby="next-title"><div class="wrap"><h2 id="next-title">What to do next</h2>')
     for result in identified:
         for reason in result.reasons:
@@ -362,7 +369,8 @@ def _code(text: str) -> str:
     return "".join(f"<code>{piece}</code>" if index % 2 else piece for index, piece in enumerate(pieces))
 
 
-def _origin(page: _Page, results: list[Result], command: str) -> None:
+def origin_section(page: Page, results: Sequence[Result], command: str) -> None:
+    """What made the page and its results."""
     page.add(
         '<section id="origin" aria-labelledby="origin-title"><div class="wrap"><h2 id="origin-title">Where this comes from</h2><dl class="origin">'
     )
@@ -390,19 +398,16 @@ def _shared(tables: Iterable[dict[str, str]]) -> dict[str, str]:
     return {key: value for key, value in first.items() if all(other.get(key) == value for other in others)}
 
 
-def _plotly() -> str:
-    """plotly.js as the package brings it, packed (gzip, base64): the browser unpacks it, and the page is less than half as large."""
-    source = (resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes()
-    # no time of day in it: the same page again is the same bytes
-    return base64.b64encode(gzip.compress(source, mtime=0)).decode("ascii")
-
-
-def _document(title: str, page: _Page) -> str:
+def document(title: str, page: Page) -> str:
+    """The whole file."""
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = (assets / "page.css").read_text(encoding="utf-8")
-    script = (assets / "page.js").read_text(encoding="utf-8")
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "charts.css", "curves.css"))
+    names = ["curves.js", *(["lines.js"] if page.lines else [])]
+    script = "\n".join((assets / name).read_text(encoding="utf-8") for name in names)
+    loaded = library()
+    draws = f"<script>{loaded.script}</script>" if loaded.there else ""
     # `<` would let a text in the data end the script element.
-    data = json.dumps({"curves": page.curves, "figures": page.figures}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    data = json.dumps({"curves": page.curves, "lines": page.lines}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     body = "\n".join(page.parts)
     return f"""<!doctype html>
 <html lang="en">
@@ -414,13 +419,14 @@ def _document(title: str, page: _Page) -> str:
 <link rel="icon" href="data:,">
 <title>{escape(title)}</title>
 <style>
+{loaded.style}
 {style}</style>
 </head>
 <body>
 {body}
 <noscript><div class="wrap"><p>The curves need JavaScript; the sentences and tables do not.</p></div></noscript>
 <script id="page-data" type="application/json">{data}</script>
-<script>const plotlyPacked = "{_plotly()}";</script>
+{draws}
 <script>
 {script}</script>
 </body>

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ema_tools.fit.wear import READINGS_LEAST
 from ema_tools.tasks.history import Trend, UnitHistory
 from ema_tools.words.page import text as words
-from ema_tools.words.page.fleet import SHORT
 from ema_tools.words.page.names import FAULT_TITLES, listed
+from ema_tools.words.page.trend import SHORT
 
 
 def summary(units: Sequence[UnitHistory]) -> str:
@@ -47,6 +48,8 @@ def trend_words(trend: Trend) -> str:
     """One value of a unit in a sentence or two."""
     title = FAULT_TITLES[trend.name]
     last = f"last reading {words.shift(float(trend.shift_percent[-1]))}"
+    if trend.days.size < READINGS_LEAST:
+        return f"{title}: {last}; a change is told from {READINGS_LEAST} readings on."
     if not trend.change.changed:
         return f"{title}: no change ({last}; by chance as much in {_percent(trend.change.chance)} of units without one)."
     first, end = trend.change.since95

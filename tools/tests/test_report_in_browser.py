@@ -1,0 +1,112 @@
+"""The page of several results, and that of `ema identify`, in real Chromium, headless, with the network off: every curve is drawn without complaint, and zooms with its neighbours."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ema_tools.words.page import uplot, write_report
+from report_results import compared, identified
+from test_report_diagnosis import made
+
+playwright = pytest.importorskip("playwright.sync_api", reason="the tests in the browser need the Python package playwright")
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_LAPTOP, _PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
+    if not uplot.library().there:
+        pytest.skip("the charting library is not in the build folder: install nodejs and npm, then build again")
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    contexts = []
+
+    def open_(*results: dict[str, Any], viewport: dict[str, int] = _LAPTOP) -> tuple[Any, list[str]]:
+        files = [tmp_path / f"result_{place}.json" for place in range(len(results))]
+        for file, result in zip(files, results, strict=True):
+            file.write_text(json.dumps(result), encoding="utf-8")
+        write_report(files, tmp_path / "page.html", "ema report", force=True)
+        contexts.append(browser.new_context(offline=True, viewport=viewport))
+        page = contexts[-1].new_page()
+        complaints: list[str] = []
+        page.on("console", lambda one: complaints.append(one.text))
+        page.on("pageerror", lambda one: complaints.append(str(one)))
+        page.on("request", lambda one: complaints.append(one.url) if one.url.startswith("http") else None)
+        page.goto((tmp_path / "page.html").as_uri())
+        for place in page.locator("[data-curves]").all():
+            place.scroll_into_view_if_needed()
+        page.wait_for_function("() => document.querySelectorAll('[data-curves]:not([data-drawn])').length === 0")
+        return page, complaints
+
+    yield open_
+    for context in contexts:
+        context.close()
+
+
+@pytest.mark.parametrize("viewport", [_LAPTOP, _PHONE])
+def test_every_curve_is_drawn_without_complaint(viewport: dict[str, int], opened: Any) -> None:
+    page, complaints = opened(identified(case="A"), identified(name="today"), compared(), viewport=viewport)
+    assert complaints == []
+    # two models of two identifications and one of a comparison: three channels each, with their residuals
+    assert page.locator("[data-curves]").count() == 5 and page.locator(".uplot canvas").count() == 5 * 3 * 2
+    # every canvas has ink on it
+    inked = page.evaluate(
+        "() => [...document.querySelectorAll('.uplot canvas')].map((one) => one.getContext('2d').getImageData(0, 0, one.width, one.height).data.some((value) => value > 0))"
+    )
+    assert all(inked)
+    assert page.locator("svg.picture").count() == 2 * 2 + 1 + 1
+    assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
+
+
+def test_what_is_zoomed_in_one_is_zoomed_in_all_of_its_result(opened: Any) -> None:
+    page, complaints = opened(identified(name="a"), identified(name="b"))
+    views = lambda: [one.get_attribute("data-view") for one in page.locator("[data-curves]").all()]  # noqa: E731
+    page.locator('[data-zoom-of="result-1"][data-zoom="in"]').click()
+    first, second, *others = views()
+    assert first == second and [float(end) for end in first.split()] == pytest.approx([0.29975, 0.89925], abs=2e-4) and others == [None] * 2
+    page.locator('[data-zoom-of="result-1"][data-zoom="whole"]').click()
+    assert views()[:2] == ["0.0000 1.1990"] * 2
+    plot = page.locator('[data-curves="result-2"] .main .u-over').first
+    plot.evaluate("(one) => one.scrollIntoView({ block: 'center', behavior: 'instant' })")
+    box = plot.bounding_box()
+    middle = box["y"] + 0.5 * box["height"]
+    page.mouse.move(box["x"] + 0.25 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.5 * box["width"], middle, steps=4)
+    page.mouse.move(box["x"] + 0.75 * box["width"], middle, steps=4)
+    page.mouse.up()
+    first, last = map(float, views()[2].split())
+    assert first == pytest.approx(0.3, abs=0.01) and last == pytest.approx(0.9, abs=0.01) and views()[3] == views()[2]
+    # the crosshair reads every curve there
+    page.mouse.move(box["x"] + 0.5 * box["width"], middle)
+    page.wait_for_timeout(100)
+    assert "measured" in page.locator('[data-curves="result-2"] .values').first.inner_text()
+    assert complaints == []
+
+
+def test_a_moment_of_a_diagnosis_zooms_its_curves(opened: Any) -> None:
+    page, complaints = opened(made(), identified())
+    picture = page.locator('[data-zooms="result-1"]')
+    assert picture.count() == 1
+    mark = picture.locator("[data-x]").nth(4)
+    at, half = float(mark.get_attribute("data-x")), float(picture.get_attribute("data-half"))
+    mark.dispatch_event("click")
+    first, last = map(float, page.locator('[data-curves="result-1"]').first.get_attribute("data-view").split())
+    assert first == pytest.approx(at - half, abs=1e-3) and last == pytest.approx(at + half, abs=1e-3)
+    assert complaints == []
