@@ -11,6 +11,7 @@ from ema_tools.base.files import read_again
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord, read_motion_record
 from ema_tools.data.records import read_record
+from ema_tools.data.voltage_drive import with_current
 
 _NEEDED = ("command_mm", "position_mm")
 _ENDINGS = (".csv", ".mat", ".parquet", ".pq")
@@ -34,10 +35,10 @@ def record_files(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def read_any_record(path: str | Path, actuator: Actuator) -> AnyRecord:
-    """Read a recording. Raises InputError in one line that names file, row and field."""
+    """Read a recording; where a voltage is its only drive, with the current that it makes. Raises InputError in one line that names file, row and field."""
     with read_again(Path(path)) as place:
         if actuator.absent:
-            return read_motion_record(place)
+            return with_current(read_motion_record(place), actuator)
         try:
             return read_record(place, actuator)
         except InputError as refused:
@@ -48,7 +49,7 @@ def read_any_record(path: str | Path, actuator: Actuator) -> AnyRecord:
                 raise refused from None
             if all(name in found.present for name in _NEEDED):
                 raise
-            return found
+            return with_current(found, actuator)
 
 
 def lacks(record: AnyRecord) -> tuple[str, ...]:

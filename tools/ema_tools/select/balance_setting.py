@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.lag import lagged
+from ema_tools.base.lag import lagged
 from ema_tools.balances.mechanical import Mechanical, mechanical_model
 from ema_tools.balances.motion import Motion, motion_of, train_of
 from ema_tools.base.arrays import Reals

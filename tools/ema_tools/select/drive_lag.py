@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from ema_tools.balances.lag import lagged, remembered
+from ema_tools.base.lag import lagged, remembered
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord

@@ -34,6 +34,7 @@ _SEEN_ELSEWHERE = 0.1
 _THIRDS = 3  # of the places and of the speeds, each told from the other two: what is seen in one of them only is no law [judgement]
 # quantile of the speeds from which friction is looked at on its way to the fastest, and at how many [precision]
 _SLOWEST, _SPEEDS = 0.01, 64
+_SPOT = 0.1  # of the stroke, to either side of a spot's middle, at most [judgement]
 _FALLS = 0.1  # of what an effect adds to friction, by which all of it must fall with the speed [judgement]
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
@@ -142,6 +143,9 @@ class Judge:
         if record.adds and fit.values[size] < 0.0:
             return f"{size} would be {fit.values[size]:.3g}: less than none of it is another effect"
         local = record.local
+        if local is not None and local.spot:
+            width, stroke = fit.values[f"{effect}.{local.spot}"], float(np.ptp(fit.samples.setting.states.screw_mm))
+            return f"{width:.3g} of {stroke:.3g} mm is no spot: friction differs by place" if width > _SPOT * stroke else ""
         if local is None or not local.falls:
             return ""
         states, values = fit.samples.setting.states, fit.values

@@ -35,6 +35,7 @@ _SEEN = (
     0.05  # a record that shows less of a value than this, as a share of the one that shows most, says nothing of its scatter [judgement]
 )
 _AS_HEALTHY = 0.1  # an effect that takes so much of its gain off the healthy records too is no change [judgement]
+_AS_HEALTHY_LEFT = 1.1  # of what is left of the healthy records: more is left of today's before an effect is sought in it [judgement]
 _MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judgement]
 
 
@@ -87,7 +88,7 @@ class HealthyByBalance:
 
     def veto(self, search: ForceSearch, accepted: Fitted, tried: Tried) -> str:
         """Why an effect of today's records is no change; empty where it is one."""
-        if accepted.square(search.bench.training) <= self.error_Nm**2:
+        if accepted.square(search.bench.training) <= (_AS_HEALTHY_LEFT * self.error_Nm) ** 2:
             return "no change: without it the records leave no more than the healthy ones"
         if tried.effect == load_effect():
             scatter, std = self.scatter.get(LOAD, math.nan), self.refit.std.get(LOAD, 0.0)

@@ -23,6 +23,7 @@ EFFECT = EffectRecord(
     local=LocalTorque(
         torque=_torque,
         tried={"place_mm": places(_PLACES), "width_mm": (0.06, 0.12, 0.25, 0.5, 1.0)},
+        spot="width_mm",
         in_balance={"place_mm": places(_PLACES), "width_mm": shares_of_stroke((0.003, 0.006, 0.0125, 0.025, 0.05))},
     ),
     separated_by=(measurements.BREAK_AWAY,),
