@@ -287,11 +287,14 @@ class ForceSearch:
         here = {pattern.effect for pattern in accepted.patterns} | ({load_effect()} if self.bench.load_named else set())
         left = [effect for effect in self.effects if effect not in here and record_of(effect).special_case not in here]
         added: list[Tried] = []
-        refused = [
-            Refusal(effect, f"{record_of(effect).special_case} was accepted, which is the same with one value less")
-            for effect in self.effects
-            if effect not in here and record_of(effect).special_case in here
-        ]
+        refused: list[Refusal] = []
+        for effect in self.effects:
+            if effect not in here and record_of(effect).special_case in here:
+                instead = self._instead(accepted, effect)
+                if isinstance(instead, Refusal):
+                    refused.append(instead)
+                else:
+                    added.append(instead)
         self.weak = []
         for place, effect in enumerate(left):
             self.report(share + _ROUND_SHARE * place / len(left), effect)
@@ -312,6 +315,28 @@ class ForceSearch:
             Refusal(one.effect, f"{record_of(one.effect).special_case} does nearly as much with one value less") for one in needless
         ]
         return sorted((one for one in added if one not in needless), key=lambda one: -one.gain), refused
+
+    def _instead(self, accepted: Fitted, effect: str) -> Tried | Refusal:
+        """An effect in place of its special case, which was accepted: what it takes off beyond that one."""
+        special = record_of(effect).special_case
+        rest = tuple(one for one in accepted.patterns if one.effect != special)
+        bends = any(one.bends for one in accepted.patterns if one.effect == special)
+        owners = [one.effect for one in accepted.patterns for _ in range(one.columns.shape[1])]
+        columns = accepted.columns[:, [owner != special for owner in owners]]
+        without = self.bench.judged(self.bench.fit(self.bench.with_bends(rest) if bends else accepted.samples, rest, columns))
+        found = self.tried(without, effect)
+        if isinstance(found, Refusal):
+            return found
+        judged = replace(found, fit=self.bench.judged(found.fit))
+        rows = self.bench.training
+        gain = float(np.sum(accepted.residual[rows] ** 2) - np.sum(judged.fit.residual[rows] ** 2))
+        if self.judge.share(accepted, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.judge.first:
+            why = f"{special} was accepted, which does nearly as much with one value less"
+        else:
+            why = self.judge.refusal(without, judged)
+        if why:
+            return Refusal(effect, why, _of(effect, judged.fit.values), _of(effect, judged.fit.std), judged.fit.errors)
+        return replace(judged, gain=gain)
 
     def needless(self, general: Tried, added: Sequence[Tried]) -> bool:
         """Whether an effect that is another one in a special case takes off too little beyond that one."""
@@ -604,6 +629,9 @@ def _improved(
             best = added[0]
             before, bent = accepted, best.fit.patterns[-1].bends
         alike = _class_of(best, added) if pair is None else ()
+        special = record_of(best.effect).special_case
+        if special and any(one.effect == special for one in before.patterns):
+            needless.append(Refusal(special, f"a special case of {best.effect}, which came later and does more"))
         accepted = bench.judged(search.finished(best.fit, bent))
         accepted, instead = search.simplified(accepted)
         steps.append(
