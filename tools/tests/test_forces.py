@@ -14,7 +14,7 @@ from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.data.emps import emps_actuator
 from ema_tools.data.records import Record, read_record, simulated
-from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import named
 from ema_tools.results.codec import to_json
 from ema_tools.select.balance_setting import Setting
 from ema_tools.select.force_balance import EFFECTS_MAX, improve_by_forces
@@ -96,7 +96,7 @@ def test_decoys_are_refused_with_a_reason(hidden: tuple[Actuator, Record, ForceS
         "presliding",
         "actuation_delay",
     } <= set(reasons)
-    assert len(offered) == sum(not effect.is_learned for effect in load_definitions().effects)
+    assert offered == set(named())
     assert all(reasons.values())
     assert "takes the same torque up" in reasons["coulomb_asymmetry"]
     assert "takes the same torque up" in reasons["inertia_change"]

@@ -536,6 +536,7 @@ def improve_by_forces(
     at_once = _improved(actuator, records, holdout, lambda share, text: report(0.5 * share, text), fixes, veto)
     lag_s = drive_lag_s(actuator, records, holdout, fixes)
     if not lag_s:
+        report(1.0, "done")
         return at_once
     late = _improved(actuator.with_drive_lag(lag_s), records, holdout, lambda share, text: report(0.5 + 0.25 * share, text), fixes, veto)
     again_s = drive_lag_s(late.actuator, records, holdout, fixes)

@@ -2,7 +2,8 @@
 
 One shaft with bristle friction (C. Canudas de Wit et al., "A new model for control of systems with friction", IEEE Trans. Automatic Control 40(3), 1995) whose bump falls as 1 / (1 + (w/w0)^2),
 where the library has an exponential; waves with a second harmonic, where the library has pure sines. A speed loop drives it that no record tells of. Fixed steps of 20 us.
-With a play there are two masses, and a damped spring at either end of the gap, where the library has friction's share alone.
+With a play there are two masses, and a damped spring at either end of the gap, where the library has friction's share alone. Friction that differs by place rises in one step along the
+stroke, where the library has a table of waves. Every drive records its torque behind a filter of its own, up to two milliseconds late.
 """
 
 from __future__ import annotations
@@ -65,9 +66,11 @@ EFFECTS: Mapping[str, float] = {
     "torque_ripple": 0.05,
     "spring_load": 0.2,
     "elastic_backlash": 0.02,
+    "position_friction": 0.2,
 }
 # In which a place and a rod are needed.
-_PLACED = ("spring_load", "elastic_backlash")
+_PLACED = ("spring_load", "elastic_backlash", "position_friction")
+_STEP_AT, _STEP_WIDTH = 0.2, 0.15  # of the stroke, where friction that differs by place rises
 BEHIND = 0.3  # share of the inertia that is behind a play
 _CONTACT = 0.4  # of the gap: how far its ends yield under the friction
 _DAMPED = 0.3  # of their critical damping
@@ -78,7 +81,7 @@ def shows(kind: str, effect: str, command: str) -> bool:
     """Whether such records can show an effect: a spring needs a place and a rod, friction's bump slow motion, and a machine that stands at one speed shows no wave of another."""
     one = KINDS[kind]
     if effect in _PLACED:
-        return one.motion == "position_mm" and command != "steady speeds"
+        return one.motion == "position_mm" and (command != "steady speeds" or effect == "position_friction")
     return True
 
 
@@ -100,17 +103,20 @@ class Machine:
             "viscous": one.viscous_Nm_s_per_rad * float(random.uniform(0.7, 1.3)),
             "phase": float(random.uniform(0.0, 2.0 * math.pi)),
             "gain": float(random.uniform(0.6, 1.6)),
+            "lag_s": float(random.uniform(0.0, 2e-3)),
         }
 
 
 @compiled
 def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
-    """Angle, speed and the drive's torque at every record's row, [3, rows], under a speed asked for at every step."""
-    inertia, level, viscous, kp, ki, limit, load, asym, vasym, quad, rise, bump, cog, ripple, periods, phase, spring, arm, ratio, gap = own
+    """Angle, speed and the drive's torque at every record's row, as it is and as it is recorded, [4, rows], under a speed asked for at every step."""
+    inertia, level, viscous, kp, ki, limit, load, asym, vasym, quad, rise, bump = own[:12]
+    cog, ripple, periods, phase, spring, arm, ratio, gap, placed, stroke, lag_s = own[12:]
     bristle = level / _BRISTLE_RAD
     damping = 2.0 * 0.4 * np.sqrt(bristle * inertia)
     rows = speed_rad_s.size // every
-    found = np.zeros((3, rows))
+    found = np.zeros((4, rows))
+    shown = 0.0
     angle, speed, z, integral = start_rad, 0.0, 0.0, 0.0
     behind, behind_speed = start_rad, 0.0
     stiffness = level / (_CONTACT * gap) if gap > 0.0 else 0.0
@@ -121,13 +127,16 @@ def _run(speed_rad_s: Reals, start_rad: float, own: Reals, every: int) -> Reals:
         if abs(torque) < limit:
             integral += STEP_S * error
         torque = min(max(torque, -limit), limit)
+        shown += (torque - shown) * STEP_S / (lag_s + STEP_S)
         if step % every == 0:
             row = step // every
-            found[0, row], found[1, row], found[2, row] = angle, speed, torque
+            found[0, row], found[1, row], found[2, row], found[3, row] = angle, speed, torque, shown
         # with a play the friction holds the second mass, which the shaft meets at the ends of it
         held = behind_speed if gap > 0.0 else speed
         side = 1.0 if held > 0.0 else -1.0
         slides = level * (1.0 + rise / (1.0 + (held / bump) ** 2)) * (1.0 + asym * side)
+        if placed > 0.0:
+            slides *= 1.0 + placed * np.tanh((angle / stroke - _STEP_AT) / _STEP_WIDTH)
         # implicit in the bristle, which settles within a fraction of a step at speed
         bent = (z + STEP_S * held) / (1.0 + STEP_S * abs(held) * bristle / slides)
         friction = bristle * bent + damping * (bent - z) / STEP_S
@@ -192,7 +201,7 @@ def torques(machine: Machine, command: str) -> list[Mapping[str, Reals]]:
     """What happened in those records, without noise: angle_rad, speed_rad_s and the drive's torque_Nm of each, [rows]."""
     names = ("angle_rad", "speed_rad_s", "torque_Nm")
     return [
-        dict(zip(names, _happened(machine, command, number, _own(machine), _random(machine, command, number)), strict=True))
+        dict(zip(names, _happened(machine, command, number, _own(machine), _random(machine, command, number))[:3], strict=True))
         for number in range(_count(command))
     ]
 
@@ -219,6 +228,7 @@ def columns_of(machine: Machine, motion: Mapping[str, Reals], effect: str) -> Re
         "quadratic_viscous": level * speed * np.abs(speed) / one.fastest_rad_s**2,
         "stribeck_friction": level * np.sign(speed) / (1.0 + (speed / (_BUMP * one.fastest_rad_s)) ** 2),
         "spring_load": level * angle / (one.stroke_rad or 1.0),
+        "position_friction": level * np.sign(speed) * np.tanh((angle / (one.stroke_rad or 1.0) - _STEP_AT) / _STEP_WIDTH),
         "elastic_backlash": _relieved(angle, speed, level, share * one.stroke_rad) / (share or 1.0),
     }
     return np.asarray(single[effect][:, None])
@@ -270,6 +280,9 @@ def _own(machine: Machine) -> Reals:
             one.arm_Nm,
             one.ratio,
             hidden.get("elastic_backlash", 0.0) * one.stroke_rad,
+            hidden.get("position_friction", 0.0),
+            one.stroke_rad or 1.0,
+            values["lag_s"],
         ]
     )
 
@@ -279,7 +292,7 @@ def _random(machine: Machine, command: str, number: int) -> np.random.Generator:
 
 
 def _happened(machine: Machine, command: str, number: int, own: Reals, random: np.random.Generator) -> Reals:
-    """Angle, speed and torque at every row, [3, rows]."""
+    """Angle, speed and torque, as it is and as it is recorded, at every row, [4, rows]."""
     one = KINDS[machine.kind]
     asked = _moves(one, command, number, random)
     begin = -np.sign(asked[0]) * one.stroke_rad if command == "steady speeds" else float(random.uniform(-0.2, 0.2)) * one.stroke_rad
@@ -291,7 +304,7 @@ def _happened(machine: Machine, command: str, number: int, own: Reals, random: n
 
 def _record(machine: Machine, command: str, number: int, own: Reals) -> MotionRecord:
     random = _random(machine, command, number)
-    angle, speed, torque = _happened(machine, command, number, own, random)
+    angle, speed, _, torque = _happened(machine, command, number, own, random)
     return _measured(KINDS[machine.kind], machine, angle, speed, torque, f"{command} {number + 1}", random)
 
 
