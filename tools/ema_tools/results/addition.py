@@ -52,6 +52,7 @@ class Addition:
     compared: ComparedErrors | None = field(default=None, metadata=SPARE)
     forward: ForwardErrors | None = field(default=None, metadata=SPARE)
     kept: dict[str, str] | None = field(default=None, metadata=SPARE)  # base values that were not fitted, by full name, and why
+    drive_lag_s: float | None = field(default=None, metadata=SPARE)  # by which the drive records late; None where no lag shows
     held: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # effects of the model that stayed as they were
     provenance: Provenance = field(default_factory=dict)
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record

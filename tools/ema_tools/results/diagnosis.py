@@ -229,6 +229,7 @@ class DiagnosisByBalanceResult:
     steps: tuple[StepEntry, ...] = ()
     forces: Forces
     friction: FrictionShape | None = None  # None where friction is least at standstill
+    drive_lag_s: float | None = field(default=None, metadata=SPARE)  # by which the drive records late; None where no lag shows
     gate: Validity = field(default_factory=Validity)
     where: Localisation = field(default_factory=Localisation)
     unknown: Unexplained | None = None  # none: nothing is drawn of it

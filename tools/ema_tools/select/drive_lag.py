@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from ema_tools.base.lag import lagged, remembered
+from ema_tools.base.progress import Report, untold
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
@@ -26,6 +28,8 @@ _MOST = 0.5  # of the parts in which the error must fall [judgement]
 _FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
 _SAME = 0.1  # lags that differ by less, relative, are one [judgement]
 _AS_GOOD = 0.05  # answers whose squared errors differ by less, relative, are as good as each other [judgement]
+
+Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
@@ -98,14 +102,41 @@ def _best_s(bench: Bench, rows: Sequence[_Rows], fitted: NDArray[np.bool_], long
     return best_s if falls and float(np.mean(with_it[parts] < without[parts])) > _MOST else 0.0
 
 
-def same_lag(one_s: float, other_s: float) -> bool:
-    """Whether two lags are one."""
-    return math.isclose(one_s, other_s, rel_tol=_SAME)
+def with_lag_fitted(
+    run: Callable[[Actuator, Report], Answer],
+    left: Callable[[Answer], tuple[float, int]],
+    model: Callable[[Answer], Actuator],
+    as_given: Callable[[Answer, Answer], Answer],
+    actuator: Actuator,
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord] = (),
+    fixes: Fixes = NONE,
+    report: Report = untold,
+) -> Answer:
+    """What `run` makes of an actuator whose drive is as late as the records show, where it does not state that and it is the better answer.
+
+    `left`: of an answer the squared error of the parts held out, and how many effects it has; `model`: its machine; `as_given`: the first with the errors of the actuator
+    as it was given, which the second has. Beside an effect that was found the lag is another one, so that it is
+    sought twice.
+    """
+    if actuator.drive_lag_s is not None:
+        return run(actuator, report)
+    at_once = run(actuator, lambda share, text: report(0.5 * share, text))
+    lag_s = drive_lag_s(actuator, records, holdout, fixes)
+    if not lag_s:
+        report(1.0, "done")
+        return at_once
+    late = run(actuator.with_drive_lag(lag_s), lambda share, text: report(0.5 + 0.25 * share, text))
+    again_s = drive_lag_s(model(late), records, holdout, fixes)
+    if again_s and not math.isclose(again_s, lag_s, rel_tol=_SAME):
+        other = run(actuator.with_drive_lag(again_s), lambda share, text: report(0.75 + 0.25 * share, text))
+        late = other if left(other) < left(late) else late
+    report(1.0, "done")
+    return as_given(late, at_once) if _explains_more(left(late), left(at_once)) else at_once
 
 
-def explains_more(late: tuple[float, int], at_once: tuple[float, int]) -> bool:
-    """Whether a drive that records late is the better answer: it leaves less, or as much with less. Each: squared error of the parts held out, and how many effects beside the base values; a lag
-    counts as one."""
+def _explains_more(late: tuple[float, int], at_once: tuple[float, int]) -> bool:
+    """Whether a drive that records late is the better answer: it leaves less, or as much with fewer effects, of which it counts as one."""
     (error, effects), (other, others) = late, at_once
     if error < (1.0 - _AS_GOOD) * other:
         return True

@@ -43,7 +43,7 @@ from ema_tools.select.balance_bench import (
     solved,
 )
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
-from ema_tools.select.drive_lag import drive_lag_s, explains_more, same_lag
+from ema_tools.select.drive_lag import with_lag_fitted
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
 from ema_tools.select.force_judge import LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, outside, unphysical
@@ -530,23 +530,17 @@ def improve_by_forces(
     Where the actuator does not state by how much the drive records late, that is fitted as a base value is, and kept where it explains the records better than effects alone.
     Raises MissingSignal when a record has no mechanical balance.
     """
-    report = progress or untold
-    if actuator.drive_lag_s is not None:
-        return _improved(actuator, records, holdout, report, fixes, veto)
-    at_once = _improved(actuator, records, holdout, lambda share, text: report(0.5 * share, text), fixes, veto)
-    lag_s = drive_lag_s(actuator, records, holdout, fixes)
-    if not lag_s:
-        report(1.0, "done")
-        return at_once
-    late = _improved(actuator.with_drive_lag(lag_s), records, holdout, lambda share, text: report(0.5 + 0.25 * share, text), fixes, veto)
-    again_s = drive_lag_s(late.actuator, records, holdout, fixes)
-    if again_s and not same_lag(again_s, lag_s):
-        # beside the effects that were found it is another one
-        known = actuator.with_drive_lag(again_s)
-        other = _improved(known, records, holdout, lambda share, text: report(0.75 + 0.25 * share, text), fixes, veto)
-        late = other if _left(other) < _left(late) else late
-    report(1.0, "done")
-    return replace(late, given=at_once.given) if explains_more(_left(late), _left(at_once)) else at_once
+    return with_lag_fitted(
+        lambda known, report: _improved(known, records, holdout, report, fixes, veto),
+        _left,
+        lambda way: way.actuator,
+        lambda late, at_once: replace(late, given=at_once.given),
+        actuator,
+        records,
+        holdout,
+        fixes,
+        progress or untold,
+    )
 
 
 def _left(way: ForceSteps) -> tuple[float, int]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ema_tools.fit.division import Division
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import named
 from ema_tools.select.balance_bench import INERTIA, LOAD, Bench, Fitted, FoldErrors, floor_of, given_errors, load_effect, solved
+from ema_tools.select.drive_lag import with_lag_fitted
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch
 from ema_tools.select.force_judge import outside, unphysical
@@ -159,9 +160,35 @@ def _on_end(name: str, value: float) -> bool:
     return any(math.isclose(value, end, rel_tol=_NEAR) for end in (row.lower, row.upper))
 
 
+def _late(
+    run: Callable[[Actuator, Report], ForceRefit],
+    actuator: Actuator,
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord],
+    fixes: Fixes,
+    report: Report | None,
+) -> ForceRefit:
+    """A refit with the drive as late as the records show, where the actuator does not state that."""
+    return with_lag_fitted(
+        run,
+        lambda found: (float(np.nanmean(np.square(found.errors.each))), len(found.actuator.active_effects)),
+        lambda found: found.actuator,
+        lambda late, at_once: replace(late, given=at_once.given),
+        actuator,
+        records,
+        holdout,
+        fixes,
+        report or untold,
+    )
+
+
 def refit_by_forces(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes = NONE, report: Report | None = None) -> ForceRefit:
-    """Base values and the sizes of the model's own effects, fitted to all of the records. Raises MissingSignal, InputError."""
-    tell = report or untold
+    """Base values and the sizes of the model's own effects, fitted to all of the records, and how late the drive records where the actuator does not state it. Raises MissingSignal, InputError."""
+    return _late(lambda known, tell: _refit_by_forces(known, records, fixes, tell), actuator, records, (), fixes, report)
+
+
+def _refit_by_forces(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes, tell: Report) -> ForceRefit:
+    """The same with the drive as late as the actuator says."""
     tell(0.1, "parts and balance")
     while True:
         refit = _Refit(actuator, records, (), fixes, "", True, tell)
@@ -188,7 +215,15 @@ def add_by_forces(
 
     Raises MissingSignal, and InputError for one that the records do not show.
     """
-    tell = report or untold
+    return _late(
+        lambda known, tell: _add_by_forces(known, effect, records, holdout, fixes, tell), actuator, records, holdout, fixes, report
+    )
+
+
+def _add_by_forces(
+    actuator: Actuator, effect: str, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord], fixes: Fixes, tell: Report
+) -> ForceRefit:
+    """The same with the drive as late as the actuator says."""
     tell(0.1, "parts and balance")
     refit = _Refit(actuator, records, holdout, fixes, effect, False, tell)
     bench, search = refit.bench, refit.search
@@ -199,7 +234,7 @@ def add_by_forces(
     begun = refit.begun()
     impossible = _impossible(begun)
     if impossible:
-        return add_by_forces(actuator, effect, records, holdout, fixes.with_effects(impossible), report)
+        return _add_by_forces(actuator, effect, records, holdout, fixes.with_effects(impossible), tell)
     if effect == load_effect():
         if LOAD in fixes.kept:
             raise InputError(f"add {effect}: {LOAD} is kept by --fix, and is the same torque: leave one of the two out")
@@ -213,7 +248,7 @@ def add_by_forces(
     if isinstance(found, Refusal):
         raise InputError(f"add {effect}: {found.reason}: ema diagnose says what these records ask for")
     if INERTIA not in fixes.as_stated and unphysical(INERTIA, found.fit):
-        return add_by_forces(actuator, effect, records, holdout, fixes.without(INERTIA), report)
+        return _add_by_forces(actuator, effect, records, holdout, fixes.without(INERTIA), tell)
     doubt = search.indistinct(before, effect)
     last = bench.judged(found.fit)
     reason = doubt or search.judged_against(before, effect, last)

@@ -171,7 +171,8 @@ def healthy_machine(
     """The machine as healthy records show it. Raises MissingSignal, InputError."""
     tell = report or untold
     steps = improve_by_forces(actuator, records, (), lambda share, text: tell(0.8 * share, text), fixes)
-    refit = refit_by_forces(steps.actuator, records, fixes)
+    # today's drive is the same one
+    refit = refit_by_forces(steps.actuator.with_drive_lag(steps.actuator.drive_lag_s or 0.0), records, fixes)
     known = refit.actuator
     bench = Bench(known, records, (), fixes, whole=True)
     bench.keep_undetermined()

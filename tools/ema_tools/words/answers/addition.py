@@ -80,6 +80,7 @@ def addition_by_balance(found: BalanceAdded, actuator: str, provenance: Provenan
         forward=forward(found.forward),
         kept=dict(forces.kept),
         held=forces.held,
+        drive_lag_s=forces.actuator.drive_lag_s or None,
         provenance=provenance,
     )
 

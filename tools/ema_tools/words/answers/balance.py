@@ -64,6 +64,7 @@ def diagnosis_by_balance(
         steps=_steps(way),
         forces=forces_of(way, found.compared),
         friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
+        drive_lag_s=way.actuator.drive_lag_s or None,
         gate=validity(found.gates[0]),
         where=localisation(found.where) if found.where is not None else Localisation(pictures=found.pictures or Pictures()),
         provenance=provenance,

@@ -17,7 +17,7 @@ from ema_tools.results.unexplained import Unexplained
 from ema_tools.results.validity import Remark, Validity
 from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.recorded import Curves, curves_of
-from ema_tools.words.sentences.balance import forward_sentence
+from ema_tools.words.sentences.balance import forward_sentence, lag_sentence
 
 _ERRORS = ("before", "after", "floor", "holdout_before", "holdout_after")
 
@@ -166,7 +166,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         learned_sentence=unknown.learned.sentence if unknown is not None and unknown.learned is not None else "",
         steps=_steps(found, suspects),
         curves=None if found.curves is None else curves_of(found.curves, source),
-        forward_sentence="" if isinstance(found, DiagnosisResult) or found.forward is None else forward_sentence(found.forward),
+        forward_sentence="" if isinstance(found, DiagnosisResult) else _of_forward(found),
         changes=tuple(ShownChange(*one) for one in found.changes.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
         records=count,
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
@@ -174,6 +174,13 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         found=found,
         workbench=found.workbench,
     )
+
+
+def _of_forward(found: DiagnosisByBalanceResult | Addition) -> str:
+    """What is said of the forward solution, and of a drive that records late."""
+    lag_s = found.drive_lag_s
+    told = [lag_sentence(lag_s)] if lag_s else []
+    return " ".join([*told, *([forward_sentence(found.forward)] if found.forward is not None else [])])
 
 
 def _suspect(one: EffectEntry) -> ShownSuspect:

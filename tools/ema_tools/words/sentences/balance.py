@@ -47,7 +47,8 @@ def sentence(found: BalanceAnswer) -> str:
             if math.isfinite(given.holdout)
             else f"no effect of the library lowers the error, but nothing could be held out to see it: none of the {parts} has enough motion for itself, so record longer"
         )
-        return f"{found.names}: {said} (force error {given.training:.2f} %, {floor})."
+        refitted = f", {found.last.training:.2f} % with the base values refitted" if math.isfinite(found.last.training) else ""
+        return f"{found.names}: {said} (force error {given.training:.2f} %{refitted}; {floor})."
     last = found.forces.steps[-1].errors
     names = _named(found.accepted)
     verb = "are" if len(found.accepted) > 1 else "is"
@@ -133,6 +134,12 @@ def forward_sentence(found: ForwardErrors) -> str:
             f"{names} {verb} the measured drive; foretold from the motion alone, the drive is off by {found.drive_before:.3g} % before and {found.drive_after:.3g} % after."
         )
     return " ".join(told)
+
+
+def lag_sentence(lag_s: float) -> str:
+    """By how much the drive, or the motion, is recorded late."""
+    late, other = ("drive", "motion") if lag_s > 0.0 else ("motion", "drive")
+    return f"The {late} is recorded {1e3 * abs(lag_s):.2g} ms behind the {other}, as by a filter: the balance counts with it, and the file that is written states it as actuator.drive_lag_s."
 
 
 def next_step(found: BalanceAnswer) -> str:

@@ -21,7 +21,7 @@ from ema_tools.results.identification import IdentificationResult, ValueEntry, V
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.words.sentences.balance import forward_sentence, friction_sentence
+from ema_tools.words.sentences.balance import forward_sentence, friction_sentence, lag_sentence
 from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
@@ -327,6 +327,8 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
             console,
             f"Of what the refitted base values leave above the floor, {100.0 * found.unexplained:.2g} % stays unexplained{estimated}.",
         )
+    if found.drive_lag_s:
+        say(console, lag_sentence(found.drive_lag_s))
     _forward(console, found.forward)
     if found.standing:
         say(console, f"What the healthy machine has anyhow: {', '.join(found.standing)}.")
@@ -404,6 +406,8 @@ def added(console: Console, found: Addition) -> None:
         found.error.floor,
         "Force error, in % of the drive's force" if found.method == "balance" else "Weighted error",
     )
+    if found.drive_lag_s:
+        say(console, lag_sentence(found.drive_lag_s))
     _forward(console, found.forward)
     for name, why in (found.kept or {}).items():
         say(console, f"{name}: {why}.")
