@@ -20,6 +20,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.nuisance import stated_std
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
@@ -75,14 +76,18 @@ class HealthyByBalance:
         """Whether what a model leaves of a record is more than of any healthy one."""
         return error_Nm > _MARGIN * self.worst_Nm
 
-    def scatter_of(self, pattern: Pattern) -> float:
-        """Scatter of the size of an effect that the healthy machine does not have, in one shape; NaN where its records show nothing of it."""
+    def scatter_of(self, pattern: Pattern, along: Reals | None = None) -> float:
+        """Scatter of the size of an effect that the healthy machine does not have, in one shape; NaN where its records show nothing of it. `along`: coefficients of a table of unit size, [k], whose
+        scatter is meant and not that of any table.
+        """
         bench = self.bench
         found = pattern_of(bench.start.setting, pattern.effect, pattern.shape)
         if isinstance(found, str) or found.bends:
             return math.nan
         size, rows = load_definitions().effect(pattern.effect).size.name, bench.sliding
         columns, left, group = bench.decimated(found.columns)[rows], _residual(bench, self.actuator)[rows], _groups(bench, self.sure)[rows]
+        if along is not None:
+            return _rms([float(one[0]) for one in _alone((columns @ along)[:, None], left, group)])
         levels = {name: self.actuator[name] for name in MECHANICAL_PARAMETERS}
         return _rms([found.values(one, levels)[size] for one in _alone(columns, left, group)])
 
@@ -96,7 +101,10 @@ class HealthyByBalance:
             pattern = tried.fit.patterns[-1]
             if pattern.bends:
                 return self._same_when_healthy(search, accepted, tried)
-            scatter, std = self.scatter_of(pattern), 0.0
+            width = pattern.columns.shape[1]
+            size = tried.fit.values[load_definitions().effect(tried.effect).size.name]
+            along = tried.fit.coefficients[-width:] / size if record_of(tried.effect).along is not None and size else None
+            scatter, std = self.scatter_of(pattern, along), 0.0
         if not math.isfinite(scatter):
             return ""
         size = load_definitions().effect(tried.effect).size.name
