@@ -29,7 +29,7 @@ extern "C" {
 /* Readings that are kept, joined ones as one; fewest of a forecast; wear laws of it; instants that it looks at. */
 #define EMA_TREND_KNOTS 48U
 #define EMA_TREND_READINGS_MIN 6U
-#define EMA_FORECAST_LAWS 726U
+#define EMA_FORECAST_LAWS 1040U
 #define EMA_FORECAST_TIMES 40U
 
 /* Version of the saved bytes, and their number. */

@@ -3,16 +3,15 @@
 #include "ema/ema_trend.h"
 #include "ema_math.h"
 
-/* Places of onsets and stalls: eighths. */
-#define EMA_PARTS 8U
-#define EMA_PART EMA_R(0.125)
+/* Places of onsets and stalls: twelfths. */
+#define EMA_PARTS 12U
 #define EMA_POWERS 4U
 #define EMA_SHAPES 6U
-#define EMA_FADES 3U
+#define EMA_FADES 2U
 #define EMA_WALKS 4U
 #define EMA_LAWS_STEADY (EMA_PARTS * EMA_SHAPES * EMA_FADES * EMA_WALKS)
-/* A stall begins and ends at eighths behind an onset at 0, 2/8 or 4/8: 28, 15 and 6 pairs. */
-#define EMA_STALL_PAIRS 49U
+/* A stall begins and ends at twelfths behind an onset at 0, 2/12, 4/12 or 6/12: 66, 45, 28 and 15 pairs. */
+#define EMA_STALL_PAIRS 154U
 #define EMA_STALL_WALKS 3U
 #define EMA_LAWS_STALLING (EMA_STALL_PAIRS * EMA_STALL_WALKS)
 _Static_assert((EMA_LAWS_STILL + EMA_LAWS_STEADY + EMA_LAWS_STALLING) == EMA_FORECAST_LAWS, "every law has a number");
@@ -24,19 +23,24 @@ _Static_assert((EMA_LAWS_STILL + EMA_LAWS_STEADY + EMA_LAWS_STALLING) == EMA_FOR
 
 /* How wear rises, first powers, then e-foldings; how fast grease runs in; how wide the walk is. */
 static const ema_real ema_shapes[EMA_SHAPES] = {EMA_R(0.5), EMA_R(1.0), EMA_R(1.6), EMA_R(2.5), EMA_R(2.0), EMA_R(5.0)};
-static const ema_real ema_fades[EMA_FADES] = {EMA_R(0.0), EMA_R(0.05), EMA_R(0.2)};
+static const ema_real ema_fades[EMA_FADES] = {EMA_R(0.0), EMA_R(0.1)};
 static const ema_real ema_walks[EMA_WALKS] = {EMA_R(0.0), EMA_R(0.01), EMA_R(0.05), EMA_R(0.2)};
 
-/* Logarithms of 1 / 3, 1 / (2 * 576) and 1 / (2 * 147): those that wear share one half each. */
-#define EMA_STILL_LOG EMA_R(-1.0986122886681098)
+/* Logarithms of 1 / 2, 1 / (2 * 576) and 1 / (2 * 462): those that wear share one half each. */
+#define EMA_STILL_LOG EMA_R(-0.6931471805599453)
 #define EMA_STEADY_LOG EMA_R(-7.049254841255837)
-#define EMA_STALLING_LOG EMA_R(-5.683579767338681)
+#define EMA_STALLING_LOG EMA_R(-6.828712071641684)
+
+static ema_real ema_part(uint32_t count)
+{
+    return (ema_real)count / (ema_real)EMA_PARTS;
+}
 
 static ema_law_t ema_steady(uint32_t number)
 {
     const uint32_t shape = (number / (EMA_WALKS * EMA_FADES)) % EMA_SHAPES;
     ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STEADY_LOG};
-    law.onset = (ema_real)(number / (EMA_WALKS * EMA_FADES * EMA_SHAPES)) * EMA_PART;
+    law.onset = ema_part(number / (EMA_WALKS * EMA_FADES * EMA_SHAPES));
     law.fade = ema_fades[(number / EMA_WALKS) % EMA_FADES];
     law.walk = ema_walks[number % EMA_WALKS];
     if (shape < EMA_POWERS) {
@@ -61,9 +65,9 @@ static ema_law_t ema_stalling(uint32_t number)
             stall = onset + 1U;
         }
     }
-    const ema_law_t law = {(ema_real)onset * EMA_PART,
-                           (ema_real)stall * EMA_PART,
-                           (ema_real)(stall + 1U + left) * EMA_PART,
+    const ema_law_t law = {ema_part(onset),
+                           ema_part(stall),
+                           ema_part(stall + 1U + left),
                            EMA_R(1.0),
                            EMA_R(0.0),
                            EMA_R(0.0),

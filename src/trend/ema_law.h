@@ -9,7 +9,7 @@
 #include "ema/ema_real.h"
 
 /* The first of them, which do not wear. */
-#define EMA_LAWS_STILL 3U
+#define EMA_LAWS_STILL 2U
 
 typedef struct {
     ema_real onset; /* wear begins */
