@@ -133,7 +133,7 @@ typedef struct {
     ema_real still;                  /* evidence of no wear, and of wear, over the best */
     ema_real wears;
     ema_real weight_sum;
-    ema_real now;                    /* weighed sums, the limit being 1: value, its square, wear, rate, its square */
+    ema_real now; /* the limit being 1: mean of the value and sum of its squares about it, sum of wear, the rate's */
     ema_real now_square;
     ema_real by;
     ema_real rate;

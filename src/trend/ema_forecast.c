@@ -93,11 +93,10 @@ static ema_real ema_weight(ema_forecast_t* forecast, const ema_law_t* law, ema_r
 {
     if (evidence_log > forecast->best_log) {
         const ema_real less = ema_exp(EMA_TEMPER * (forecast->best_log - evidence_log));
-        ema_real* const sums[] = {&forecast->weight_sum, &forecast->now,  &forecast->now_square,
-                                  &forecast->by,         &forecast->rate, &forecast->rate_square};
-        for (uint32_t k = 0U; k < (uint32_t)(sizeof sums / sizeof sums[0]); ++k) {
-            *sums[k] *= less;
-        }
+        forecast->weight_sum *= less;
+        forecast->now_square *= less;
+        forecast->rate_square *= less;
+        forecast->by *= less;
         for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
             forecast->going[k] *= less;
             forecast->stalled[k] *= less;
@@ -107,6 +106,15 @@ static ema_real ema_weight(ema_forecast_t* forecast, const ema_law_t* law, ema_r
     return ema_exp((EMA_TEMPER * (evidence_log - forecast->best_log)) + law->share_log);
 }
 
+/* Mean and sum of squares with one more law: about the mean, since about zero float32 has nothing left of them. */
+static void ema_mean_with(ema_real* mean, ema_real* square, ema_real value, ema_real variance, ema_real weight,
+                          ema_real weight_sum)
+{
+    const ema_real off = value - *mean;
+    *mean += off * (weight / weight_sum);
+    *square += weight * (variance + (off * (value - *mean)));
+}
+
 static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_wear_t* wear, ema_real own,
                     ema_real weight)
 {
@@ -114,13 +122,12 @@ static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_we
     ema_real row[EMA_WEAR_STATES] = {EMA_R(1.0), ema_law_risen(law, own), ema_law_faded(law, EMA_R(1.0))};
     const ema_real slope[EMA_WEAR_STATES] = {EMA_R(0.0), stalls ? EMA_R(0.0) : ema_law_rises(law, own), EMA_R(0.0)};
     const ema_real now = ema_wear_mean(wear, row);
-    const ema_real rate = ema_wear_mean(wear, slope);
     forecast->weight_sum += weight;
-    forecast->now += weight * now;
-    forecast->now_square += weight * ((now * now) + ema_wear_variance(wear, row));
     forecast->by += weight * row[1] * wear->mean[1];
-    forecast->rate += weight * rate;
-    forecast->rate_square += weight * ((rate * rate) + ema_wear_variance(wear, slope));
+    ema_mean_with(&forecast->now, &forecast->now_square, now, ema_wear_variance(wear, row), weight,
+                  forecast->weight_sum);
+    ema_mean_with(&forecast->rate, &forecast->rate_square, ema_wear_mean(wear, slope), ema_wear_variance(wear, slope),
+                  weight, forecast->weight_sum);
     ema_real* const share = stalls ? forecast->stalled : forecast->going;
     ema_real reached = EMA_R(0.0);
     for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {

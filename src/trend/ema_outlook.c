@@ -35,23 +35,16 @@ static ema_real ema_odds_log(const ema_forecast_t* forecast)
     return ema_clamp(odds, -EMA_ODDS_MOST, EMA_ODDS_MOST);
 }
 
-static ema_real ema_spread(ema_real mean, ema_real square)
-{
-    return ema_sqrt(ema_max(square - (mean * mean), EMA_R(0.0)));
-}
-
 static void ema_outlook_values(const ema_forecast_t* forecast, ema_outlook_t* outlook)
 {
     const ema_real limit = forecast->config.limit_percent;
     const ema_real size = ema_abs(limit);
     const ema_real sum = forecast->weight_sum;
-    const ema_real now = forecast->now / sum;
-    const ema_real rate = forecast->rate / sum;
-    outlook->now_percent = limit * now;
-    outlook->now_std_percent = size * ema_spread(now, forecast->now_square / sum);
+    outlook->now_percent = limit * forecast->now;
+    outlook->now_std_percent = size * ema_sqrt(forecast->now_square / sum);
     outlook->by_percent = limit * (forecast->by / sum);
-    outlook->rate_percent_per_day = limit * (rate / forecast->age_days);
-    outlook->rate_std_percent_per_day = size * (ema_spread(rate, forecast->rate_square / sum) / forecast->age_days);
+    outlook->rate_percent_per_day = limit * (forecast->rate / forecast->age_days);
+    outlook->rate_std_percent_per_day = size * (ema_sqrt(forecast->rate_square / sum) / forecast->age_days);
     outlook->odds_log = ema_odds_log(forecast);
     outlook->drifts = outlook->odds_log >= -ema_log(forecast->config.false_alarm_ratio);
     outlook->towards = outlook->drifts && (forecast->by > EMA_R(0.0));
