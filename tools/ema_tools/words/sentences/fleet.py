@@ -58,7 +58,7 @@ def trend_words(trend: Trend) -> str:
 
 def _rate_words(trend: Trend) -> str:
     found = trend.outlook
-    return f"Its trend is {100.0 * found.rate:+.2g} ± {100.0 * found.rate_std:.2g} % in 100 days. " if found is not None else ""
+    return f"Its trend is {100.0 * found.rate:+.3g} ± {100.0 * found.rate_std:.2g} % in 100 days. " if found is not None else ""
 
 
 def _life_words(trend: Trend) -> str:
