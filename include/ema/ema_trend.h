@@ -51,8 +51,8 @@ extern "C" {
     X(EMA_TREND_TIME, 3, "time_days is NaN, infinite or too large")                                                    \
     X(EMA_TREND_TIME_BACK, 4, "time_days lies before the last reading's")                                              \
     X(EMA_TREND_VALUE, 5, "value_percent is NaN, infinite or too large")                                               \
-    X(EMA_TREND_STD, 6, "std_percent is below 0.001, NaN, infinite or too large")                                   \
-    X(EMA_TREND_LIMIT, 7, "limit_percent is smaller than 0.1, NaN, infinite or too large")                                         \
+    X(EMA_TREND_STD, 6, "std_percent is below 0.001, NaN, infinite or too large")                                      \
+    X(EMA_TREND_LIMIT, 7, "limit_percent is smaller than 0.1, NaN, infinite or too large")                             \
     X(EMA_TREND_FALSE_ALARM, 8, "false_alarm_ratio is not within 1e-6 .. 0.5")                                         \
     X(EMA_TREND_FEW, 9, "there are too few readings, or all are of one time")                                          \
     X(EMA_TREND_CHANGED, 10, "the trend took a reading since the forecast was started: start it anew")                 \
@@ -86,7 +86,7 @@ typedef struct {
     uint32_t count;    /* knots that hold them */
     ema_real first_days;
     ema_real last_days;
-    ema_real scatter_ratio;             /* square of what readings scatter by, over what they state */
+    ema_real scatter_ratio;              /* square of what readings scatter by, over what they state */
     ema_reading_t knot[EMA_TREND_KNOTS]; /* times after the first reading's */
 } ema_trend_t;
 
@@ -104,19 +104,19 @@ typedef struct {
 } ema_time_left_t;
 
 typedef struct {
-    bool drifts;                    /* at the stated false-alarm rate: what is below has no meaning without it */
-    bool towards;                   /* and it is the limit that it drifts towards */
-    ema_real odds_log;              /* logarithm of how much likelier the readings are with a drift; -80 .. 80 */
-    ema_real now_percent;           /* shift at the last reading, by all of them, and its standard error */
-    ema_real now_std_percent;       /* */
-    ema_real by_percent;            /* how much of it wear has come to by its trend */
-    ema_real rate_percent_per_day;  /* trend at the last reading, and its standard error */
+    bool drifts;                   /* at the stated false-alarm rate: what is below has no meaning without it */
+    bool towards;                  /* and it is the limit that it drifts towards */
+    ema_real odds_log;             /* logarithm of how much likelier the readings are with a drift; -80 .. 80 */
+    ema_real now_percent;          /* shift at the last reading, by all of them, and its standard error */
+    ema_real now_std_percent;      /* */
+    ema_real by_percent;           /* how much of it wear has come to by its trend */
+    ema_real rate_percent_per_day; /* trend at the last reading, and its standard error */
     ema_real rate_std_percent_per_day;
-    ema_time_left_t low;            /* 5 % */
-    ema_time_left_t median;         /* 50 % */
-    ema_time_left_t high;           /* 95 %: low .. high holds the time with 90 % */
-    ema_real reached_ratio;         /* probability that the limit is reached within what is looked ahead */
-    ema_real ahead_days;            /* which is twenty times the time since the first reading */
+    ema_time_left_t low;    /* 5 % */
+    ema_time_left_t median; /* 50 % */
+    ema_time_left_t high;   /* 95 %: low .. high holds the time with 90 % */
+    ema_real reached_ratio; /* probability that the limit is reached within what is looked ahead */
+    ema_real ahead_days;    /* which is twenty times the time since the first reading */
 } ema_outlook_t;
 
 /* Memory of one forecast, under half a KiB; one serves all trends, one after the other. */
@@ -127,10 +127,10 @@ typedef struct {
     uint32_t law; /* next one */
     ema_trend_config_t config;
     ema_real age_days;
-    ema_real newest_std_percent[2];  /* of the readings that have too few behind them yet */
-    ema_real top_log;                /* best evidence so far, of all laws and of those that wear */
+    ema_real newest_std_percent[2]; /* of the readings that have too few behind them yet */
+    ema_real top_log;               /* best evidence so far, of all laws and of those that wear */
     ema_real best_log;
-    ema_real still;                  /* evidence of no wear, and of wear, over the best */
+    ema_real still; /* evidence of no wear, and of wear, over the best */
     ema_real wears;
     ema_real weight_sum;
     ema_real now; /* the limit being 1: mean of the value and sum of its squares about it, sum of wear, the rate's */
@@ -159,7 +159,8 @@ ema_trend_status_t ema_forecast_start(ema_forecast_t* forecast, const ema_trend_
                                       const ema_trend_config_t* config);
 
 /* Works through the next `laws` laws; once done, a call does nothing. Errors, nothing changed: EMA_TREND_NULL,
- * EMA_TREND_STALE, EMA_TREND_CHANGED. Cost: some fifteen thousand instructions a law with all knots: docs/BUDGETS.md. */
+ * EMA_TREND_STALE, EMA_TREND_CHANGED. Cost: some fifteen thousand instructions a law with all knots: docs/BUDGETS.md.
+ */
 ema_trend_status_t ema_forecast_run(ema_forecast_t* forecast, uint32_t laws);
 
 /* Whether all laws are through; of none or of one that was not started, true. */

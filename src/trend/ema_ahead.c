@@ -4,7 +4,8 @@
 
 /* First instant behind zero; logarithm of the ratio of each to the one before, from there to EMA_AHEAD_MOST. */
 #define EMA_FIRST EMA_R(0.001)
-#define EMA_RATIO_LOG (EMA_R(9.903487552536127) / (ema_real)(EMA_FORECAST_TIMES - 2U))
+#define EMA_RATIO_LOG (EMA_R(9.903487552536127) / EMA_R(38.0))
+_Static_assert(EMA_FORECAST_TIMES == 40U, "so many ratios are between them");
 
 /* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) / 0.7. */
 #define EMA_CHANGES 4U
@@ -19,7 +20,8 @@ static const ema_real ema_pace_shares[EMA_PACES] = {EMA_R(0.125), EMA_R(0.5), EM
 
 ema_real ema_ahead_time(uint32_t place)
 {
-    return (place == 0U) ? EMA_R(0.0) : (EMA_FIRST * ema_exp(EMA_RATIO_LOG * (ema_real)(place - 1U)));
+    const ema_real count = (ema_real)place;
+    return (place == 0U) ? EMA_R(0.0) : (EMA_FIRST * ema_exp(EMA_RATIO_LOG * (count - EMA_R(1.0))));
 }
 
 /* Straight between instants, held behind the last. */
@@ -29,8 +31,7 @@ static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real 
         return share[0] + ((share[1] - share[0]) * (time / EMA_FIRST));
     }
     const ema_real beyond = ema_log(time / EMA_FIRST) / EMA_RATIO_LOG;
-    const ema_real most = (ema_real)(EMA_FORECAST_TIMES - 2U);
-    if (beyond >= most) {
+    if (beyond >= EMA_R(38.0)) {
         return share[EMA_FORECAST_TIMES - 1U];
     }
     const uint32_t place = 1U + (uint32_t)ema_max(beyond, EMA_R(0.0));

@@ -39,7 +39,8 @@ static ema_real ema_part(uint32_t count)
 static ema_law_t ema_steady(uint32_t number)
 {
     const uint32_t shape = (number / (EMA_WALKS * EMA_FADES)) % EMA_SHAPES;
-    ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STEADY_LOG};
+    ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0),
+                     EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STEADY_LOG};
     law.onset = ema_part(number / (EMA_WALKS * EMA_FADES * EMA_SHAPES));
     law.fade = ema_fades[(number / EMA_WALKS) % EMA_FADES];
     law.walk = ema_walks[number % EMA_WALKS];
@@ -65,21 +66,16 @@ static ema_law_t ema_stalling(uint32_t number)
             stall = onset + 1U;
         }
     }
-    const ema_law_t law = {ema_part(onset),
-                           ema_part(stall),
-                           ema_part(stall + 1U + left),
-                           EMA_R(1.0),
-                           EMA_R(0.0),
-                           EMA_R(0.0),
-                           ema_walks[number % EMA_STALL_WALKS],
-                           EMA_STALLING_LOG};
+    const ema_law_t law = {ema_part(onset), ema_part(stall), ema_part(stall + 1U + left),         EMA_R(1.0),
+                           EMA_R(0.0),      EMA_R(0.0),      ema_walks[number % EMA_STALL_WALKS], EMA_STALLING_LOG};
     return law;
 }
 
 ema_law_t ema_law_of(uint32_t number)
 {
     if (number < EMA_LAWS_STILL) {
-        ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STILL_LOG};
+        ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0),
+                         EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STILL_LOG};
         law.fade = ema_fades[number];
         return law;
     }

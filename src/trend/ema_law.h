@@ -12,13 +12,13 @@
 #define EMA_LAWS_STILL 2U
 
 typedef struct {
-    ema_real onset; /* wear begins */
-    ema_real stall; /* stops for a while, from here */
-    ema_real again; /* to here; 1 for one that lasts, and both 1 for none */
-    ema_real power; /* of the time in which it went on; 0 for none */
-    ema_real growth; /* e-foldings in one of it, where wear feeds on itself; 0 for none */
-    ema_real fade;  /* time in which grease runs in; 0 for none */
-    ema_real walk;  /* standard deviation of a random walk over one of it: steps and irregular wear */
+    ema_real onset;     /* wear begins */
+    ema_real stall;     /* stops for a while, from here */
+    ema_real again;     /* to here; 1 for one that lasts, and both 1 for none */
+    ema_real power;     /* of the time in which it went on; 0 for none */
+    ema_real growth;    /* e-foldings in one of it, where wear feeds on itself; 0 for none */
+    ema_real fade;      /* time in which grease runs in; 0 for none */
+    ema_real walk;      /* standard deviation of a random walk over one of it: steps and irregular wear */
     ema_real share_log; /* logarithm of what it is given before the readings */
 } ema_law_t;
 

@@ -17,11 +17,12 @@ static ema_time_left_t ema_left_of(const ema_real reached[EMA_FORECAST_TIMES], e
     while ((place < EMA_FORECAST_TIMES) && (reached[place] < share)) {
         ++place;
     }
-    ema_time_left_t left = {EMA_R(0.0), false};
-    if (place == EMA_FORECAST_TIMES) {
+    ema_time_left_t left = {EMA_R(0.0), place == EMA_FORECAST_TIMES};
+    if (left.open) {
         left.days = EMA_AHEAD_MOST * age_days;
-        left.open = true;
-    } else if (place > 0U) {
+        return left;
+    }
+    if (place > 0U) {
         const ema_real before = ema_ahead_time(place - 1U);
         const ema_real part = (share - reached[place - 1U]) / (reached[place] - reached[place - 1U]);
         left.days = (before + (part * (ema_ahead_time(place) - before))) * age_days;

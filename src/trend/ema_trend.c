@@ -91,8 +91,8 @@ static void ema_learn_scatter(ema_trend_t* trend)
     const ema_reading_t* const right = &trend->knot[trend->count - 1U];
     const ema_real span = right->time_days - left->time_days;
     const ema_real part = (span > EMA_R(0.0)) ? ((middle->time_days - left->time_days) / span) : EMA_R(0.5);
-    const ema_real off = middle->value_percent - ((EMA_R(1.0) - part) * left->value_percent)
-                         - (part * right->value_percent);
+    const ema_real off =
+        middle->value_percent - ((EMA_R(1.0) - part) * left->value_percent) - (part * right->value_percent);
     /* over the middle's, so that nothing leaves the range of float32 */
     const ema_real from_left = (EMA_R(1.0) - part) * (left->std_percent / middle->std_percent);
     const ema_real from_right = part * (right->std_percent / middle->std_percent);

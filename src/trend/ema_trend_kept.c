@@ -13,7 +13,7 @@ ema_real ema_trend_scatter(const ema_trend_t* trend)
 /* Middle of the knots `first` to `last`, at most five, by putting each where it belongs. */
 static ema_real ema_middle(const ema_trend_t* trend, uint32_t first, uint32_t last)
 {
-    ema_real sorted[(2U * EMA_TREND_SIDE) + 1U] = {EMA_R(0.0)};
+    ema_real sorted[(2U * EMA_TREND_SIDE) + 1U] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     uint32_t count = 0U;
     for (uint32_t k = first; k <= last; ++k) {
         const ema_real value = trend->knot[k].value_percent;

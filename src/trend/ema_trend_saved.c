@@ -17,7 +17,8 @@
 #define EMA_TREND_AT_KNOTS 32U
 #define EMA_TREND_KNOT_BYTES 12U
 #define EMA_TREND_AT_CRC 608U
-_Static_assert((EMA_TREND_AT_KNOTS + (EMA_TREND_KNOTS * EMA_TREND_KNOT_BYTES)) == EMA_TREND_AT_CRC, "the checksum follows the knots");
+_Static_assert((EMA_TREND_AT_KNOTS + (EMA_TREND_KNOTS * EMA_TREND_KNOT_BYTES)) == EMA_TREND_AT_CRC,
+               "the checksum follows the knots");
 _Static_assert((EMA_TREND_AT_CRC + 4U) == EMA_TREND_BYTES, "the checksum is the end");
 
 ema_trend_status_t ema_trend_save(const ema_trend_t* trend, uint8_t bytes[EMA_TREND_BYTES])

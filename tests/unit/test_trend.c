@@ -258,9 +258,10 @@ static void test_the_ends_of_the_ranges_are_numbers(void)
             take(((ema_real)k - EMA_R(30.0)) * EMA_R(30000.0), ((k % 2U) == 0U) ? size : -size, stds[(kind / 2U) % 2U]);
         }
         look(EMA_FORECAST_LAWS);
-        const ema_real told[] = {outlook.odds_log, outlook.now_percent, outlook.now_std_percent, outlook.by_percent,
-                                 outlook.rate_percent_per_day, outlook.rate_std_percent_per_day, outlook.low.days,
-                                 outlook.median.days, outlook.high.days, outlook.reached_ratio};
+        const ema_real told[] = {outlook.odds_log,     outlook.now_percent,          outlook.now_std_percent,
+                                 outlook.by_percent,   outlook.rate_percent_per_day, outlook.rate_std_percent_per_day,
+                                 outlook.low.days,     outlook.median.days,          outlook.high.days,
+                                 outlook.reached_ratio};
         for (size_t k = 0; k < sizeof told / sizeof told[0]; ++k) {
             TEST_ASSERT_TRUE(isfinite(told[k]));
         }

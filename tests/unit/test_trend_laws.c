@@ -1,4 +1,5 @@
-/* The parts of a forecast: the bank of laws, the filter of one, first passage, and what comes of a pace that changes. */
+/* The parts of a forecast: the bank of laws, the filter of one, first passage, and what comes of a pace that changes.
+ */
 #include "ema/ema_trend.h"
 
 #include <math.h>
@@ -54,8 +55,8 @@ static void test_rates_are_those_of_what_rises(void)
     for (uint32_t k = 0; k < EMA_FORECAST_LAWS; ++k) {
         const ema_law_t law = ema_law_of(k);
         const ema_real step = EMA_R(0.01);
-        const ema_real by = (ema_law_risen(&law, EMA_R(0.7) + step) - ema_law_risen(&law, EMA_R(0.7) - step))
-                            / (EMA_R(2.0) * step);
+        const ema_real by =
+            (ema_law_risen(&law, EMA_R(0.7) + step) - ema_law_risen(&law, EMA_R(0.7) - step)) / (EMA_R(2.0) * step);
         EMA_ASSERT_CLOSE(by, ema_law_rises(&law, EMA_R(0.7)), 1e-4, 2e-3);
         EMA_ASSERT_CLOSE((k < EMA_LAWS_STILL) ? EMA_R(0.0) : EMA_R(1.0), ema_law_risen(&law, EMA_R(1.0)), 1e-6, 0.0);
         EMA_ASSERT_CLOSE(EMA_R(0.0), ema_law_faded(&law, EMA_R(0.0)), 0.0, 0.0);
@@ -103,14 +104,14 @@ static void test_normal_tails(void)
 static void test_first_passage(void)
 {
     EMA_ASSERT_CLOSE(EMA_R(0.5), ema_reached(EMA_R(0.4), EMA_R(0.4), EMA_R(0.01), EMA_R(0.0)), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE((ema_real)erfc(1.0 / sqrt(2.0)), ema_reached(EMA_R(0.2), EMA_R(0.0), EMA_R(0.0), EMA_R(0.04)), 1e-6,
-                     0.0);
+    EMA_ASSERT_CLOSE((ema_real)erfc(1.0 / sqrt(2.0)), ema_reached(EMA_R(0.2), EMA_R(0.0), EMA_R(0.0), EMA_R(0.04)),
+                     1e-6, 0.0);
     for (int32_t k = -5; k <= 5; ++k) {
         const double drift = 0.1 * (double)k;
         const double above = 0.5 * erfc((0.3 - drift) / 0.2 / sqrt(2.0));
         const double back = exp(2.0 * drift * 0.3 / 0.04) * 0.5 * erfc((0.3 + drift) / 0.2 / sqrt(2.0));
-        EMA_ASSERT_CLOSE((ema_real)(above + back),
-                         ema_reached(EMA_R(0.3), (ema_real)drift, EMA_R(0.0), EMA_R(0.04)), 3e-6, 1e-5);
+        EMA_ASSERT_CLOSE((ema_real)(above + back), ema_reached(EMA_R(0.3), (ema_real)drift, EMA_R(0.0), EMA_R(0.04)),
+                         3e-6, 1e-5);
     }
     EMA_ASSERT_CLOSE(EMA_R(1.0), ema_reached(EMA_R(-0.5), EMA_R(0.0), EMA_R(0.001), EMA_R(0.01)), 1e-6, 0.0);
 }

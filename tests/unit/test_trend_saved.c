@@ -117,9 +117,26 @@ static void test_numbers_that_mean_nothing_are_refused(void)
     const struct {
         uint32_t place;
         uint32_t word;
-    } wrong[] = {{16U, EMA_TREND_KNOTS + 1U}, {16U, 61U}, {12U, 3U}, {20U, nan}, {20U, large}, {24U, nan}, {24U, minus},
-                 {24U, large}, {28U, nan}, {28U, minus}, {28U, infinite}, {32U, nan}, {32U, minus}, {44U, minus},
-                 {32U, large}, {36U, nan}, {36U, large}, {40U, nan}, {40U, 0U}, {40U, large}};
+    } wrong[] = {{16U, EMA_TREND_KNOTS + 1U},
+                 {16U, 61U},
+                 {12U, 3U},
+                 {20U, nan},
+                 {20U, large},
+                 {24U, nan},
+                 {24U, minus},
+                 {24U, large},
+                 {28U, nan},
+                 {28U, minus},
+                 {28U, infinite},
+                 {32U, nan},
+                 {32U, minus},
+                 {44U, minus},
+                 {32U, large},
+                 {36U, nan},
+                 {36U, large},
+                 {40U, nan},
+                 {40U, 0U},
+                 {40U, large}};
     for (uint32_t k = 0; k < 20U; ++k) {
         take(&trend, k);
     }

@@ -271,7 +271,9 @@ def test_the_command_goes_on_where_it_stopped(tmp_path: Path) -> None:
 def test_a_unit_with_two_actuator_files_is_bad_and_the_others_are_judged(tmp_path: Path) -> None:
     fleet = make_fleet(tmp_path / "fleet", 2)
     shutil.copy(REFERENCE, fleet / "other.toml")
-    rows = [(f"unit{unit}", f"unit{unit}/{name}.csv", f"unit{unit}/unit.toml") for unit in (0, 1) for name in ("2026-05-01", "2026-06-01T0930")]
+    rows = [
+        (f"unit{unit}", f"unit{unit}/{name}.csv", f"unit{unit}/unit.toml") for unit in (0, 1) for name in ("2026-05-01", "2026-06-01T0930")
+    ]
     rows[1] = (*rows[1][:2], "other.toml")
     with (fleet / "manifest.csv").open("w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows([("unit", "file", "actuator"), *rows])
@@ -298,7 +300,9 @@ def test_a_cluster_elsewhere_finds_what_this_machine_does(tmp_path: Path) -> Non
     from distributed import LocalCluster
 
     fleet = make_fleet(tmp_path / "fleet", 1, bad=True)
-    with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50) as cluster:
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50
+    ) as cluster:
         address = cluster.scheduler_address
         ran = run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address, "--json", tmp_path / "f.json")
         assert ran.code == 0, ran

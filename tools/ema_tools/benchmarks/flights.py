@@ -86,7 +86,7 @@ def reached(name: str) -> float:
     """Day after the first flight on which the wear reaches its limit."""
     power = _POWER if name == "csj" else 1.0
     gone = (_LIMITS[name] / _CASE_A[name]) ** (1.0 / power)
-    return _EVERY_DAYS * (_SOUND + gone * (_FLIGHTS - 1 - _SOUND))
+    return float(_EVERY_DAYS * (_SOUND + gone * (_FLIGHTS - 1 - _SOUND)))
 
 
 def _days(value: float) -> str:
@@ -97,14 +97,16 @@ def said(trend: Trend) -> list[str]:
     """Rows of what is said after some readings, at the desk and onboard."""
     looks = (*(one for one in _LOOKS if one < trend.days.size), trend.days.size)
     false_alarm = FALSE_ALARM / len(LIMITS)
-    columns = (trend.days, trend.shift_percent, trend.std_percent)
-    onboard = onboard_outlooks(*columns, trend.limit_percent, looks, false_alarm)
+    days, shift, std = trend.days, trend.shift_percent, trend.std_percent
+    onboard = onboard_outlooks(days, shift, std, trend.limit_percent, looks, false_alarm)
     rows = []
     for count, aboard in zip(looks, onboard, strict=True):
-        desk = outlook(*(one[:count] for one in columns), trend.limit_percent, false_alarm)
+        desk = outlook(days[:count], shift[:count], std[:count], trend.limit_percent, false_alarm)
         head = f"| {count} | {trend.days[count - 1]:.0f} |"
         if desk is None or not desk.drift.changed:
-            rows.append(f"{head} no drift | | | {'a drift' if aboard.drifts else 'no drift'} | {reached(trend.name) - trend.days[count - 1]:.0f} |")
+            rows.append(
+                f"{head} no drift | | | {'a drift' if aboard.drifts else 'no drift'} | {reached(trend.name) - trend.days[count - 1]:.0f} |"
+            )
             continue
         life = desk.life
         rows.append(

@@ -227,9 +227,11 @@ def document(found: Sequence[Foretold], alarms: Sequence[Still], histories: int)
         ),
         _goal("the same, asked after every reading of the whole history", "<= 1 %", ever <= 0.01, "", f"{100.0 * ever:.2f} %"),
         "",
-        "Counted are the forecasts for units that were found to drift by then; without a drift no remaining life is told. Onboard is the module's float32 as firmware runs it, fed reading by reading;"
-        " the desk works the same filter out from its equations by other means, in float64."
-        f" {'All' if same.all() else f'{int(same.sum())} of {same.size}'} forecasts agree on whether there is a drift and an end, and their medians to {100.0 * float(apart[same].max()):.2g} %.",
+        (
+            "Counted are the forecasts for units that were found to drift by then; without a drift no remaining life is told. Onboard is the module's float32 as firmware runs it, fed reading by"
+            " reading; the desk works the same filter out from its equations by other means, in float64."
+            f" {'All' if same.all() else f'{int(same.sum())} of {same.size}'} forecasts agree on whether there is a drift and an end, and their medians to {100.0 * float(apart[same].max()):.2g} %."
+        ),
         "",
         "By the kind of wear and how much of the life has gone: histories with a drift found by then, share of the intervals that hold the truth, their median width over what is left, relative",
         f"accuracy, and share of medians within {100.0 * _LAMBDA_ALPHA:.0f} % of what is left (alpha-lambda).",

@@ -30,7 +30,7 @@ _BEGUN = 0.001  # of an age, from which on the rate is told of wear that begins 
 
 @dataclass(frozen=True)
 class Laws:
-    """Every law, [laws]: onset, stall and going on again (both 1 for none; going on again 1 for one that lasts), shape (a power, minus e-foldings, 0 for no wear), fading time, walk, share before readings."""
+    """Every law, [laws]: onset, stall and going on again (both 1 for none; again 1 for one that lasts), shape (a power, minus e-foldings, 0: no wear), fading time, walk, prior share."""
 
     onset: Reals
     stall: Reals

@@ -83,7 +83,7 @@ def onboard_outlooks(
     slice_laws: int = LAWS,
     saving: bool = False,
 ) -> list[OnboardOutlook]:
-    """What firmware says of readings in %, after so many of them as each of `looks` in rising order says; `saving`: put into bytes and restored after each. Raises InputError that names the reading."""
+    """What firmware says of readings in %, after so many of them as each of `looks` in rising order says; `saving`: put into bytes and restored after each. Raises InputError naming the reading."""
     library = _library(bits)
     columns = [np.ascontiguousarray(one, dtype=np.float64) for one in (days, values, stds)]
     if len({one.shape for one in columns}) != 1 or columns[0].ndim != 1:
@@ -108,7 +108,7 @@ def onboard_outlooks(
 
 
 def _outlook(raw: _Outlook) -> OnboardOutlook:
-    told = {name: getattr(raw, name) for name, _ in _Outlook._fields_}
+    told = {one[0]: getattr(raw, one[0]) for one in _Outlook._fields_}
     for name in ("low_days", "median_days", "high_days"):
         told[name] = math.inf if told[name] < 0.0 else told[name]
     return OnboardOutlook(**{**told, "drifts": bool(told["drifts"]), "towards": bool(told["towards"])})

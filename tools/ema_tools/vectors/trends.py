@@ -53,14 +53,14 @@ CASES = (
 
 def readings(case: TrendCase) -> tuple[Reals, Reals, Reals]:
     """Days, values and standard errors, [count] each."""
-    since = case.every_days * np.arange(case.count)
+    since: Reals = case.every_days * np.arange(case.count, dtype=np.float64)
     drawn = np.array([normal for stream in range(1 + case.count // 32) for normal in normal_draws(len(case.name), stream)])[: case.count]
     value = np.array([case.wear(float(day)) for day in since]) + case.std * drawn
     if case.name == "steps":
         value[15] += 25.0
     if case.name == "still":
         since[20] = since[19]
-    return case.first_day + since, np.round(value * _GRID) / _GRID, np.full(case.count, case.std)
+    return case.first_day + since, np.round(value * _GRID) / _GRID, np.full(case.count, case.std, dtype=np.float64)
 
 
 def said(case: TrendCase) -> Reals:

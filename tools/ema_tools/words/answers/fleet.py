@@ -51,6 +51,4 @@ def _life(outlook: Outlook) -> LifeEntry:
     def days(value: float) -> float | None:
         return value if math.isfinite(value) else None
 
-    return LifeEntry(
-        days(life.median), (days(life.low), days(life.high)), life.reached, life.now, outlook.rate, outlook.rate_std
-    )
+    return LifeEntry(days(life.median), (days(life.low), days(life.high)), life.reached, life.now, outlook.rate, outlook.rate_std)
