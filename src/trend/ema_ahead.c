@@ -25,29 +25,29 @@ ema_real ema_ahead_time(uint32_t place)
 }
 
 /* Straight between instants, held behind the last. */
-static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real time)
+static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real at)
 {
-    if (time < EMA_FIRST) {
-        return share[0] + ((share[1] - share[0]) * (time / EMA_FIRST));
+    if (at < EMA_FIRST) {
+        return share[0] + ((share[1] - share[0]) * (at / EMA_FIRST));
     }
-    const ema_real beyond = ema_log(time / EMA_FIRST) / EMA_RATIO_LOG;
+    const ema_real beyond = ema_log(at / EMA_FIRST) / EMA_RATIO_LOG;
     if (beyond >= EMA_R(38.0)) {
         return share[EMA_FORECAST_TIMES - 1U];
     }
     const uint32_t place = 1U + (uint32_t)ema_max(beyond, EMA_R(0.0));
     const ema_real before = ema_ahead_time(place);
-    const ema_real part = (time - before) / (ema_ahead_time(place + 1U) - before);
+    const ema_real part = (at - before) / (ema_ahead_time(place + 1U) - before);
     return share[place] + ((share[place + 1U] - share[place]) * ema_clamp(part, EMA_R(0.0), EMA_R(1.0)));
 }
 
 ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
                          uint32_t place)
 {
-    const ema_real time = ema_ahead_time(place);
+    const ema_real at = ema_ahead_time(place);
     ema_real sum = EMA_R(0.0);
     for (uint32_t k = 0U; k < EMA_CHANGES; ++k) {
-        const ema_real until = ema_min(time, ema_changes[k]);
-        const ema_real since = time - until;
+        const ema_real until = ema_min(at, ema_changes[k]);
+        const ema_real since = at - until;
         for (uint32_t pace = 0U; pace < EMA_PACES; ++pace) {
             sum += ema_pace_shares[pace] * ema_share_at(going, until + (ema_paces[pace] * since));
         }

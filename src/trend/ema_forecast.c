@@ -58,10 +58,10 @@ static ema_wear_t ema_followed(const ema_forecast_t* forecast, const ema_law_t* 
     ema_real before = EMA_R(0.0);
     for (uint32_t k = 0U; k < trend->count; ++k) {
         const ema_reading_t* const knot = &trend->knot[k];
-        const ema_real time = knot->time_days / forecast->age_days;
-        const ema_real now = ema_law_own_time(law, time);
+        const ema_real at = knot->time_days / forecast->age_days;
+        const ema_real now = ema_law_own_time(law, at);
         const ema_real risen = ema_law_risen(law, now);
-        const ema_real faded = ema_law_faded(law, time);
+        const ema_real faded = ema_law_faded(law, at);
         const ema_real row[EMA_WEAR_STATES] = {EMA_R(1.0), risen, faded};
         const uint32_t behind = trend->count - 1U - k;
         const ema_real std = scatter * ((behind < 2U) ? forecast->newest_std_percent[1U - behind] : knot->std_percent);

@@ -83,10 +83,10 @@ ema_law_t ema_law_of(uint32_t number)
     return (wearing < EMA_LAWS_STEADY) ? ema_steady(wearing) : ema_stalling(wearing - EMA_LAWS_STEADY);
 }
 
-ema_real ema_law_own_time(const ema_law_t* law, ema_real time)
+ema_real ema_law_own_time(const ema_law_t* law, ema_real at)
 {
-    const ema_real gone = ema_max(time - law->onset, EMA_R(0.0));
-    return gone - ema_clamp(time - law->stall, EMA_R(0.0), law->again - law->stall);
+    const ema_real gone = ema_max(at - law->onset, EMA_R(0.0));
+    return gone - ema_clamp(at - law->stall, EMA_R(0.0), law->again - law->stall);
 }
 
 ema_real ema_law_risen(const ema_law_t* law, ema_real own_time)
@@ -109,9 +109,9 @@ ema_real ema_law_rises(const ema_law_t* law, ema_real own_time)
     return law->power * ema_law_risen(law, begun) / begun;
 }
 
-ema_real ema_law_faded(const ema_law_t* law, ema_real time)
+ema_real ema_law_faded(const ema_law_t* law, ema_real at)
 {
-    return (law->fade > EMA_R(0.0)) ? (ema_exp(-time / law->fade) - EMA_R(1.0)) : EMA_R(0.0);
+    return (law->fade > EMA_R(0.0)) ? (ema_exp(-at / law->fade) - EMA_R(1.0)) : EMA_R(0.0);
 }
 
 bool ema_law_stalls(const ema_law_t* law)

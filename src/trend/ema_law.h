@@ -25,15 +25,15 @@ typedef struct {
 /* The law `number`, below EMA_FORECAST_LAWS. */
 ema_law_t ema_law_of(uint32_t number);
 
-/* Time in which wear went on until `time`. */
-ema_real ema_law_own_time(const ema_law_t* law, ema_real time);
+/* Time in which wear went on until `at`. */
+ema_real ema_law_own_time(const ema_law_t* law, ema_real at);
 
 /* Wear of rate 1 after that own time, which is 1 after 1; and how fast it rises there. */
 ema_real ema_law_risen(const ema_law_t* law, ema_real own_time);
 ema_real ema_law_rises(const ema_law_t* law, ema_real own_time);
 
 /* The part that fades, from 0 towards -1. */
-ema_real ema_law_faded(const ema_law_t* law, ema_real time);
+ema_real ema_law_faded(const ema_law_t* law, ema_real at);
 
 /* Whether it is stalled at the last reading. */
 bool ema_law_stalls(const ema_law_t* law);

@@ -82,12 +82,12 @@ static bool ema_kept_sound(const uint8_t* bytes)
     ema_real before = EMA_R(0.0);
     for (uint32_t k = 0U; sound && (k < count); ++k) {
         const uint8_t* const from = &bytes[EMA_TREND_AT_KNOTS + (k * EMA_TREND_KNOT_BYTES)];
-        const ema_real time = ema_get_real(from);
+        const ema_real at = ema_get_real(from);
         const ema_real std = ema_get_real(&from[8]);
-        sound = (time >= before) && (time <= (EMA_R(2.0) * EMA_TREND_DAYS_MAX))
+        sound = (at >= before) && (at <= (EMA_R(2.0) * EMA_TREND_DAYS_MAX))
                 && (ema_abs(ema_get_real(&from[4])) <= EMA_TREND_PERCENT_MAX) && (std > EMA_R(0.0))
                 && (std <= (EMA_R(2.0) * EMA_TREND_PERCENT_MAX));
-        before = time;
+        before = at;
     }
     return sound;
 }
