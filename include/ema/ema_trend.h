@@ -159,7 +159,7 @@ ema_trend_status_t ema_forecast_start(ema_forecast_t* forecast, const ema_trend_
                                       const ema_trend_config_t* config);
 
 /* Works through the next `laws` laws; once done, a call does nothing. Errors, nothing changed: EMA_TREND_NULL,
- * EMA_TREND_STALE, EMA_TREND_CHANGED. Cost: some fifteen thousand instructions a law with all knots: docs/BUDGETS.md.
+ * EMA_TREND_STALE, EMA_TREND_CHANGED. Cost: under fifty thousand instructions a law with all knots: docs/BUDGETS.md.
  */
 ema_trend_status_t ema_forecast_run(ema_forecast_t* forecast, uint32_t laws);
 
