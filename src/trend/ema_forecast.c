@@ -62,7 +62,7 @@ static ema_wear_t ema_followed(const ema_forecast_t* forecast, const ema_law_t* 
         const ema_real now = ema_law_own_time(law, at);
         const ema_real risen = ema_law_risen(law, now);
         const ema_real faded = ema_law_faded(law, at);
-        const ema_real row[EMA_WEAR_STATES] = {EMA_R(1.0), risen, faded};
+        const ema_real row[] = {EMA_R(1.0), risen, faded};
         const uint32_t behind = trend->count - 1U - k;
         const ema_real std = scatter * ((behind < 2U) ? forecast->newest_std_percent[1U - behind] : knot->std_percent);
         ema_wear_walk(&wear, law->walk * law->walk * (now - before));
@@ -124,8 +124,8 @@ static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_we
     const ema_real risen = ema_law_risen(law, own);
     const ema_real faded = ema_law_faded(law, EMA_R(1.0));
     const ema_real rises = stalls ? EMA_R(0.0) : ema_law_rises(law, own);
-    ema_real row[EMA_WEAR_STATES] = {EMA_R(1.0), risen, faded};
-    const ema_real slope[EMA_WEAR_STATES] = {EMA_R(0.0), rises, EMA_R(0.0)};
+    ema_real row[] = {EMA_R(1.0), risen, faded};
+    const ema_real slope[] = {EMA_R(0.0), rises, EMA_R(0.0)};
     const ema_real now = ema_wear_mean(wear, row);
     forecast->weight_sum += weight;
     forecast->by += weight * row[1] * wear->mean[1];
