@@ -116,7 +116,8 @@ def known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
     prior = np.zeros((own.shape[0], 4, 4))
     prior[:, range(3), range(3)] = _PRIOR**2
     prior[:, 3, 3] = walks[:, -1, -1]
-    white = np.linalg.solve(lower, (ones * knots.value / limit)[:, :, None])[:, :, 0]
-    gain = np.linalg.solve(lower, cross.transpose(0, 2, 1))  # [laws, knots, 4]
+    told = np.concatenate([cross.transpose(0, 2, 1), (ones * knots.value / limit)[:, :, None]], axis=2)
+    solved = np.linalg.solve(lower, told)
+    gain, white = solved[:, :, :-1], solved[:, :, -1]  # [laws, knots, 4] and [laws, knots]
     evidence = -0.5 * np.sum(white**2, axis=1) - np.sum(np.log(np.diagonal(lower, axis1=1, axis2=2)), axis=1)
     return Known(evidence, np.einsum("lnk,ln->lk", gain, white), prior - np.einsum("lnk,lnm->lkm", gain, gain))
