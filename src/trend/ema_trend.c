@@ -127,7 +127,7 @@ ema_trend_status_t ema_trend_update(ema_trend_t* trend, const ema_reading_t* rea
     trend->knot[trend->count] = *reading;
     trend->knot[trend->count].time_days = reading->time_days - trend->first_days;
     trend->count += 1U;
-    trend->readings += (trend->readings < UINT32_MAX) ? 1U : 0U;
+    trend->readings += (trend->readings < EMA_READINGS_MOST) ? 1U : 0U;
     if (trend->count > 2U) {
         ema_learn_scatter(trend);
     }

@@ -11,10 +11,14 @@
 /* Readings on each side by which one is seen to lie far off. */
 #define EMA_TREND_SIDE 2U
 
+/* Readings that are counted; more count as so many, so that no sum of them turns over. */
+#define EMA_READINGS_MOST 0x7FFFFFFFU
+
 /* Whether it was started, and its numbers are those of a trend as far as memory is concerned. */
 static inline bool ema_trend_started(const ema_trend_t* trend)
 {
-    return (trend->mark == EMA_TREND_MARK) && (trend->count <= EMA_TREND_KNOTS) && (trend->count <= trend->readings);
+    return (trend->mark == EMA_TREND_MARK) && (trend->count <= EMA_TREND_KNOTS) && (trend->count <= trend->readings)
+           && (trend->readings <= EMA_READINGS_MOST);
 }
 
 /* What readings scatter by over what they state, at least 1. */

@@ -73,10 +73,11 @@ static ema_trend_status_t ema_saved_check(uint32_t identity, const uint8_t* byte
 static bool ema_kept_sound(const uint8_t* bytes)
 {
     const uint32_t count = ema_get_u32(&bytes[EMA_TREND_AT_COUNT]);
+    const uint32_t readings = ema_get_u32(&bytes[EMA_TREND_AT_READINGS]);
     const ema_real first = ema_get_real(&bytes[EMA_TREND_AT_FIRST]);
     const ema_real last = ema_get_real(&bytes[EMA_TREND_AT_LAST]);
     const ema_real scatter = ema_get_real(&bytes[EMA_TREND_AT_SCATTER]);
-    bool sound = (first <= last) && (count <= EMA_TREND_KNOTS) && (count <= ema_get_u32(&bytes[EMA_TREND_AT_READINGS]))
+    bool sound = (first <= last) && (count <= EMA_TREND_KNOTS) && (count <= readings) && (readings <= EMA_READINGS_MOST)
                  && (ema_abs(first) <= EMA_TREND_DAYS_MAX) && (ema_abs(last) <= EMA_TREND_DAYS_MAX)
                  && (scatter > EMA_R(0.0)) && ema_is_finite(scatter);
     ema_real before = EMA_R(0.0);

@@ -132,6 +132,10 @@ static void test_memory_is_bounded(void)
     TEST_ASSERT_TRUE((EMA_REAL64 != 0) || ((sizeof(ema_trend_t) <= 1024U) && (sizeof(ema_forecast_t) <= 512U)));
     wear(500U);
     TEST_ASSERT_EQUAL_UINT32(500U, kept.value.readings);
+    kept.value.readings = 0x7FFFFFFEU;
+    take(EMA_R(3500.0), EMA_R(0.0), EMA_R(0.5));
+    take(EMA_R(3507.0), EMA_R(0.0), EMA_R(0.5));
+    TEST_ASSERT_EQUAL_UINT32(0x7FFFFFFFU, kept.value.readings);
     TEST_ASSERT_EQUAL_UINT32(EMA_TREND_KNOTS, kept.value.count);
     for (uint32_t k = 1; k < kept.value.count; ++k) {
         TEST_ASSERT_TRUE(kept.value.knot[k].time_days > kept.value.knot[k - 1U].time_days);
@@ -187,11 +191,11 @@ static void test_a_structure_that_was_never_started_is_refused(void)
     const ema_reading_t reading = {EMA_R(0.0), EMA_R(0.0), EMA_R(1.0)};
     wear(8U);
     const ema_trend_t sound = kept.value;
-    for (uint32_t kind = 0; kind < 3U; ++kind) {
+    for (uint32_t kind = 0; kind < 4U; ++kind) {
         kept.value = sound;
         kept.value.mark = (kind == 0U) ? 0U : sound.mark;
         kept.value.count = (kind == 1U) ? (EMA_TREND_KNOTS + 1U) : sound.count;
-        kept.value.readings = (kind == 2U) ? (sound.count - 1U) : 100U;
+        kept.value.readings = (kind == 2U) ? (sound.count - 1U) : ((kind == 3U) ? 0x80000000U : 100U);
         ASSERT_STATUS(EMA_TREND_STALE, ema_trend_update(&kept.value, &reading));
         ASSERT_STATUS(EMA_TREND_STALE, ema_forecast_start(&worked.value, &kept.value, &config));
     }

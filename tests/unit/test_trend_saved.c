@@ -120,6 +120,7 @@ static void test_numbers_that_mean_nothing_are_refused(void)
     } wrong[] = {{16U, EMA_TREND_KNOTS + 1U},
                  {16U, 61U},
                  {12U, 3U},
+                 {12U, 0x80000000U},
                  {20U, nan},
                  {20U, large},
                  {24U, nan},
