@@ -49,12 +49,12 @@ ema_trend_status_t ema_forecast_start(ema_forecast_t* forecast, const ema_trend_
     return EMA_TREND_OK;
 }
 
-/* The law through all knots; `own`: its own time at the last reading. */
-static ema_wear_t ema_followed(const ema_forecast_t* forecast, const ema_law_t* law, ema_real* own)
+/* The law through all knots; its own time at the last reading. */
+static ema_real ema_followed(const ema_forecast_t* forecast, const ema_law_t* law, ema_wear_t* wear)
 {
     const ema_trend_t* const trend = forecast->trend;
     const ema_real scatter = ema_trend_scatter(trend) / ema_abs(forecast->config.limit_percent);
-    ema_wear_t wear = ema_wear_begin();
+    ema_wear_begin(wear);
     ema_real before = EMA_R(0.0);
     for (uint32_t k = 0U; k < trend->count; ++k) {
         const ema_reading_t* const knot = &trend->knot[k];
@@ -65,12 +65,11 @@ static ema_wear_t ema_followed(const ema_forecast_t* forecast, const ema_law_t* 
         const ema_real row[] = {EMA_R(1.0), risen, faded};
         const uint32_t behind = trend->count - 1U - k;
         const ema_real std = scatter * ((behind < 2U) ? forecast->newest_std_percent[1U - behind] : knot->std_percent);
-        ema_wear_walk(&wear, law->walk * law->walk * (now - before));
-        ema_wear_take(&wear, row, knot->value_percent / forecast->config.limit_percent, std * std);
+        ema_wear_walk(wear, law->walk * law->walk * (now - before));
+        ema_wear_take(wear, row, knot->value_percent / forecast->config.limit_percent, std * std);
         before = now;
     }
-    *own = before;
-    return wear;
+    return before;
 }
 
 /* Evidence of wear and of none, over the best so far. */
@@ -160,8 +159,8 @@ ema_trend_status_t ema_forecast_run(ema_forecast_t* forecast, uint32_t laws)
     for (uint32_t k = 0U; (k < laws) && (forecast->law < EMA_FORECAST_LAWS); ++k) {
         const ema_law_t law = ema_law_of(forecast->law);
         const bool still = forecast->law < EMA_LAWS_STILL;
-        ema_real own = EMA_R(0.0);
-        const ema_wear_t wear = ema_followed(forecast, &law, &own);
+        ema_wear_t wear;
+        const ema_real own = ema_followed(forecast, &law, &wear);
         ema_witness(forecast, still, wear.evidence_log + law.share_log);
         if (!still) {
             ema_mix(forecast, &law, &wear, own, ema_weight(forecast, &law, wear.evidence_log));

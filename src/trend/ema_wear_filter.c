@@ -1,18 +1,21 @@
 #include "ema_wear_filter.h"
 
+#include <stdint.h>
+
 #include "ema_math.h"
 
 /* Variances before any reading, the limit being 1: of the level 0.2, of the rate over the time since the first reading
  * 0.4, of the fading part 0.2, squared. */
 static const ema_real ema_wear_before[EMA_WEAR_STATES] = {EMA_R(0.04), EMA_R(0.16), EMA_R(0.04)};
 
-ema_wear_t ema_wear_begin(void)
+void ema_wear_begin(ema_wear_t* wear)
 {
-    const ema_wear_t wear = {{EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)},
-                             {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)},
-                             {ema_wear_before[0], ema_wear_before[1], ema_wear_before[2]},
-                             EMA_R(0.0)};
-    return wear;
+    for (uint32_t k = 0U; k < EMA_WEAR_STATES; ++k) {
+        wear->mean[k] = EMA_R(0.0);
+        wear->upper[k] = EMA_R(0.0);
+        wear->diagonal[k] = ema_wear_before[k];
+    }
+    wear->evidence_log = EMA_R(0.0);
 }
 
 void ema_wear_walk(ema_wear_t* wear, ema_real variance)

@@ -17,7 +17,7 @@ typedef struct {
 } ema_wear_t;
 
 /* Before any reading. */
-ema_wear_t ema_wear_begin(void);
+void ema_wear_begin(ema_wear_t* wear);
 
 /* The level has walked with this variance. */
 void ema_wear_walk(ema_wear_t* wear, ema_real variance);

@@ -67,7 +67,8 @@ static void test_rates_are_those_of_what_rises(void)
 /* The filter against the formulas of one straight line by least squares with a prior. */
 static void test_one_law_is_least_squares_with_a_prior(void)
 {
-    ema_wear_t wear = ema_wear_begin();
+    ema_wear_t wear;
+    ema_wear_begin(&wear);
     double normal[2][2] = {{1.0 / 0.04, 0.0}, {0.0, 1.0 / 0.16}};
     double right[2] = {0.0, 0.0};
     for (uint32_t k = 0; k < 20U; ++k) {
