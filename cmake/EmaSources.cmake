@@ -14,7 +14,7 @@ endif()
 
 # The levels of src, lowest first; tests/checks/check_layers.py holds what may include what.
 set(EMA_SOURCE_DIRS "")
-foreach(level base effects blocks plant signal search ident session)
+foreach(level base effects blocks plant signal search ident session trend)
     list(APPEND EMA_SOURCE_DIRS "${EMA_ROOT}/src/${level}")
 endforeach()
 

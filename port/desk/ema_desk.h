@@ -267,6 +267,34 @@ int32_t ema_desk_least_squares(const double* values, const int32_t* options, con
                                ema_desk_squares_progress_t progress, void* context, ema_desk_squares_result_t* result,
                                int32_t* bad_row);
 
+/* ema_outlook_t; a time that is open is negative. */
+typedef struct {
+    double odds_log;
+    double now_percent;
+    double now_std_percent;
+    double by_percent;
+    double rate_percent_per_day;
+    double rate_std_percent_per_day;
+    double low_days;
+    double median_days;
+    double high_days;
+    double reached_ratio;
+    double ahead_days;
+    int32_t drifts;
+    int32_t towards;
+} ema_desk_outlook_t;
+
+/* The module's trend on `readings` readings. After each of the `looks` counts of readings, in rising order, an outlook,
+ * worked out in slices of `slice_laws`; `saving` other than 0: put into bytes and restored after every reading. What is
+ * refused: ema_trend_status_t, and by `bad_reading` (may be NULL) at which reading. */
+int32_t ema_desk_trend(const double* time_days, const double* value_percent, const double* std_percent,
+                       int32_t readings, double limit_percent, double false_alarm_ratio, const int32_t* look,
+                       int32_t looks, int32_t slice_laws, int32_t saving, ema_desk_outlook_t* outlook,
+                       int32_t* bad_reading);
+
+/* The text of an ema_trend_status_t. */
+const char* ema_desk_trend_text(int32_t status);
+
 /* The first `count` numbers of the module's generator, for its reference vectors. */
 int32_t ema_desk_random(int64_t seed, int64_t stream, int32_t count, uint32_t* bits);
 

@@ -23,6 +23,7 @@ ALLOWED = {
     "search": {"base", "search"},
     "ident": {"base", "effects", "blocks", "plant", "signal", "search", "ident"},
     "session": {"base", "effects", "blocks", "plant", "signal", "search", "ident", "session"},
+    "trend": {"base", "trend"},
 }
 # Port -> levels whose private headers it may see.
 PORT_SEES = {"port/desk": {"base", "effects", "blocks"}, "port/lanes": {"base", "effects", "blocks", "plant"}}

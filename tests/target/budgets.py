@@ -459,6 +459,7 @@ def document(found: Measured) -> str:
     lines += guarded_section(found)
     lines += unit_section(found)
     lines += squares_section(found)
+    lines += trend_section(found)
     return "\n".join(lines)
 
 
@@ -660,6 +661,40 @@ def squares_section(found: Measured) -> list[str]:
             ["memory: `ema_least_squares_t`", grouped(found.number("size_ema_least_squares_t"))],
             ["memory: its record of 10 s at 1 kHz, command and rod position", grouped(found.number(RECORD))],
             ["memory: each further signal in it", grouped(found.number(RECORD) / 2)],
+        ],
+    )
+    return lines
+
+
+def trend_section(found: Measured) -> list[str]:
+    """What trend and time to a limit cost."""
+    lines = [
+        "## Trend and time to a limit",
+        "",
+        "A trend with all its knots, by `ema_trend.h`. Firmware that does not call it links none of it.",
+        "",
+    ]
+    calls = [
+        ("ema_trend_update", "trend_update"),
+        ("ema_forecast_run, one law", "trend_law"),
+        ("ema_forecast_result", "trend_result"),
+        ("ema_trend_save", "trend_save"),
+    ]
+    lines += calls_table(found, calls)
+    lines += table(
+        ["what", "instructions"],
+        [
+            [
+                f"all laws of a forecast: {1000.0 * found.counts['trend_whole'] / CLOCK_HZ:.0f} ms at 168 MHz",
+                grouped(found.counts["trend_whole"]),
+            ]
+        ],
+    )
+    lines += table(
+        ["what", "bytes"],
+        [
+            ["memory of each value: `ema_trend_t`", grouped(found.number("size_ema_trend_t"))],
+            ["memory of a forecast, one for all: `ema_forecast_t`", grouped(found.number("size_ema_forecast_t"))],
         ],
     )
     return lines

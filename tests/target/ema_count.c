@@ -15,6 +15,7 @@
 #include "ema/ema_least_squares.h"
 #include "ema/ema_selftest.h"
 #include "ema/ema_sensitivity.h"
+#include "ema/ema_trend.h"
 #include "ema_counter.h"
 #include "ema_recorded.h"
 
@@ -521,6 +522,7 @@ static void print_sizes(void)
     PRINT_SIZE(ema_annealer_t);
     PRINT_SIZE(ema_command_t);
     PRINT_SIZE(ema_finding_t);
+    PRINT_SIZE(ema_forecast_t);
     PRINT_SIZE(ema_guarded_t);
     PRINT_SIZE(ema_least_squares_t);
     PRINT_SIZE(ema_model_t);
@@ -537,6 +539,7 @@ static void print_sizes(void)
     PRINT_SIZE(ema_session_config_t);
     PRINT_SIZE(ema_session_t);
     PRINT_SIZE(ema_state_t);
+    PRINT_SIZE(ema_trend_t);
     (void)printf("size_record_10s_int16 %u\n", (unsigned)EMA_RECORD_INT16_BYTES(EMA_RECORDED_ROWS, 2U));
     (void)printf("size_table %u\n", (unsigned)(sizeof EMA_SIGNATURES + sizeof ema_exported_patterns
                                                + sizeof ema_exported_units + sizeof ema_exported_values));
@@ -544,10 +547,60 @@ static void print_sizes(void)
                  (unsigned)EMA_SIGNATURES.bin_rows);
 }
 
+/* A trend with all its knots, and a forecast law by law. */
+static void count_trend(void)
+{
+    static ema_trend_t trend;
+    static ema_forecast_t forecast;
+    static uint8_t bytes[EMA_TREND_BYTES];
+    const ema_trend_config_t config = {EMA_R(50.0), EMA_R(0.01)};
+    ticks_t update = {0};
+    ticks_t law = {0};
+    ticks_t result = {0};
+    ticks_t save = {0};
+    ema_outlook_t outlook;
+    ema_trend_status_t status = ema_trend_init(&trend, 1U);
+    for (uint32_t k = 0; (status == EMA_TREND_OK) && (k < 100U); ++k) {
+        const ema_real day = EMA_R(7.0) * (ema_real)k;
+        const ema_reading_t one = {day, (EMA_R(0.05) * day) + (EMA_R(0.3) * (ema_real)(k % 5U)), EMA_R(0.5)};
+        const uint32_t from = ema_counter_now();
+        status = ema_trend_update(&trend, &one);
+        take(&update, from, ema_counter_now());
+    }
+    if (status == EMA_TREND_OK) {
+        status = ema_forecast_start(&forecast, &trend, &config);
+    }
+    while ((status == EMA_TREND_OK) && !ema_forecast_done(&forecast)) {
+        const uint32_t from = ema_counter_now();
+        status = ema_forecast_run(&forecast, 1U);
+        take(&law, from, ema_counter_now());
+    }
+    if (status == EMA_TREND_OK) {
+        const uint32_t from = ema_counter_now();
+        status = ema_forecast_result(&forecast, &outlook);
+        take(&result, from, ema_counter_now());
+    }
+    if (status == EMA_TREND_OK) {
+        const uint32_t from = ema_counter_now();
+        status = ema_trend_save(&trend, bytes);
+        take(&save, from, ema_counter_now());
+    }
+    if (status != EMA_TREND_OK) {
+        (void)printf("failed trend: %s\n", ema_trend_text(status));
+        exit(1);
+    }
+    print_mean("trend_update", &update);
+    print_mean("trend_law", &law);
+    print_mean("trend_result", &result);
+    print_mean("trend_save", &save);
+    (void)printf("trend_whole %llu\n", instructions(law.sum));
+}
+
 int main(void)
 {
     ema_counter_start();
     calibrate();
+    count_trend();
     print_sizes();
     count_selftest();
     count_calls();

@@ -268,6 +268,59 @@ def test_the_command_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert len(list(read_rows(out / RESULTS))) == 8
 
 
+def test_a_unit_with_two_actuator_files_is_bad_and_the_others_are_judged(tmp_path: Path) -> None:
+    fleet = make_fleet(tmp_path / "fleet", 2)
+    shutil.copy(REFERENCE, fleet / "other.toml")
+    rows = [
+        (f"unit{unit}", f"unit{unit}/{name}.csv", f"unit{unit}/unit.toml") for unit in (0, 1) for name in ("2026-05-01", "2026-06-01T0930")
+    ]
+    rows[1] = (*rows[1][:2], "other.toml")
+    with (fleet / "manifest.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([("unit", "file", "actuator"), *rows])
+    batches, wanted = planned(read_manifest(fleet), tmp_path / "out", guarded=False)
+    assert [judge(batch) for batch in batches] == [(0, 2), (2, 0)]
+    kept = {(one.unit, Path(one.file).name): one for one in read_rows(tmp_path / "out" / RESULTS)}
+    for name in ("2026-05-01.csv", "2026-06-01T0930.csv"):
+        assert kept["unit0", name].reason == "unit0: other.toml and unit.toml: a unit has one actuator file: name the same one in its rows"
+        assert kept["unit1", name].status == "ok"
+    units = {one.unit: one for one in histories(kept.values(), LIMITS)}
+    assert len(units["unit0"].bad) == 2
+    # mended, its recordings are judged anew
+    rows[1] = (*rows[1][:2], "unit0/unit.toml")
+    with (fleet / "manifest.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([("unit", "file", "actuator"), *rows])
+    again, after = planned(read_manifest(fleet), tmp_path / "out", guarded=False)
+    assert [len(batch.entries) for batch in again] == [2]
+    assert {key for key in wanted if wanted[key] != after[key]} == {one for one in wanted if one[0] == "unit0"}
+
+
+@pytest.mark.slow
+def test_a_cluster_elsewhere_finds_what_this_machine_does(tmp_path: Path) -> None:
+    """The command on a scheduler with workers of its own, by its address; where none answers it says so."""
+    from distributed import LocalCluster
+
+    fleet = make_fleet(tmp_path / "fleet", 1, bad=True)
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50
+    ) as cluster:
+        address = cluster.scheduler_address
+        ran = run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address, "--json", tmp_path / "f.json")
+        assert ran.code == 0, ran
+        assert "6 of 6 recordings judged now" in ran.out
+        assert "2026-07-01.csv" in ran.err
+        # the cluster is not the command's: it is still there, and asked once more has nothing to do
+        assert "0 of 6 recordings judged now" in run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address).out
+    batches, _ = planned(read_manifest(fleet), tmp_path / "here", guarded=False)
+    for batch in batches:
+        judge(batch)
+    there, here = ({one.key: replace(one, wall_s=None) for one in read_rows(tmp_path / place / RESULTS)} for place in ("there", "here"))
+    assert there == here
+    (fleet / "unit0" / "2026-08-01.csv").write_text("x\n", encoding="utf-8")
+    assert "no cluster answers there" in complaint(run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address))
+    wrong = run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address, "--workers", "2")
+    assert "--workers is of this machine" in wrong.err
+
+
 def test_a_later_version_of_the_tools_reads_what_an_earlier_one_wrote(tmp_path: Path) -> None:
     """The part was written by version 1 of the rows, and is kept as it is."""
     shutil.copy(Path(__file__).with_name("fleet_rows_1.parquet"), tmp_path / "part-kept.parquet")

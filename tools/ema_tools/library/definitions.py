@@ -21,10 +21,12 @@ from ema_tools.base.errors import LibraryError
 _UNITS = (
     ("Nm_per_sqrt_rad_s", "Nm/sqrt(rad/s)"),
     ("Nm_s2_per_rad2", "Nm s2/rad2"),
+    ("percent_per_day", "%/day"),
     ("mm_per_rad", "mm/rad"),
     ("per_kgm2", "1/(kg m2)"),
     ("per_mm", "1/mm"),
     ("mm_s", "mm/s"),
+    ("days", "days"),
     ("hz", "Hz"),
     ("m", "m"),
     ("Nm_s_per_rad", "Nm s/rad"),

@@ -17,6 +17,8 @@ class LifeEntry:
     interval90_days: tuple[float | None, float | None]
     reached: float  # probability that it is reached in what is looked ahead
     now_percent: float  # the value of the last day by all days
+    rate_percent_per_day: float | None = None  # its trend there, with its standard error
+    rate_std_percent_per_day: float | None = None
 
 
 @dataclass(frozen=True)

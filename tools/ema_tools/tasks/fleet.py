@@ -49,6 +49,7 @@ class Batch:
     keys: tuple[str, ...]
     results: str
     guarded: bool
+    refused: str = ""  # why none of the unit's recordings can be judged
 
     def alone(self) -> list[Batch]:
         """One batch for each of its recordings."""
@@ -64,12 +65,12 @@ def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list
         own = tuple(group)
         runs = tuple(str(one.file) for one in own if one.kind == "healthy")
         actuators = {one.actuator for one in own}
+        actuator = min(actuators)
+        refused = ""
         if len(actuators) > 1:
-            raise InputError(
-                f"{unit}: {' and '.join(sorted(one.name for one in actuators)[:2])}: a unit has one actuator file: name the same one in its rows"
-            )
-        actuator = next(iter(actuators))
-        base = key_of(str(_JUDGED_AS), str(guarded), unit, _content(actuator), *map(_stamp, runs))
+            # no answer of either would be of the unit; the other units have nothing to do with it
+            refused = f"{unit}: {' and '.join(sorted(one.name for one in actuators)[:2])}: a unit has one actuator file: name the same one in its rows"
+        base = key_of(str(_JUDGED_AS), str(guarded), unit, _content(actuator), *map(_stamp, runs), *([refused] if refused else []))
         model = folder / UNITS / f"{_name(unit)}-{base[:8]}.toml"
         named = [(one, key_of(base, str(one.file), _stamp(str(one.file)))) for one in own]
         wanted |= {(unit, str(one.file)): key for one, key in named}
@@ -78,7 +79,7 @@ def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list
             part = left[start : start + _BATCH]
             shown = tuple(one for one, _ in part)
             batches.append(
-                Batch(unit, str(actuator), runs, str(model), shown, tuple(key for _, key in part), str(folder / RESULTS), guarded)
+                Batch(unit, str(actuator), runs, str(model), shown, tuple(key for _, key in part), str(folder / RESULTS), guarded, refused)
             )
     return batches, wanted
 
@@ -170,6 +171,8 @@ def judge(batch: Batch) -> tuple[int, int]:
 def _rows(batch: Batch) -> Iterator[FleetRow]:
     why = ""
     try:
+        if batch.refused:
+            raise InputError(batch.refused)
         model: Actuator | None = unit_model(batch)
         runs = [read_record(path, model) for path in batch.healthy] if batch.guarded else []
     except (InputError, LibraryError) as error:

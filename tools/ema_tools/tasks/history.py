@@ -13,7 +13,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import WIDTH_95
-from ema_tools.fit.wear import Drift, Life, change, life
+from ema_tools.fit.wear import Drift, Life, Outlook, outlook
 from ema_tools.results.store import FleetRow
 
 LIMITS = {
@@ -22,12 +22,12 @@ LIMITS = {
 }  # shift at which a unit is taken out of service where nobody says another, % of the healthy value [judgement]
 FALSE_ALARM = 0.01  # of a unit whose value does not change [chance]
 _DAY_S = 86_400.0  # of a day [physics]
-_DAYS_LEAST = 6  # readings below which no remaining life is told [judgement]
+UNKNOWN = Drift(False, 1.0, math.inf, (math.inf, math.inf), 0.0)  # of too few readings [layout]
 
 
 @dataclass(frozen=True)
 class Trend:
-    """One value of one unit: its readings [n] in % of the healthy value with standard errors, on `days` [n] after the unit's first; `life` in days, None where nothing wears or too little is known."""
+    """One value of one unit: its readings [n] in % of the healthy value with standard errors, on `days` [n] after the unit's first; `outlook` None where nothing wears or too little is known."""
 
     name: str
     dates: tuple[datetime, ...]
@@ -36,7 +36,12 @@ class Trend:
     std_percent: Reals
     limit_percent: float
     change: Drift
-    life: Life | None
+    outlook: Outlook | None
+
+    @property
+    def life(self) -> Life | None:
+        """Time to the limit, where the value wears."""
+        return self.outlook.life if self.outlook is not None else None
 
     @property
     def urgency(self) -> tuple[float, float]:
@@ -102,6 +107,7 @@ def _trend(name: str, rows: Sequence[FleetRow], limit: float, false_alarm: float
     days = np.array([(row.date - kept[0].date).total_seconds() / _DAY_S for row in kept])
     shift, std = read[:, 0], np.maximum((read[:, 2] - read[:, 1]) / (2.0 * WIDTH_95), 1e-6)
     # both values of a unit are looked at
-    found = change(days, shift, std, false_alarm / len(LIMITS))
-    left = life(days, shift, std, limit) if found.changed and found.by > 0.0 and days.size >= _DAYS_LEAST and days[-1] > days[0] else None
-    return Trend(name, tuple(row.date for row in kept), days, shift, std, limit, found, left)
+    found = outlook(days, shift, std, limit, false_alarm / len(LIMITS))
+    change = found.drift if found is not None else UNKNOWN
+    wears = found is not None and change.changed and change.by > 0.0
+    return Trend(name, tuple(row.date for row in kept), days, shift, std, limit, change, found if wears else None)

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from ema_tools.vectors import parts, session, text
+from ema_tools.vectors import parts, session, text, trends
 from ema_tools.vectors.cases import CASES, CHANNELS, Tolerance
 from ema_tools.vectors.records import OVERSAMPLE, rows_of
 
@@ -115,6 +115,7 @@ def texts() -> dict[str, str]:
         "ema_vec_pid.inc": _pid_text(),
         "ema_vec_commands.inc": _command_text(),
         "ema_vec_random.inc": _random_text(),
+        trends.FILE: trends.trend_text(),
     }
     entries: list[dict[str, object]] = []
     for case in track(CASES, "reference vectors", console=Console(stderr=True)):
@@ -168,6 +169,17 @@ def texts() -> dict[str, str]:
             "tolerance": {"words": 0, "uniform": 0.0, "normal": {**parts.NORMAL_TOLERANCE, "why": parts.NORMAL_WHY}},
         }
         for index, (seed, stream) in enumerate(parts.RANDOM_CASES)
+    ]
+    alone += [
+        {
+            "name": f"trend_{case.name}",
+            "file": trends.FILE,
+            "shows": case.shows,
+            "samples": case.count,
+            "looks": list(case.looks),
+            "tolerance_of_value": {**trends.TOLERANCE, "why": trends.WHY},
+        }
+        for case in trends.CASES
     ]
     files[session.FILE] = (
         json.dumps(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ema_tools.fit.wear import Life
+from ema_tools.fit.wear import Outlook
 from ema_tools.results.fleet import FleetResult, FleetUnitEntry, LifeEntry, TrendEntry
 from ema_tools.results.parts import Provenance
 from ema_tools.tasks.history import Trend, UnitHistory
@@ -42,12 +42,14 @@ def trend_entry(trend: Trend, sentence: str = "") -> TrendEntry:
         by_percent=change.by,
         since=day_of(trend, change.since) if change.changed else None,
         since_day=change.since if change.changed else None,
-        life=_life(trend.life) if trend.life is not None else None,
+        life=_life(trend.outlook) if trend.outlook is not None else None,
     )
 
 
-def _life(life: Life) -> LifeEntry:
+def _life(outlook: Outlook) -> LifeEntry:
+    life = outlook.life
+
     def days(value: float) -> float | None:
         return value if math.isfinite(value) else None
 
-    return LifeEntry(days(life.median), (days(life.low), days(life.high)), life.reached, life.now)
+    return LifeEntry(days(life.median), (days(life.low), days(life.high)), life.reached, life.now, outlook.rate, outlook.rate_std)

@@ -56,7 +56,12 @@ def trend_words(trend: Trend) -> str:
     since = f"since {day_of(trend, trend.change.since)} (95 %: {day_of(trend, first)} … {day_of(trend, end)})"
     if trend.life is None:
         return f"{title}: changed by {words.shift(trend.change.by)} {since}; {last}. No remaining life is told: it falls, or there are too few readings."
-    return f"{title}: changed by {words.shift(trend.change.by)} {since}; {last}. The limit of +{trend.limit_percent:g} % is reached {_life_words(trend)}."
+    return f"{title}: changed by {words.shift(trend.change.by)} {since}; {last}. {_rate_words(trend)}The limit of +{trend.limit_percent:g} % is reached {_life_words(trend)}."
+
+
+def _rate_words(trend: Trend) -> str:
+    found = trend.outlook
+    return f"Its trend is {100.0 * found.rate:+.3g} ± {100.0 * found.rate_std:.2g} % in 100 days. " if found is not None else ""
 
 
 def _life_words(trend: Trend) -> str:

@@ -1,0 +1,61 @@
+#include "ema_ahead.h"
+
+#include "ema_math.h"
+
+/* First instant behind zero; logarithm of the ratio of each to the one before, from there to EMA_AHEAD_MOST. */
+#define EMA_FIRST EMA_R(0.001)
+#define EMA_RATIO_LOG (EMA_R(9.903487552536127) / EMA_R(38.0))
+_Static_assert(EMA_FORECAST_TIMES == 40U, "so many ratios are between them");
+
+/* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) / 0.7. */
+#define EMA_CHANGES 4U
+static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.19075913232074662), EMA_R(0.6714337560653366),
+                                                  EMA_R(1.401184647159609), EMA_R(2.970630773828337)};
+
+/* The normal logarithm of a pace by Gauss and Hermite's three points: e^(-0.75 sqrt 3), 1, e^(0.75 sqrt 3). */
+#define EMA_PACES 3U
+static const ema_real ema_paces[EMA_PACES] = {EMA_R(0.2727940659378488), EMA_R(1.0), EMA_R(3.6657688889311544)};
+static const ema_real ema_pace_shares[EMA_PACES] = {EMA_R(0.125), EMA_R(0.5), EMA_R(0.125)};
+#define EMA_STALL_SHARE EMA_R(0.25)
+
+ema_real ema_ahead_time(uint32_t place)
+{
+    const ema_real count = (ema_real)place;
+    return (place == 0U) ? EMA_R(0.0) : (EMA_FIRST * ema_exp(EMA_RATIO_LOG * (count - EMA_R(1.0))));
+}
+
+/* Straight between instants, held behind the last. */
+static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real at)
+{
+    if (at < EMA_FIRST) {
+        return share[0] + ((share[1] - share[0]) * (at / EMA_FIRST));
+    }
+    const ema_real beyond = ema_log(at / EMA_FIRST) / EMA_RATIO_LOG;
+    if (beyond >= EMA_R(38.0)) {
+        return share[EMA_FORECAST_TIMES - 1U];
+    }
+    const uint32_t place = 1U + (uint32_t)ema_max(beyond, EMA_R(0.0));
+    const ema_real before = ema_ahead_time(place);
+    const ema_real part = (at - before) / (ema_ahead_time(place + 1U) - before);
+    return share[place] + ((share[place + 1U] - share[place]) * ema_clamp(part, EMA_R(0.0), EMA_R(1.0)));
+}
+
+ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
+                         uint32_t place)
+{
+    const ema_real at = ema_ahead_time(place);
+    ema_real sum = EMA_R(0.0);
+    for (uint32_t k = 0U; k < EMA_CHANGES; ++k) {
+        const ema_real until = ema_min(at, ema_changes[k]);
+        const ema_real since = at - until;
+        for (uint32_t pace = 0U; pace < EMA_PACES; ++pace) {
+            sum += ema_pace_shares[pace] * ema_share_at(going, until + (ema_paces[pace] * since));
+        }
+        for (uint32_t end = 0U; end < EMA_CHANGES; ++end) {
+            const ema_real again = ema_max(since - ema_changes[end], EMA_R(0.0));
+            sum += (EMA_STALL_SHARE / (ema_real)EMA_CHANGES) * ema_share_at(going, until + again);
+        }
+        sum += ema_share_at(stalled, since);
+    }
+    return sum / (ema_real)EMA_CHANGES;
+}

@@ -1,0 +1,23 @@
+/* The instants that a forecast looks at, and what comes of wear that may change its pace. Times are shares of the time
+ * since the first reading. */
+#ifndef EMA_AHEAD_H
+#define EMA_AHEAD_H
+
+#include <stdint.h>
+
+#include "ema/ema_trend.h"
+
+/* What is looked ahead; what comes later is open. */
+#define EMA_AHEAD_MOST EMA_R(20.0)
+
+/* Instant `place`, below EMA_FORECAST_TIMES: 0, and then evenly by its logarithm up to EMA_AHEAD_MOST. */
+ema_real ema_ahead_time(uint32_t place);
+
+/* The share that has reached the limit at instant `place`, by the shares over wear's own time where it goes on now and
+ * where it is stalled. What goes on changes its pace at a time as likely as any other, 0.7 in one of those times: in
+ * one case of four it stalls until as likely a time, else its pace turns to another whose logarithm scatters by 0.75.
+ * What is stalled goes on at such a time. */
+ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
+                         uint32_t place);
+
+#endif

@@ -1,0 +1,176 @@
+#include "ema/ema_trend.h"
+
+#include "ema_ahead.h"
+#include "ema_copy.h"
+#include "ema_law.h"
+#include "ema_math.h"
+#include "ema_passage.h"
+#include "ema_trend_kept.h"
+#include "ema_wear_filter.h"
+
+/* Share of the evidence's logarithm that weighs the laws against each other: none is the machine's own, and readings
+ * beside each other repeat what it lacks. */
+#define EMA_TEMPER EMA_R(0.5)
+/* Below any evidence that there can be. */
+#define EMA_NO_LOG EMA_R(-1.0e30)
+/* Least doubt about a value, squared, so that a quotient by it is finite. */
+#define EMA_DOUBT_LEAST EMA_R(1.0e-12)
+
+ema_trend_status_t ema_forecast_start(ema_forecast_t* forecast, const ema_trend_t* trend,
+                                      const ema_trend_config_t* config)
+{
+    if ((forecast == NULL) || (trend == NULL) || (config == NULL)) {
+        return EMA_TREND_NULL;
+    }
+    if (!ema_trend_started(trend)) {
+        return EMA_TREND_STALE;
+    }
+    const ema_real size = ema_abs(config->limit_percent);
+    if (!((size >= EMA_TREND_LIMIT_MIN_PERCENT) && (size <= EMA_TREND_PERCENT_MAX))) {
+        return EMA_TREND_LIMIT;
+    }
+    if (!((config->false_alarm_ratio >= EMA_R(1.0e-6)) && (config->false_alarm_ratio <= EMA_R(0.5)))) {
+        return EMA_TREND_FALSE_ALARM;
+    }
+    const ema_real age = trend->last_days - trend->first_days;
+    if ((trend->readings < EMA_TREND_READINGS_MIN) || !(age > EMA_R(0.0))) {
+        return EMA_TREND_FEW;
+    }
+    ema_clear(forecast, sizeof *forecast);
+    forecast->mark = EMA_FORECAST_MARK;
+    forecast->trend = trend;
+    forecast->readings = trend->readings;
+    forecast->config = *config;
+    forecast->age_days = age;
+    forecast->newest_std_percent[0] = ema_trend_robust_std(trend, trend->count - 2U);
+    forecast->newest_std_percent[1] = ema_trend_robust_std(trend, trend->count - 1U);
+    forecast->top_log = EMA_NO_LOG;
+    forecast->best_log = EMA_NO_LOG;
+    return EMA_TREND_OK;
+}
+
+/* The law through all knots; its own time at the last reading. */
+static ema_real ema_followed(const ema_forecast_t* forecast, const ema_law_t* law, ema_wear_t* wear)
+{
+    const ema_trend_t* const trend = forecast->trend;
+    const ema_real scatter = ema_trend_scatter(trend) / ema_abs(forecast->config.limit_percent);
+    ema_wear_begin(wear);
+    ema_real before = EMA_R(0.0);
+    for (uint32_t k = 0U; k < trend->count; ++k) {
+        const ema_reading_t* const knot = &trend->knot[k];
+        const ema_real at = knot->time_days / forecast->age_days;
+        const ema_real now = ema_law_own_time(law, at);
+        const ema_real risen = ema_law_risen(law, now);
+        const ema_real faded = ema_law_faded(law, at);
+        const ema_real row[] = {EMA_R(1.0), risen, faded};
+        const uint32_t behind = trend->count - 1U - k;
+        const ema_real std = scatter * ((behind < 2U) ? forecast->newest_std_percent[1U - behind] : knot->std_percent);
+        ema_wear_walk(wear, law->walk * law->walk * (now - before));
+        ema_wear_take(wear, row, knot->value_percent / forecast->config.limit_percent, std * std);
+        before = now;
+    }
+    return before;
+}
+
+/* Evidence of wear and of none, over the best so far. */
+static void ema_witness(ema_forecast_t* forecast, bool still, ema_real evidence_log)
+{
+    if (evidence_log > forecast->top_log) {
+        const ema_real less = ema_exp(forecast->top_log - evidence_log);
+        forecast->still *= less;
+        forecast->wears *= less;
+        forecast->top_log = evidence_log;
+    }
+    const ema_real share = ema_exp(evidence_log - forecast->top_log);
+    if (still) {
+        forecast->still += share;
+    } else {
+        forecast->wears += share;
+    }
+}
+
+/* What a law has in the mixture; all others have less by as much as the best has become better. */
+static ema_real ema_weight(ema_forecast_t* forecast, const ema_law_t* law, ema_real evidence_log)
+{
+    if (evidence_log > forecast->best_log) {
+        const ema_real less = ema_exp(EMA_TEMPER * (forecast->best_log - evidence_log));
+        forecast->weight_sum *= less;
+        forecast->now_square *= less;
+        forecast->rate_square *= less;
+        forecast->by *= less;
+        for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
+            forecast->going[k] *= less;
+            forecast->stalled[k] *= less;
+        }
+        forecast->best_log = evidence_log;
+    }
+    return ema_exp((EMA_TEMPER * (evidence_log - forecast->best_log)) + law->share_log);
+}
+
+/* Mean and sum of squares with one more law: about the mean, since about zero float32 has nothing left of them. */
+static void ema_mean_with(ema_real* mean, ema_real* square, ema_real value, ema_real variance, ema_real weight,
+                          ema_real weight_sum)
+{
+    const ema_real off = value - *mean;
+    *mean += off * (weight / weight_sum);
+    *square += weight * (variance + (off * (value - *mean)));
+}
+
+static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_wear_t* wear, ema_real own,
+                    ema_real weight)
+{
+    const bool stalls = ema_law_stalls(law);
+    const ema_real risen = ema_law_risen(law, own);
+    const ema_real faded = ema_law_faded(law, EMA_R(1.0));
+    const ema_real rises = stalls ? EMA_R(0.0) : ema_law_rises(law, own);
+    ema_real row[] = {EMA_R(1.0), risen, faded};
+    const ema_real slope[] = {EMA_R(0.0), rises, EMA_R(0.0)};
+    const ema_real now = ema_wear_mean(wear, row);
+    forecast->weight_sum += weight;
+    forecast->by += weight * row[1] * wear->mean[1];
+    ema_mean_with(&forecast->now, &forecast->now_square, now, ema_wear_variance(wear, row), weight,
+                  forecast->weight_sum);
+    ema_mean_with(&forecast->rate, &forecast->rate_square, ema_wear_mean(wear, slope), ema_wear_variance(wear, slope),
+                  weight, forecast->weight_sum);
+    ema_real* const share = stalls ? forecast->stalled : forecast->going;
+    ema_real reached = EMA_R(0.0);
+    for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
+        const ema_real ahead = ema_ahead_time(k);
+        row[1] = ema_law_risen(law, own + ahead);
+        const ema_real doubt = ema_max(ema_wear_variance(wear, row), EMA_DOUBT_LEAST);
+        const ema_real walked = law->walk * law->walk * ahead;
+        /* once there it is there */
+        reached = ema_max(reached, ema_reached(EMA_R(1.0) - now, ema_wear_mean(wear, row) - now, doubt, walked));
+        share[k] += weight * reached;
+    }
+}
+
+ema_trend_status_t ema_forecast_run(ema_forecast_t* forecast, uint32_t laws)
+{
+    if (forecast == NULL) {
+        return EMA_TREND_NULL;
+    }
+    if ((forecast->mark != EMA_FORECAST_MARK) || !ema_trend_started(forecast->trend)) {
+        return EMA_TREND_STALE;
+    }
+    if (forecast->readings != forecast->trend->readings) {
+        return EMA_TREND_CHANGED;
+    }
+    for (uint32_t k = 0U; (k < laws) && (forecast->law < EMA_FORECAST_LAWS); ++k) {
+        const ema_law_t law = ema_law_of(forecast->law);
+        const bool still = forecast->law < EMA_LAWS_STILL;
+        ema_wear_t wear;
+        const ema_real own = ema_followed(forecast, &law, &wear);
+        ema_witness(forecast, still, wear.evidence_log + law.share_log);
+        if (!still) {
+            ema_mix(forecast, &law, &wear, own, ema_weight(forecast, &law, wear.evidence_log));
+        }
+        forecast->law += 1U;
+    }
+    return EMA_TREND_OK;
+}
+
+bool ema_forecast_done(const ema_forecast_t* forecast)
+{
+    return (forecast == NULL) || (forecast->mark != EMA_FORECAST_MARK) || (forecast->law >= EMA_FORECAST_LAWS);
+}

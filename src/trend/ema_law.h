@@ -1,0 +1,41 @@
+/* The bank of wear laws: each a row of numbers, and what a value comes to by it. Times are shares of the time since the
+ * first reading, values shares of the limit. */
+#ifndef EMA_LAW_H
+#define EMA_LAW_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ema/ema_real.h"
+
+/* The first of them, which do not wear. */
+#define EMA_LAWS_STILL 2U
+
+typedef struct {
+    ema_real onset;     /* wear begins */
+    ema_real stall;     /* stops for a while, from here */
+    ema_real again;     /* to here; 1 for one that lasts, and both 1 for none */
+    ema_real power;     /* of the time in which it went on; 0 for none */
+    ema_real growth;    /* e-foldings in one of it, where wear feeds on itself; 0 for none */
+    ema_real fade;      /* time in which grease runs in; 0 for none */
+    ema_real walk;      /* standard deviation of a random walk over one of it: steps and irregular wear */
+    ema_real share_log; /* logarithm of what it is given before the readings */
+} ema_law_t;
+
+/* The law `number`, below EMA_FORECAST_LAWS. */
+ema_law_t ema_law_of(uint32_t number);
+
+/* Time in which wear went on until `at`. */
+ema_real ema_law_own_time(const ema_law_t* law, ema_real at);
+
+/* Wear of rate 1 after that own time, which is 1 after 1; and how fast it rises there. */
+ema_real ema_law_risen(const ema_law_t* law, ema_real own_time);
+ema_real ema_law_rises(const ema_law_t* law, ema_real own_time);
+
+/* The part that fades, from 0 towards -1. */
+ema_real ema_law_faded(const ema_law_t* law, ema_real at);
+
+/* Whether it is stalled at the last reading. */
+bool ema_law_stalls(const ema_law_t* law);
+
+#endif

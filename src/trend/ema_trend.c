@@ -1,0 +1,142 @@
+#include "ema_trend_kept.h"
+
+#include "ema_copy.h"
+#include "ema_math.h"
+
+/* Newest readings that are never joined: their neighbours are still asked for. */
+#define EMA_NEWEST 6U
+/* The scatter: deviations beyond three of it count as three, which of a normal one leaves 0.9733 of the square; before
+ * any reading it is 1, as if eight had said so, and at least a half. */
+#define EMA_CLIP EMA_R(9.0)
+#define EMA_CLIPPED EMA_R(0.9733)
+#define EMA_BEFORE 8U
+#define EMA_SCATTER_LEAST EMA_R(0.25)
+
+const char* ema_trend_text(ema_trend_status_t status)
+{
+    const char* text;
+    switch (status) {
+#define EMA_TREND_CASE(name, value, message)                                                                           \
+    case (name):                                                                                                       \
+        text = (message);                                                                                              \
+        break;
+        EMA_TREND_STATUS_LIST(EMA_TREND_CASE)
+#undef EMA_TREND_CASE
+    default:
+        text = "unknown status";
+        break;
+    }
+    return text;
+}
+
+ema_trend_status_t ema_trend_init(ema_trend_t* trend, uint32_t identity)
+{
+    if (trend == NULL) {
+        return EMA_TREND_NULL;
+    }
+    ema_clear(trend, sizeof *trend);
+    trend->mark = EMA_TREND_MARK;
+    trend->identity = identity;
+    trend->scatter_ratio = EMA_R(1.0);
+    return EMA_TREND_OK;
+}
+
+/* Comparisons that NaN fails. */
+static ema_trend_status_t ema_reading_check(const ema_trend_t* trend, const ema_reading_t* reading)
+{
+    if (!(ema_abs(reading->time_days) <= EMA_TREND_DAYS_MAX)) {
+        return EMA_TREND_TIME;
+    }
+    if (!(ema_abs(reading->value_percent) <= EMA_TREND_PERCENT_MAX)) {
+        return EMA_TREND_VALUE;
+    }
+    if (!((reading->std_percent >= EMA_TREND_STD_MIN_PERCENT) && (reading->std_percent <= EMA_TREND_PERCENT_MAX))) {
+        return EMA_TREND_STD;
+    }
+    if ((trend->readings > 0U) && (reading->time_days < trend->last_days)) {
+        return EMA_TREND_TIME_BACK;
+    }
+    return EMA_TREND_OK;
+}
+
+/* Joins the two neighbours that are least apart, the newest left out. */
+static void ema_join(ema_trend_t* trend)
+{
+    uint32_t least = 0U;
+    for (uint32_t k = 1U; (k + EMA_NEWEST + 1U) < EMA_TREND_KNOTS; ++k) {
+        const ema_real gap = trend->knot[k + 1U].time_days - trend->knot[k].time_days;
+        if (gap < (trend->knot[least + 1U].time_days - trend->knot[least].time_days)) {
+            least = k;
+        }
+    }
+    ema_reading_t* const one = &trend->knot[least];
+    const ema_reading_t* const other = &trend->knot[least + 1U];
+    /* by the ratio of the weights: the square of a small standard error is none in float32 */
+    const ema_real ratio = one->std_percent / other->std_percent;
+    const ema_real share = (ratio * ratio) / (EMA_R(1.0) + (ratio * ratio));
+    one->time_days += share * (other->time_days - one->time_days);
+    one->value_percent += share * (other->value_percent - one->value_percent);
+    one->std_percent /= ema_sqrt(EMA_R(1.0) + (ratio * ratio));
+    for (uint32_t k = least + 1U; (k + 1U) < EMA_TREND_KNOTS; ++k) {
+        trend->knot[k] = trend->knot[k + 1U];
+    }
+    trend->count = EMA_TREND_KNOTS - 1U;
+}
+
+/* How far the newest reading but one lies off the line between its neighbours, over what they state of it. */
+static void ema_learn_scatter(ema_trend_t* trend)
+{
+    const ema_reading_t* const left = &trend->knot[trend->count - 3U];
+    const ema_reading_t* const middle = &trend->knot[trend->count - 2U];
+    const ema_reading_t* const right = &trend->knot[trend->count - 1U];
+    const ema_real span = right->time_days - left->time_days;
+    const ema_real part = (span > EMA_R(0.0)) ? ((middle->time_days - left->time_days) / span) : EMA_R(0.5);
+    const ema_real off =
+        middle->value_percent - ((EMA_R(1.0) - part) * left->value_percent) - (part * right->value_percent);
+    /* over the middle's, so that nothing leaves the range of float32 */
+    const ema_real from_left = (EMA_R(1.0) - part) * (left->std_percent / middle->std_percent);
+    const ema_real from_right = part * (right->std_percent / middle->std_percent);
+    const ema_real stated =
+        middle->std_percent * ema_sqrt(EMA_R(1.0) + (from_left * from_left) + (from_right * from_right));
+    const ema_real clip = ema_sqrt(EMA_CLIP * trend->scatter_ratio);
+    const ema_real size = ema_min(ema_abs(off) / stated, clip);
+    const ema_real seen = ((size * size) / EMA_CLIPPED) - trend->scatter_ratio;
+    const uint32_t counted = (trend->readings - 2U) + EMA_BEFORE;
+    trend->scatter_ratio = ema_max(trend->scatter_ratio + (seen / (ema_real)counted), EMA_SCATTER_LEAST);
+}
+
+ema_trend_status_t ema_trend_update(ema_trend_t* trend, const ema_reading_t* reading)
+{
+    if ((trend == NULL) || (reading == NULL)) {
+        return EMA_TREND_NULL;
+    }
+    if (!ema_trend_started(trend)) {
+        return EMA_TREND_STALE;
+    }
+    const ema_trend_status_t status = ema_reading_check(trend, reading);
+    if (status != EMA_TREND_OK) {
+        return status;
+    }
+    if (trend->count == EMA_TREND_KNOTS) {
+        ema_join(trend);
+    }
+    if (trend->readings == 0U) {
+        trend->first_days = reading->time_days;
+    }
+    trend->last_days = reading->time_days;
+    trend->knot[trend->count] = *reading;
+    trend->knot[trend->count].time_days = reading->time_days - trend->first_days;
+    trend->count += 1U;
+    trend->readings += (trend->readings < EMA_READINGS_MOST) ? 1U : 0U;
+    if (trend->count > 2U) {
+        ema_learn_scatter(trend);
+    }
+    if (trend->count > (2U * EMA_TREND_SIDE)) {
+        const uint32_t settled = trend->count - 1U - EMA_TREND_SIDE;
+        /* the first of all wait for the fifth */
+        for (uint32_t k = (trend->readings == ((2U * EMA_TREND_SIDE) + 1U)) ? 0U : settled; k <= settled; ++k) {
+            trend->knot[k].std_percent = ema_trend_robust_std(trend, k);
+        }
+    }
+    return EMA_TREND_OK;
+}
