@@ -15,7 +15,8 @@ static ema_real ema_middle(const ema_trend_t* trend, uint32_t first, uint32_t la
 {
     ema_real sorted[(2U * EMA_TREND_SIDE) + 1U] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
     uint32_t count = 0U;
-    for (uint32_t k = first; k <= last; ++k) {
+    uint32_t k = first;
+    do {
         const ema_real value = trend->knot[k].value_percent;
         uint32_t place = count;
         while ((place > 0U) && (sorted[place - 1U] > value)) {
@@ -24,7 +25,8 @@ static ema_real ema_middle(const ema_trend_t* trend, uint32_t first, uint32_t la
         }
         sorted[place] = value;
         ++count;
-    }
+        ++k;
+    } while (k <= last);
     const ema_real upper = sorted[count / 2U];
     return ((count % 2U) == 1U) ? upper : (EMA_R(0.5) * (sorted[(count / 2U) - 1U] + upper));
 }

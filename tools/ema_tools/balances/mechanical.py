@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother, gain_of_noise
-from ema_tools.base.lag import lagged, remembered
 from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, train_of, warmth
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
+from ema_tools.base.lag import lagged, remembered
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.data.motion_signals import disturbance_torque, motor_angle

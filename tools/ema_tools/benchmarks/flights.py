@@ -29,7 +29,7 @@ from ema_tools.tasks.fleet import RESULTS, judge, planned
 from ema_tools.tasks.history import FALSE_ALARM, LIMITS, Trend, UnitHistory, histories
 from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.answers.fleet import fleet_result
-from ema_tools.words.page.fleet import drawing
+from ema_tools.words.page.trend import drawing
 from ema_tools.words.terminal.console import run_command
 
 _NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}

@@ -504,9 +504,7 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
             drive_lag_s=lag_s,
         )
     _require(content, sections, file)
-    return Actuator(
-        values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy, drive_lag_s=lag_s
-    )
+    return Actuator(values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy, drive_lag_s=lag_s)
 
 
 def _healthy(table: object, file: str) -> tuple[str, ...]:

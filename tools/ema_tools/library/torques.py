@@ -81,7 +81,8 @@ class LocalTorque:
 
     `tried`: shapes that a matched filter tries; `in_balance`: those that a force balance tries, between which it then searches, its values held inside the row's ranges; none where it
     does not seek the effect.
-    `spot`: the field of its width, which is no more than a small share of the stroke, else it is no spot. `of_level`: the size is a share of the level of dry friction. `falls`: with it friction is less at some higher speed than at some lower one, or it is no such effect.
+    `spot`: the field of its width, which is no more than a small share of the stroke, else it is no spot. `of_level`: the size is a share of the level of dry friction.
+    `falls`: with it friction is less at some higher speed than at some lower one, or it is no such effect.
     """
 
     torque: Callable[[States, Shape], Reals]

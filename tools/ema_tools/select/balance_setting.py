@@ -10,10 +10,10 @@ import numpy as np
 
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.filtering import Smoother
-from ema_tools.base.lag import lagged
 from ema_tools.balances.mechanical import Mechanical, mechanical_model
 from ema_tools.balances.motion import Motion, motion_of, train_of
 from ema_tools.base.arrays import Reals
+from ema_tools.base.lag import lagged
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.library.definitions import load_definitions

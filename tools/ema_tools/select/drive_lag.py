@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from ema_tools.base.arrays import Reals
 from ema_tools.base.lag import lagged, remembered
 from ema_tools.base.progress import Report, untold
-from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.select.balance_bench import Bench, solved
@@ -23,7 +23,11 @@ _LONGEST_S = 0.015  # what filters a drive as it is recorded takes less, else it
 _LONGEST_ROWS = 1.5  # ... or so many rows of a slow record, which waits for the next one [judgement]
 _TRIED = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)  # of the longest, to either side, between which the best is then sought [effort]
 _NEAR = 0.02  # of the best of them, to which it is sought [precision]
-_FIRST, _TWICE, _ROUNDS = 0.12, 2.0, 3  # share of the longest whose memory of a rest is left out at first; how near to the one found it must be; and how often [effort]
+_FIRST, _TWICE, _ROUNDS = (
+    0.12,
+    2.0,
+    3,
+)  # share of the longest whose memory of a rest is left out at first; how near to the one found it must be; and how often [effort]
 _MOST = 0.5  # of the parts in which the error must fall [judgement]
 _FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
 _SAME = 0.1  # lags that differ by less, relative, are one [judgement]
@@ -33,7 +37,7 @@ Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
-class _Rows:
+class _Recorded:
     """One record before any lag: drive, what is known beside it and the columns of the base values, [rows] and [rows, 5], and where it rests."""
 
     period_s: float
@@ -50,7 +54,7 @@ def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Seque
     bench = Bench(actuator.with_drive_lag(0.0), records, holdout, fixes)
     pieces = bench.start.setting.pieces
     rows = [
-        _Rows(
+        _Recorded(
             piece.record.period_s,
             piece.model.drive_Nm,
             np.column_stack([piece.model.load_Nm + piece.model.added_Nm, piece.model.columns]),
@@ -73,7 +77,7 @@ def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Seque
     return found_s
 
 
-def _best_s(bench: Bench, rows: Sequence[_Rows], fitted: NDArray[np.bool_], longest_s: float) -> float:
+def _best_s(bench: Bench, rows: Sequence[_Recorded], fitted: NDArray[np.bool_], longest_s: float) -> float:
     """The lag that leaves least of some samples; zero where none leaves clearly less."""
 
     def squares(lag_s: float) -> Reals:

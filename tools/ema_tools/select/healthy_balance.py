@@ -102,8 +102,8 @@ class HealthyByBalance:
             if pattern.bends:
                 return self._same_when_healthy(search, accepted, tried)
             width = pattern.columns.shape[1]
-            size = tried.fit.values[load_definitions().effect(tried.effect).size.name]
-            along = tried.fit.coefficients[-width:] / size if record_of(tried.effect).along is not None and size else None
+            found = tried.fit.values[load_definitions().effect(tried.effect).size.name]
+            along = tried.fit.coefficients[-width:] / found if record_of(tried.effect).along is not None and found else None
             scatter, std = self.scatter_of(pattern, along), 0.0
         if not math.isfinite(scatter):
             return ""
