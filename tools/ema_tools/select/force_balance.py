@@ -61,7 +61,8 @@ _OWN = 1e-3  # a column is the base values' own when they leave less than this o
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
-_AS_FLOOR = 1.1  # of what records differ by: base values that leave no more than this lack nothing that can be named [judgement]
+# of the estimated floor: where no more is left, an effect must lower the error itself to so much of it, as a texture does that the estimate takes for chance [judgement]
+_AS_FLOOR, _CLEARLY = 1.2, 0.8
 _BASE_ROUNDS, _BASE_SAME = 5, 1e-4  # until base values and what is a share of them agree [precision]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
@@ -476,6 +477,24 @@ class ForceSearch:
         return accepted, instead
 
 
+def _clear(accepted: Fitted, added: Sequence[Tried], least: float) -> tuple[list[Tried], list[Refusal]]:
+    """Of effects that may be added those that are clear where the error is no more than `least`, which records differ by as well, and the others with the reason."""
+    error = accepted.errors.training
+    clear = [one for one in added if error > least or one.fit.errors.training <= _CLEARLY * error]
+    refused = [
+        Refusal(
+            one.effect,
+            f"it lowers to {one.fit.errors.training:.3g} % an error of {error:.3g} % by which records that do the same may differ",
+            _of(one.effect, one.fit.values),
+            _of(one.effect, one.fit.std),
+            one.fit.errors,
+        )
+        for one in added
+        if one not in clear
+    ]
+    return clear, refused
+
+
 def _of(effect: str, values: Mapping[str, float]) -> dict[str, float]:
     """The values of one effect that are numbers."""
     return {name: value for name, value in values.items() if name.startswith(f"{effect}.") and math.isfinite(value)}
@@ -588,17 +607,13 @@ def _improved(
         )
     # laps that differ may be what an effect does to them
     estimated = EstimatedFloor() if math.isfinite(floor_of(bench, first)) else estimated_floor(bench, first)
-    least = estimated.percent if estimated.compared else 0.0
-    if not steps and first.errors.training <= _AS_FLOOR * least:
-        report(1.0, "done")
-        why = f"the base values leave {first.errors.training:.3g} %, no more than the records differ by, {least:.3g} %"
-        effects = [one for one in search.effects if not isinstance(search.patterns[one], str)]
-        never = [Refusal(one, str(search.patterns[one])) for one in search.effects if one not in effects]
-        return search.answer(actuator, given, first, first, (), (*(Refusal(one, why) for one in effects), *never))
+    least = _AS_FLOOR * estimated.percent if estimated.compared else 0.0
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
         if search.upsets_inertia:
             return _improved(actuator, records, holdout, report, fixes.without(INERTIA), veto)
+        added, slight = _clear(accepted, added, least)
+        refused += slight
         pair = search.pair(accepted, added) if not accepted.patterns else None
         if pair is None and not added:
             break
