@@ -32,6 +32,7 @@ from ema_tools.select.force_steps import ForceStep, ForceSteps
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import Change, HealthyByBalance, changes_of, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
+from ema_tools.select.winding_changes import winding_changes
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 # What the first model leaves beyond the floor must be more than this, relative, for anything to be missing: an estimate is within a factor of two on machines
@@ -251,7 +252,7 @@ def _against(
     forces = improve_by_forces(known, records, holdout, report, fixes, machine.veto)
     named = {step.effect for step in forces.steps}
     apart = [record_of(name).base_value for name in named if record_of(name).base_value]
-    changes = changes_of(machine, forces.actuator, records, fixes, apart)
+    changes = (*changes_of(machine, forces.actuator, records, fixes, apart), *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
     return BalanceAnswer(

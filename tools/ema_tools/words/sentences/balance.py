@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
+from ema_tools.fit.temperature import COPPER_PER_DEGC
 from ema_tools.library.registry import called
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
@@ -106,7 +107,10 @@ def _changed(one: Change) -> str:
     """One value that has changed."""
     row = row_of(one.name)
     share = f" ({100.0 * (one.today - one.healthy) / abs(one.healthy):+.2g} %)" if one.healthy else ""
-    return f"{shown(row)} has changed from {one.healthy:.4g} to {one.today:.4g} {row.unit}".rstrip() + share
+    text = f"{shown(row)} has changed from {one.healthy:.4g} to {one.today:.4g} {row.unit}".rstrip() + share
+    if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
+        text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer (winding_heating)"
+    return text
 
 
 def friction_sentence(found: FrictionShape) -> str:
