@@ -114,6 +114,7 @@ static void test_numbers_that_mean_nothing_are_refused(void)
     static const uint32_t infinite = 0x7F800000U;
     static const uint32_t minus = 0xBF800000U; /* -1 */
     static const uint32_t large = 0x4E000000U; /* 5e8 */
+    static const uint32_t early = 0xCE000000U; /* -5e8 */
     const struct {
         uint32_t place;
         uint32_t word;
@@ -123,6 +124,7 @@ static void test_numbers_that_mean_nothing_are_refused(void)
                  {12U, 0x80000000U},
                  {20U, nan},
                  {20U, large},
+                 {20U, early},
                  {24U, nan},
                  {24U, minus},
                  {24U, large},
