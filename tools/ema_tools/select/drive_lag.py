@@ -19,8 +19,7 @@ from ema_tools.data.motion_records import AnyRecord
 from ema_tools.select.balance_bench import Bench, solved
 from ema_tools.select.fixes import NONE, Fixes
 
-_LONGEST_S = 0.015  # what filters a drive as it is recorded takes less, else it was another clock ... [judgement]
-_LONGEST_ROWS = 1.5  # ... or so many rows of a slow record, which waits for the next one [judgement]
+_LONGEST_S = 0.015  # what filters a drive as it is recorded takes less, else it was another clock [judgement]
 _TRIED = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)  # of the longest, to either side, between which the best is then sought [effort]
 _NEAR = 0.02  # of the best of them, to which it is sought [precision]
 _FIRST, _TWICE, _ROUNDS = (
@@ -28,6 +27,7 @@ _FIRST, _TWICE, _ROUNDS = (
     2.0,
     3,
 )  # share of the longest whose memory of a rest is left out at first; how near to the one found it must be; and how often [effort]
+_INSIDE = 0.95  # of the longest: a lag on its end is another clock, or no lag [precision]
 _MOST = 0.5  # of the parts in which the error must fall [judgement]
 _FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
 _SAME = 0.1  # lags that differ by less, relative, are one [judgement]
@@ -62,22 +62,21 @@ def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Seque
         )
         for piece in pieces
     ]
-    longest_s = max(_LONGEST_S, _LONGEST_ROWS * max(one.period_s for one in rows))
-    found_s, seen_s = 0.0, _FIRST * longest_s
+    found_s, seen_s = 0.0, _FIRST * _LONGEST_S
     for _ in range(_ROUNDS):
         # the same samples under every lag that is tried: where one remembers a rest, no friction is known
         known = [~remembered(one.resting > 0.0, one.period_s, seen_s) for one in rows]
         fitted = bench.fitted & np.concatenate([smoother.kept(one) for one, smoother in zip(known, bench.smoothers, strict=True)])
         if not fitted.any():
             return 0.0
-        found_s = _best_s(bench, rows, fitted, longest_s)
+        found_s = _best_s(bench, rows, fitted)
         if abs(found_s) <= seen_s <= _TWICE * abs(found_s) or not found_s:
             break
-        seen_s = max(abs(found_s), _FIRST * longest_s)
+        seen_s = max(abs(found_s), _FIRST * _LONGEST_S)
     return found_s
 
 
-def _best_s(bench: Bench, rows: Sequence[_Recorded], fitted: NDArray[np.bool_], longest_s: float) -> float:
+def _best_s(bench: Bench, rows: Sequence[_Recorded], fitted: NDArray[np.bool_]) -> float:
     """The lag that leaves least of some samples; zero where none leaves clearly less."""
 
     def squares(lag_s: float) -> Reals:
@@ -95,11 +94,13 @@ def _best_s(bench: Bench, rows: Sequence[_Recorded], fitted: NDArray[np.bool_], 
     def square(lag_s: float) -> float:
         return float(np.sum(squares(lag_s)))
 
-    tried = sorted([0.0, *(sign * share * longest_s for sign in (-1.0, 1.0) for share in _TRIED)])
+    tried = sorted([0.0, *(sign * share * _LONGEST_S for sign in (-1.0, 1.0) for share in _TRIED)])
     place = int(np.argmin([square(lag_s) for lag_s in tried]))
     ends = tried[max(place - 1, 0)], tried[min(place + 1, len(tried) - 1)]
-    near = _NEAR * max(abs(tried[place]), _TRIED[0] * longest_s)
+    near = _NEAR * max(abs(tried[place]), _TRIED[0] * _LONGEST_S)
     best_s = float(minimize_scalar(square, bounds=ends, method="bounded", options={"xatol": near}).x)
+    if abs(best_s) > _INSIDE * _LONGEST_S:
+        return 0.0
     without, with_it = squares(0.0), squares(best_s)
     parts = without > 0.0
     falls = float(np.sum(with_it)) < (1.0 - _FALLS) * float(np.sum(without))

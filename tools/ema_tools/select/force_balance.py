@@ -612,8 +612,10 @@ def _improved(
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
         if search.upsets_inertia:
             return _improved(actuator, records, holdout, report, fixes.without(INERTIA), veto)
-        added, slight = _clear(accepted, added, least)
-        refused += slight
+        if not steps:
+            # what comes later must take off a share of what was there at first
+            added, slight = _clear(accepted, added, least)
+            refused += slight
         pair = search.pair(accepted, added) if not accepted.patterns else None
         if pair is None and not added:
             break

@@ -109,7 +109,7 @@ def _changed(one: Change) -> str:
     share = f" ({100.0 * (one.today - one.healthy) / abs(one.healthy):+.2g} %)" if one.healthy else ""
     text = f"{shown(row)} has changed from {one.healthy:.4g} to {one.today:.4g} {row.unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
-        text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer (winding_heating)"
+        text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"
     return text
 
 
@@ -143,7 +143,7 @@ def forward_sentence(found: ForwardErrors) -> str:
 def lag_sentence(lag_s: float) -> str:
     """By how much the drive, or the motion, is recorded late."""
     late, other = ("drive", "motion") if lag_s > 0.0 else ("motion", "drive")
-    return f"The {late} is recorded {1e3 * abs(lag_s):.2g} ms behind the {other}, as by a filter: the balance counts with it, and the file that is written states it as actuator.drive_lag_s."
+    return f"The {late} is recorded {1e3 * abs(lag_s):.2g} ms behind the {other}, as by a filter: the balance counts with it, and a model that is written states it as actuator.drive_lag_s."
 
 
 def next_step(found: BalanceAnswer) -> str:
