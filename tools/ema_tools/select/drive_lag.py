@@ -30,7 +30,8 @@ _FIRST, _TWICE, _ROUNDS = (
 _INSIDE = 0.95  # of the longest: a lag on its end is another clock, or no lag [precision]
 _MOST = 0.5  # of the parts in which the error must fall [judgement]
 _FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
-_SAME = 0.1  # lags that differ by less, relative, are one [judgement]
+_SAME = 0.05  # lags that differ by less, relative, are one [judgement]
+_AGAIN = 2  # times that a lag is sought beside the effects that were found with it [effort]
 _AS_GOOD = 0.05  # answers whose squared errors differ by less, relative, are as good as each other [judgement]
 
 Answer = TypeVar("Answer")
@@ -122,20 +123,25 @@ def with_lag_fitted(
 
     `left`: of an answer the squared error of the parts held out, and how many effects it has; `model`: its machine; `as_given`: the first with the errors of the actuator
     as it was given, which the second has. Beside an effect that was found the lag is another one, so that it is
-    sought twice.
+    sought again.
     """
     if actuator.drive_lag_s is not None:
         return run(actuator, report)
     at_once = run(actuator, lambda share, text: report(0.5 * share, text))
-    lag_s = drive_lag_s(actuator, records, holdout, fixes)
+    # a large effect hides a lag until it is in the model
+    lag_s = drive_lag_s(actuator, records, holdout, fixes) or drive_lag_s(model(at_once), records, holdout, fixes)
     if not lag_s:
         report(1.0, "done")
         return at_once
     late = run(actuator.with_drive_lag(lag_s), lambda share, text: report(0.5 + 0.25 * share, text))
-    again_s = drive_lag_s(model(late), records, holdout, fixes)
-    if again_s and not math.isclose(again_s, lag_s, rel_tol=_SAME):
-        other = run(actuator.with_drive_lag(again_s), lambda share, text: report(0.75 + 0.25 * share, text))
-        late = other if left(other) < left(late) else late
+    for _ in range(_AGAIN):
+        again_s = drive_lag_s(model(late), records, holdout, fixes)
+        if not again_s or math.isclose(again_s, lag_s, rel_tol=_SAME):
+            break
+        other = run(actuator.with_drive_lag(again_s), lambda share, text: report(0.75 + 0.2 * share, text))
+        if left(other) >= left(late):
+            break
+        late, lag_s = other, again_s
     report(1.0, "done")
     return as_given(late, at_once) if _explains_more(left(late), left(at_once)) else at_once
 

@@ -19,6 +19,7 @@ from ema_tools.select.healthy_balance import Change, HealthyByBalance
 _VALUES = ("motor.resistance_ohm", "motor.back_emf_V_s_per_rad")  # as the columns stand
 # Least scatter of either from record to record, relative: a winding is some kelvin warmer or colder, and few records do not show it [judgement]
 _LEAST = 0.015
+_LEAST_TIMES = 3.0  # such standard deviations are a change [chance]
 _EXPLAINED = 0.9  # of the voltage's square, that winding and speed must be for the record to tell them [judgement]
 _CLEAR = 0.1  # standard error that a record's value may have, relative [judgement]
 
@@ -33,9 +34,10 @@ def winding_changes(machine: HealthyByBalance, records: Sequence[AnyRecord]) -> 
         healthy, today = float(np.mean(before[:, place])), float(np.mean(after[:, place]))
         if not healthy > 0.0:
             continue
-        scatter = max(float(np.std(before[:, place], ddof=1)), _LEAST * healthy)
-        limit = machine.limit(scatter, scatter / math.sqrt(len(before)))
-        std = scatter * math.sqrt(1.0 / len(before) + 1.0 / len(after))
+        shown, least = float(np.std(before[:, place], ddof=1)), _LEAST * healthy
+        # few records tell their scatter badly; what is known of windings needs no such margin
+        limit = max(machine.times * shown, _LEAST_TIMES * least) * math.sqrt(1.0 + 1.0 / len(before))
+        std = max(shown, least) * math.sqrt(1.0 / len(before) + 1.0 / len(after))
         found.append(Change(name, healthy, today, std, limit, abs(today - healthy) > limit))
     return tuple(found)
 
