@@ -173,7 +173,7 @@ BAD = [
     (("calibrate", REFERENCE, RECORDINGS / "healthy.csv", "-o", "n.toml", "--fit", "csj"), "csj: unknown value"),
     (
         ("effects", "stribek_friction"),
-        "effect stribek_friction: unknown (did you mean stribeck_friction, learned_friction or load_dependent_friction?): ema effects lists all ",
+        "effect stribek_friction: unknown (did you mean stribeck_friction, position_friction or learned_friction?): ema effects lists all ",
     ),
     (("import", "emps", "none.mat", "-o", "emps"), "none.mat: no such file or directory: check the path"),
     (("report", "none.json", "-o", "p.html"), "none.json: no such file or directory: check the path"),

@@ -21,18 +21,18 @@ from ema_tools.data.tables.units import EXAMPLES, KINDS, NOMINAL, SHARES, Units,
 _WORDS: Sequence[tuple[str, str]] = (
     ("time", r"\b(time|t|zeit|timestamp|temps|tiempo|clock|seconds|datetime)\b"),
     ("disturbance", r"disturb|external|st(ö|oe)r"),
-    ("temperature", r"temp(?!s)|t_?mot\b|wicklung|winding.*t"),
-    ("torque", r"torque|moment|drehmoment|couple|\btrq\b|\bm_?ist\b|\btau\b"),
-    ("force", r"force|kraft|thrust|load ?cell|\bf_?ist\b"),
-    ("current", r"current(?! (pos|vel|speed))|strom|courant|\bi_?q\b|\bi_?(mot|act|ist)\b|\bamps?\b|\bi\b|corriente"),
-    ("voltage", r"volt|spannung|tension|\bu_?(mot|q)?\b|\bv_?(mot|q)\b|\bpwm\b"),
-    ("speed", r"speed|veloc|drehzahl|geschw|\bn_?(ist|act|mot)?\b|vitesse|omega|\brpm\b|\bvel\b|\bw\b|\bv_?(ist|act|rod)\b"),
+    ("temperature", r"temp(?!s)|t ?mot\b|wicklung|winding.*t"),
+    ("torque", r"torque|moment|drehmoment|couple|\btr?q\b|^m( ?(ist|act|mot))? *$|\btau\b"),
+    ("force", r"force|kraft|thrust|load ?cell|\bf ?(ist|act)\b"),
+    ("current", r"current(?! (pos|vel|speed))|strom|courant|\bi ?[aq]\b|\bi ?(mot|act|ist)\b|\bamps?\b|\bcurr?\b|\bi\b|corriente"),
+    ("voltage", r"volt|spannung|tension|\bu ?(mot|[aq])?\b|\bv ?(mot|q)\b|\bpwm\b"),
+    ("speed", r"speed|veloc|drehzahl|geschw|\bn ?(ist|act|mot)?\b|vitesse|omega|\brpm\b|\bvel\b|\bw\b|\bv ?(ist|act|rod)\b"),
     ("angle", r"angle|winkel|theta|\bphi\b|rotor"),
     ("position", r"pos|weg|stroke|travel|displac|lage|encoder|\bx\b|\bq\b|\bqm\b|\by\b|deplac"),
 )
 _ASKED = re.compile(r"command|demand|refer|\bref\b|target|set.?point|soll|\bcmd\b|desired|\bqg\b|asked|setpoint|consigne", re.IGNORECASE)
 _TERMINAL = re.compile(r"terminal|measured|klemme|meas", re.IGNORECASE)
-_AT_MOTOR = re.compile(r"motor|encoder|rotor|drehzahl|shaft|\bmot\b", re.IGNORECASE)
+_AT_MOTOR = re.compile(r"motor|encoder|rotor|drehzahl|shaft|\bmot\b|cnt|counts?\b|\binc(rement)?s?\b", re.IGNORECASE)
 _OF_WORD: Mapping[str, tuple[str, ...]] = {
     "disturbance": ("disturbance_N", "disturbance_Nm"),
     "temperature": ("temperature_C",),
@@ -121,7 +121,11 @@ def _guess(column: RawColumn, table: RawTable, units: Units) -> Guess:
     name = column.name
     if name in ("time_s", *COLUMNS):
         return Guess(column, name, _pint_spelling(name), "its name", "its name")
-    word, suffix = _words_of(name), units.suffix(column.unit) if column.unit else ""
+    # a share of a nominal value, of whatever kind: "% MN" is no force
+    share = column.unit.strip().startswith("%")
+    if share:
+        column = replace(column, unit="%")
+    word, suffix = _words_of(name), units.suffix(column.unit) if column.unit and not share else ""
     # T is a torque in Nm and a time without a unit
     word = "" if word == "time" and suffix not in ("", "s") else word
     unit, unit_by = (column.unit, "the file") if column.unit and units.is_unit(column.unit) else (OPEN, "")

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.fit.temperature import COPPER_PER_DEGC
-from ema_tools.library.registry import called
+from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
 from ema_tools.select.force_steps import ForceStep
@@ -70,6 +70,10 @@ def _told_of(step: ForceStep) -> str:
     """What a name alone does not say, in brackets; empty where that is nothing."""
     periods = step.values.get(f"{step.effect}.periods")
     told = [swing_text(periods)] if periods is not None else []
+    local = record_of(step.effect).local
+    if local is not None and local.spot:
+        place, width = (step.values[f"{step.effect}.{field}"] for field in ("place_mm", local.spot))
+        told.append(f"at {place:.4g} mm, {2.0 * width:.2g} mm wide")
     if step.alike:
         told.append(f"looks like {', '.join(map(called, step.alike))}")
     return f" ({', '.join(told)})" if told else ""
