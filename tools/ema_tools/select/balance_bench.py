@@ -35,6 +35,7 @@ _DETERMINED = 0.25  # an inertia that is known no better than this share is what
 _STEP = 0.05  # of a size that is searched, for its slope [precision]
 _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, says nothing of it [precision]
 _ON_END = 1e-9  # so near to an end of where it may be, relative, a base value lies on it [precision]
+_BARELY = 2.0  # standard errors by which a base value may lie beyond its range and still be inside [chance]
 _ALIKE = 0.02  # a base value's torque that is the others' but for so much of its length is not told from them [judgement]
 _ROUNDS_OF_SHAPE = 2  # over the values of a shape of several [effort]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
@@ -280,6 +281,18 @@ class Bench:
             if abs(value / stated - 1.0) <= _DETERMINED:
                 self.between[place] = ((1.0 - _DETERMINED) * stated, (1.0 + _DETERMINED) * stated)
 
+    def keep_barely_outside(self, fit: Fitted) -> bool:
+        """Keeps inside its range from here on every base value that a judged fit puts beyond it by no more than its error: that is nothing impossible. Whether there was one."""
+        found = False
+        for place, name in enumerate(MECHANICAL_PARAMETERS):
+            row, value, std = row_of(name), fit.values[name], fit.std.get(name, 0.0)
+            beyond = max(row.lower - value, value - row.upper)
+            if place not in self.taken and place not in self.between and 0.0 < beyond <= _BARELY * std:
+                self.between[place] = (row.lower, row.upper)
+                self._bent.clear()
+                found = True
+        return found
+
     def stay_in_ranges(self) -> None:
         """From here on every base value that is fitted stays between the ends of its range."""
         for place, name in enumerate(MECHANICAL_PARAMETERS):
@@ -422,12 +435,14 @@ class Bench:
             return np.array([found[name] for name in values])
 
         steps = np.maximum(1e-3 * np.sqrt(np.maximum(np.diag(covariance), 0.0)), 1e-12 * np.maximum(np.abs(point), 1e-12))
-        slope = np.column_stack(
-            [
-                (at(point + step * unit) - at(point - step * unit)) / (2.0 * step)
-                for step, unit in zip(steps, np.eye(point.size), strict=True)
-            ]
-        )
+        # a share of nothing is no size, and has no error
+        with np.errstate(invalid="ignore"):
+            slope = np.column_stack(
+                [
+                    (at(point + step * unit) - at(point - step * unit)) / (2.0 * step)
+                    for step, unit in zip(steps, np.eye(point.size), strict=True)
+                ]
+            )
         spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slope, covariance, slope), 0.0))
         # what stands still is a shape that was chosen from a few
         return {name: float(value) for name, value in zip(values, spread, strict=True) if value > 0.0}

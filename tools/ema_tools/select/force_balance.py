@@ -304,6 +304,8 @@ class ForceSearch:
                 refused.append(found)
                 continue
             judged = replace(found, fit=self.bench.judged(found.fit))
+            if self.bench.keep_barely_outside(judged.fit):
+                return self.round(accepted, share)
             self.upsets_inertia |= found.gain >= LEAST_OF_FIRST * self.judge.first and unphysical(INERTIA, judged.fit)
             why = self.judge.refusal(accepted, judged)
             if why:
