@@ -31,6 +31,7 @@ _INSIDE = 0.95  # of the longest: a lag on its end is another clock, or no lag [
 _MOST = 0.5  # of the parts in which the error must fall [judgement]
 _FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
 _SAME = 0.05  # lags that differ by less, relative, are one [judgement]
+_GUESS_S = 1e-3  # of what filters drives as they are recorded [judgement]
 _AGAIN = 2  # times that a lag is sought beside the effects that were found with it [effort]
 _AS_GOOD = 0.05  # answers whose squared errors differ by less, relative, are as good as each other [judgement]
 
@@ -130,10 +131,15 @@ def with_lag_fitted(
     at_once = run(actuator, lambda share, text: report(0.5 * share, text))
     # a large effect hides a lag until it is in the model
     lag_s = drive_lag_s(actuator, records, holdout, fixes) or drive_lag_s(model(at_once), records, holdout, fixes)
-    if not lag_s:
+    if not lag_s and left(at_once)[1]:
         report(1.0, "done")
         return at_once
+    # an effect that is refused for what a lag does to it is found with about that lag
+    shown, lag_s = bool(lag_s), lag_s or _GUESS_S
     late = run(actuator.with_drive_lag(lag_s), lambda share, text: report(0.5 + 0.25 * share, text))
+    if not shown and not left(late)[1]:
+        report(1.0, "done")
+        return at_once
     for _ in range(_AGAIN):
         again_s = drive_lag_s(model(late), records, holdout, fixes)
         if not again_s or math.isclose(again_s, lag_s, rel_tol=_SAME):
