@@ -124,7 +124,7 @@ class Bench:
         self.division: Division = divided(records, holdout)
         start = Setting.of(actuator, self.records, self.smoothers)
         # rest is not tested: friction answers whatever there is
-        resting = self.decimated(start.joined(lambda piece: piece.model.resting.astype(np.float64))[:, None])[:, 0]
+        resting = self.decimated(start.joined(lambda piece: piece.model.still.astype(np.float64))[:, None])[:, 0]
         self.sliding: Rows = np.abs(resting) < _REST_SHARE
         self.fold = self.kept(np.concatenate(self.division.fold))
         last = self.fold == self.division.folds - 1

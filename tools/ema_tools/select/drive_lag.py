@@ -60,7 +60,7 @@ def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Seque
             piece.record.period_s,
             piece.model.drive_Nm,
             np.column_stack([piece.model.load_Nm + piece.model.added_Nm, piece.model.columns]),
-            piece.model.resting.astype(np.float64),
+            piece.model.still.astype(np.float64),
         )
         for piece in pieces
     ]

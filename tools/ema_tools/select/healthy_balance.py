@@ -37,6 +37,7 @@ _SEEN = (
 )
 _AS_HEALTHY = 0.1  # an effect that takes so much of its gain off the healthy records too is no change [judgement]
 _AS_HEALTHY_LEFT = 1.1  # of what is left of the healthy records: more is left of today's before an effect is sought in it [judgement]
+_CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
 _MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judgement]
 
 
@@ -255,6 +256,7 @@ def changes_of(
             kept = replace(fixes, kept=fixes.kept | {name}, between={key: ends for key, ends in fixes.between.items() if key != name})
             as_before = kept if base else fixes.with_effects(frozenset({name.partition(".")[0]}))
             held = refit_by_forces(today.changed({name: healthy}), records, as_before)
-            counts = _held_out_too(free.errors.each, held.errors.each)
+            # few records held out in turn say little of values that need them all: what the change is worth in all of them says it as well
+            counts = _CLEAR_CHANGE * free.errors.training < held.errors.training or _held_out_too(free.errors.each, held.errors.each)
         found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))
     return tuple(found)

@@ -40,6 +40,7 @@ LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 _MARGINS: dict[FloorFrom, float] = {"laps": 1.2, "healthy records": 1.3, "estimate": 2.5, "noise": 8.0}
 # ... or less where so much of what is left is foretold of one record by the others: it is no chance then [judgement]
 _FORETOLD, _MARGIN_FORETOLD = 0.3, 1.5
+_MATTERS = 1.0  # % of the drive by which today's records are worse than any healthy one, in squares, else nobody asks for what is missing [judgement]
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,8 @@ class BalanceAnswer:
         """Whether the first model leaves more than what is known to be there anyhow."""
         before = self.forces.refitted.training
         if self.healthy is not None:
-            return self.healthy.beyond(0.01 * before * self._drive_Nm)
+            worst = 100.0 * self.healthy.worst_Nm / self._drive_Nm
+            return self.healthy.beyond(0.01 * before * self._drive_Nm) and math.hypot(_MATTERS, worst) < before
         if self.floor_from is None:
             return False
         margin = _MARGINS[self.floor_from]
