@@ -63,6 +63,7 @@ _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best on
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
 # of the estimated floor: where no more is left, an effect must lower the error itself to so much of it, as a texture does that the estimate takes for chance [judgement]
 _AS_FLOOR, _CLEARLY = 1.2, 0.8
+_NO_MODEL = 30.0  # % of the drive: what leaves more is no model of the machine, and what it names is chance [judgement]
 _BASE_ROUNDS, _BASE_SAME = 5, 1e-4  # until base values and what is a share of them agree [precision]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
 _CLASS_COSINE = 0.8  # ... and look like it, are its class [judgement]
@@ -654,6 +655,11 @@ def _improved(
         steps = [_renamed(one, instead) for one in steps]
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {steps[-1].effect}, which came later") for name in dropped]
+    if steps and accepted.errors.training > _NO_MODEL:
+        why = f"with what was found {accepted.errors.training:.3g} % of the drive stays: too much for a name"
+        needless += [Refusal(step.effect, why, _of(step.effect, step.values), _of(step.effect, step.std), step.errors) for step in steps]
+        steps, accepted = [], first
+        search.prepare(bench.start.setting)
     accepted = bench.judged(search.consistent(accepted))
     if steps:
         steps[-1] = replace(steps[-1], values=accepted.values, std=bench.stated(accepted).std, errors=accepted.errors)
