@@ -27,7 +27,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
-from ema_tools.library.registry import named, record_of
+from ema_tools.library.registry import called, named, record_of
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
     INERTIA,
@@ -287,9 +287,12 @@ class ForceSearch:
     def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:
         """Every effect that is left: those that may be added, best first, and the others with the reason."""
         here = {pattern.effect for pattern in accepted.patterns} | ({load_effect()} if self.bench.load_named else set())
-        left = [effect for effect in self.effects if effect not in here and record_of(effect).special_case not in here]
+        general = {special: one for one in here if (special := record_of(one).special_case)}
+        left = [one for one in self.effects if one not in here and one not in general and record_of(one).special_case not in here]
         added: list[Tried] = []
-        refused: list[Refusal] = []
+        refused = [
+            Refusal(one, f"{called(general[one])} was accepted, of which it is a special case") for one in self.effects if one in general
+        ]
         for effect in self.effects:
             if effect not in here and record_of(effect).special_case in here:
                 instead = self._instead(accepted, effect)
@@ -646,7 +649,7 @@ def _improved(
         alike = _class_of(best, added) if pair is None else ()
         special = record_of(best.effect).special_case
         if special and any(one.effect == special for one in before.patterns):
-            needless.append(Refusal(special, f"a special case of {best.effect}, which came later and does more"))
+            needless.append(Refusal(special, f"a special case of {called(best.effect)}, which came later and does more"))
         accepted = bench.judged(search.finished(best.fit, bent))
         accepted, instead = search.simplified(accepted)
         steps.append(
