@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -16,33 +15,23 @@ from diagnosis_results import BINS, KINDS, diagnosis, diagnosis_page
 from ema_tools.words.page import uplot
 from ema_tools.words.page.first_screen import first_screen
 from ema_tools.words.page.results import parse_result
+from in_browser import LAPTOP, PHONE, launched
 
-playwright = pytest.importorskip("playwright.sync_api", reason="the tests in the browser need the Python package playwright")
-
-_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-_LAPTOP, _PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 # Whole record of the made-up results, s.
 _END = 9.999
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
-    if not uplot.library().there:
-        pytest.skip("the charting library is not in the build folder: install nodejs and npm, then build again")
-    with playwright.sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+    with launched() as opened:
         yield opened
-        opened.close()
 
 
 class Opened:
     """A page that was opened from disk; whatever it complains of."""
 
     def __init__(self, browser: Any, path: Path, **options: Any) -> None:
-        self.context = browser.new_context(offline=True, viewport=options.pop("viewport", _LAPTOP), **options)
+        self.context = browser.new_context(offline=True, viewport=options.pop("viewport", LAPTOP), **options)
         self.page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("console", lambda one: self.complaints.append(one.text))
@@ -130,7 +119,7 @@ def test_first_screen_is_there_within_a_second(opened: Any) -> None:
     assert seen < 1000.0
     for selector in ("h1", ".reply:last-child", '[data-channel="position_mm"] .plot.residual', '[data-channel="current_A"] .plot.residual'):
         box = page.page.locator(selector).bounding_box()
-        assert box["y"] + box["height"] <= _LAPTOP["height"], selector
+        assert box["y"] + box["height"] <= LAPTOP["height"], selector
 
 
 def test_zoom_is_undone_after_any_number_of_drags(opened: Any) -> None:
@@ -223,15 +212,15 @@ def test_nothing_serious_stands_in_the_way_of_any_reader(look: str, opened: Any)
     script = uplot.packages() / "axe-core" / "axe.min.js"
     if not script.is_file():
         pytest.skip("axe-core is not in the build folder: build with tests, nodejs and npm")
-    page = opened("missing", viewport=_PHONE if look == "phone" else _LAPTOP, color_scheme="dark" if look == "dark" else "light")
+    page = opened("missing", viewport=PHONE if look == "phone" else LAPTOP, color_scheme="dark" if look == "dark" else "light")
     page.page.evaluate(script.read_text(encoding="utf-8"))
     found = page.page.evaluate("axe.run().then((one) => one.violations.map((v) => [v.impact, v.id, v.nodes.length, v.nodes[0].html]))")
     assert [one for one in found if one[0] in ("serious", "critical")] == []
 
 
 def test_phone_has_no_sideways_scroll(opened: Any) -> None:
-    page = opened("missing", viewport=_PHONE, is_mobile=True, has_touch=True)
-    assert page.page.evaluate("document.documentElement.scrollWidth") <= _PHONE["width"]
+    page = opened("missing", viewport=PHONE, is_mobile=True, has_touch=True)
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
 
 
 def test_command_is_copied(opened: Any) -> None:

@@ -3,41 +3,29 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from ema_tools.words.page import uplot, write_report
+from ema_tools.words.page import write_report
+from in_browser import LAPTOP, PHONE, launched
 from report_results import compared, identified
 from test_report_diagnosis import made
-
-playwright = pytest.importorskip("playwright.sync_api", reason="the tests in the browser need the Python package playwright")
-
-_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-_LAPTOP, _PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
-    if not uplot.library().there:
-        pytest.skip("the charting library is not in the build folder: install nodejs and npm, then build again")
-    with playwright.sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+    with launched() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
     contexts = []
 
-    def open_(*results: dict[str, Any], viewport: dict[str, int] = _LAPTOP) -> tuple[Any, list[str]]:
+    def open_(*results: dict[str, Any], viewport: dict[str, int] = LAPTOP) -> tuple[Any, list[str]]:
         files = [tmp_path / f"result_{place}.json" for place in range(len(results))]
         for file, result in zip(files, results, strict=True):
             file.write_text(json.dumps(result), encoding="utf-8")
@@ -59,7 +47,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
         context.close()
 
 
-@pytest.mark.parametrize("viewport", [_LAPTOP, _PHONE])
+@pytest.mark.parametrize("viewport", [LAPTOP, PHONE])
 def test_every_curve_is_drawn_without_complaint(viewport: dict[str, int], opened: Any) -> None:
     page, complaints = opened(identified(case="A"), identified(name="today"), compared(), viewport=viewport)
     assert complaints == []
