@@ -267,6 +267,8 @@ def measured(**changed: float) -> budgets.Measured:
     counts |= {f"squares_{count}_{what}": 40_000 for count in (2, 8) for what in ("whole", "runs", "steps")} | {
         "size_ema_least_squares_t": 10_700
     }
+    counts |= {f"trend_{name}_{which}": 1500 for name in ("update", "law", "result", "save") for which in ("mean", "most")}
+    counts |= {"trend_whole": 40_000_000, "size_ema_trend_t": 604, "size_ema_forecast_t": 396}
     counts |= {"onboard_whole": 4_000_000} | changed
     return budgets.Measured(
         "12.2.1",
@@ -298,6 +300,8 @@ class Budgets(unittest.TestCase):
             "onboard_whole",
             "unit_slice_8_most",
             "squares_8_slice_200_mean",
+            "trend_law_most",
+            "trend_whole",
         ):
             with self.subTest(name):
                 self.assertRegex(" ".join(budgets.problems_of(measured(**{name: 1e6}), budgets.document(measured()))), "is now")
