@@ -17,6 +17,7 @@ from ema_tools.data.voltage_drive import with_current
 from ema_tools.select.drive_lag import drive_lag_s
 from ema_tools.select.force_balance import ONE_MOTION, improve_by_forces
 from ema_tools.select.force_refit import add_by_forces, refit_by_forces
+from ema_tools.select.torque_patterns import NOT_SHARED
 from ema_tools.tasks.diagnose_by_balance import answer_by_balance
 from support import complaint, run_ema
 
@@ -158,6 +159,16 @@ def test_friction_that_differs_by_place_is_named(tmp_path: Path) -> None:
     assert added.errors.training == pytest.approx(found.steps[-1].errors.training, rel=1e-9)
     alone = improve_by_forces(known, records[:1])
     assert next(one.reason for one in alone.refused if one.effect == "learned_friction") == ONE_MOTION
+
+
+def test_records_that_share_no_place_tell_no_friction_by_place(tmp_path: Path) -> None:
+    """What is seen of the one half of the stroke says nothing of the other; everything else is answered as ever."""
+    apart = []
+    for shift, one in zip((0.0, 3.0 * STROKE_RAD), runs(2), strict=True):
+        apart.append(one.with_columns({"motor_angle_rad": one.recorded("motor_angle_rad") + shift}))
+    found = improve_by_forces(machine(tmp_path), apart)
+    assert not found.steps
+    assert next(one.reason for one in found.refused if one.effect == "learned_friction") == NOT_SHARED
 
 
 def written(folder: Path, records: Sequence[MotionRecord]) -> list[str]:

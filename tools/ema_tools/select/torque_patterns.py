@@ -22,6 +22,7 @@ from ema_tools.select.swings import swings
 NOT_PLACED = "the records say how the machine moves and not where it is: record a position or an angle"
 NO_SCREW = "it acts along the stroke, and the actuator states neither lead nor ratio"
 NOT_BY_PLACE = "its table is over something else than the position"
+NOT_SHARED = "no two records pass the same places: record one more over all of them"
 NOT_HERE = "it does not show between the motor's torque and the measured motion"
 # Base values that an effect's size may be a share of.
 _RELATIVE_TO = (LEVEL, VISCOUS)
@@ -88,11 +89,13 @@ def _along(nodes: int, waves: int) -> Reals:
 
 
 def _tabled(setting: Setting, effect: str, one: AlongStroke, shape: Shape) -> Pattern | str:
-    """A table over the stroke, one column for each of its waves; none of a table over something else."""
+    """A table over the stroke, one column for each of its waves; none of a table over something else, or where records share no stroke."""
     if shape[f"{effect}.axis"] != _OVER_POSITION:
         return NOT_BY_PLACE
     states, nodes = setting.states, len(load_definitions().effect(effect).nodes)
     first, last = (shape[f"{effect}.{end}"] for end in ("first", "last"))
+    if not first < last:
+        return NOT_SHARED
     waves = _along(nodes, one.waves)
     places = np.linspace(first, last, nodes)
     columns = np.column_stack([np.interp(states.screw_mm, places, wave) for wave in waves.T])
@@ -104,7 +107,7 @@ def _stroke(setting: Setting, effect: str) -> Shape:
     ends = np.cumsum([piece.record.rows for piece in setting.pieces])[:-1]
     seen = np.sort([(float(np.min(one)), float(np.max(one))) for one in np.split(setting.states.screw_mm, ends)], axis=0)
     first, last = (seen[1, 0], seen[-2, 1]) if len(seen) > 1 else seen[0]
-    return {f"{effect}.axis": _OVER_POSITION, f"{effect}.first": float(first), f"{effect}.last": float(last)} if first < last else {}
+    return {f"{effect}.axis": _OVER_POSITION, f"{effect}.first": float(first), f"{effect}.last": float(last)}
 
 
 def _moving(piece: Piece) -> Reals:
