@@ -489,22 +489,14 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
                 f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, {SCATTER}, {CALIBRATION}, effects.<name>"
             )
         _take(table, {row.field: row for row in sections[section]}, section, values, file)
+    found = Actuator(values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy, drive_lag_s=lag_s)
     if not complete and is_incomplete(content):
         machine = [row for section, rows in sections.items() if section not in SETTINGS for row in rows]
         _complain(forgotten(content, machine), file)
         absent, nothing = left_out(content, machine)
-        return Actuator(
-            values={**values, **nothing},
-            document=document,
-            file=file,
-            about=about,
-            absent=absent,
-            scatter=scatter,
-            healthy=healthy,
-            drive_lag_s=lag_s,
-        )
+        return replace(found, values={**values, **nothing}, absent=absent)
     _require(content, sections, file)
-    return Actuator(values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy, drive_lag_s=lag_s)
+    return found
 
 
 def _healthy(table: object, file: str) -> tuple[str, ...]:

@@ -86,6 +86,11 @@ class MotionRecord:
         """Time of each row, [rows]."""
         return self.first_time_s + self.period_s * np.arange(self.rows, dtype=np.float64)
 
+    @property
+    def motor_voltage_V(self) -> Reals | None:
+        """The voltage at the motor's terminals, else that which is asked for, [rows]; None without either."""
+        return self.terminal_voltage_V if self.terminal_voltage_V is not None else self.voltage_V
+
     def channel(self, name: str) -> Reals | None:
         """A recorded column by name, None when it is absent."""
         found: Reals | None = getattr(self, name)

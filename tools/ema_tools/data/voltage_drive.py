@@ -12,11 +12,8 @@ _WINDING = ("motor.resistance_ohm", "motor.back_emf_V_s_per_rad", "motor.torque_
 
 
 def with_current(record: MotionRecord, actuator: Actuator) -> MotionRecord:
-    """The record with `current_A` as its voltage makes it, L di/dt = u - R i - ke w, where no drive is recorded and the actuator states the winding; else as it is.
-
-    The voltage at the motor's terminals is taken before one that is asked for.
-    """
-    voltage = record.terminal_voltage_V if record.terminal_voltage_V is not None else record.voltage_V
+    """The record with `current_A` as its voltage makes it, L di/dt = u - R i - ke w, where no drive is recorded and the actuator states the winding; else as it is."""
+    voltage = record.motor_voltage_V
     if voltage is None or any(record.channel(name) is not None for name in DRIVES) or not all(map(actuator.has, _WINDING)):
         return record
     known = actuator.has("screw.lead_mm") and actuator.has("gearbox.ratio")

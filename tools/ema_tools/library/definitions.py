@@ -272,6 +272,14 @@ def open_library(path: Path) -> ctypes.CDLL:
         raise LibraryError(f"{path.name}: cannot be loaded ({error}): build the project again") from None
 
 
+def library_function(opened: ctypes.CDLL, name: str) -> Any:
+    """A function of an open library. Raises LibraryError where it has none of this name."""
+    found = getattr(opened, name, None)
+    if found is None:
+        raise LibraryError(f"{Path(opened._name).name}: has no {name}: build the project again")
+    return found
+
+
 class _Row(ctypes.Structure):
     _fields_ = [
         ("section", c_char_p),
@@ -306,9 +314,7 @@ _AnyRow = TypeVar("_AnyRow", _Row, _Effect)
 
 def _rows(opened: ctypes.CDLL, name: str, kind: type[_AnyRow]) -> Iterator[_AnyRow]:
     """The rows of one list, from its first to the one behind which the library refuses."""
-    read: Any = getattr(opened, name, None)
-    if read is None:
-        raise LibraryError(f"{Path(opened._name).name}: has no {name}: build the project again")
+    read = library_function(opened, name)
     read.argtypes = [c_int32, POINTER(kind)]
     index, row = 0, kind()
     while read(index, byref(row)) == 0:

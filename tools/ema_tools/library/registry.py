@@ -105,11 +105,6 @@ def called(effect: str) -> str:
     return along.called if along is not None else effect
 
 
-def row_called(name: str) -> str:
-    """The row of an effect by what people know it by, or by its own name; what is none comes back as it is."""
-    return next((effect for effect, record in records().items() if record.along is not None and record.along.called == name), name)
-
-
 def learned_effect(balance: str, friction: bool = False) -> str:
     """The effect whose table holds what is left of a balance."""
     return next(

@@ -13,8 +13,8 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from ema_tools.base.arrays import Integers, Reals
-from ema_tools.base.errors import InputError, LibraryError
-from ema_tools.library.definitions import library_path, load_definitions, open_library
+from ema_tools.base.errors import InputError
+from ema_tools.library.definitions import library_function, library_path, load_definitions, open_library
 from ema_tools.plant.native import CHANNELS, OUTCOMES, library
 
 SEARCHED_MAX = 8
@@ -123,10 +123,7 @@ class SquaresFound:
 
 @functools.cache
 def _function(bits: int) -> Any:
-    path = library_path(bits)
-    function = getattr(open_library(path), "ema_desk_least_squares", None)
-    if function is None:
-        raise LibraryError(f"{path.name}: has no ema_desk_least_squares: build the project again")
+    function = library_function(open_library(library_path(bits)), "ema_desk_least_squares")
     real, whole = POINTER(c_double), POINTER(c_int32)
     function.argtypes = [real, whole, real, real, c_int32, POINTER(_Search), _PROGRESS, c_void_p, POINTER(_Found), whole]
     function.restype = c_int32

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, LibraryError
-from ema_tools.library.definitions import library_path, load_definitions, open_library, read_definitions
+from ema_tools.library.definitions import library_function, library_path, load_definitions, open_library, read_definitions
 from ema_tools.library.schema import schema_of
 from ema_tools.plant.lanes import lanes
 
@@ -45,10 +45,7 @@ _FAULT_NUMBERS = 5
 
 def _texts(function: str) -> dict[int, str]:
     """Bit to text, as the library's `function` has them."""
-    opened = open_library(library_path(64))
-    read: Any = getattr(opened, function, None)
-    if read is None:
-        raise LibraryError(f"{library_path(64).name}: has no {function}: build the project again")
+    read = library_function(open_library(library_path(64)), function)
     read.argtypes, read.restype = [c_int32, POINTER(c_int32)], c_char_p
     found: dict[int, str] = {}
     bit = c_int32()
@@ -63,9 +60,7 @@ WARNINGS = _texts("ema_desk_warning_text")
 
 def _number(function: str) -> int:
     """What the library's `function` answers."""
-    read: Any = getattr(open_library(library_path(64)), function, None)
-    if read is None:
-        raise LibraryError(f"{library_path(64).name}: has no {function}: build the project again")
+    read = library_function(open_library(library_path(64)), function)
     read.argtypes, read.restype = [], c_uint32
     return int(read())
 
@@ -478,9 +473,7 @@ class Library:
         self._check_lists()
 
     def _declare(self, name: str, arguments: list[object], result: object = c_int32) -> None:
-        function = getattr(self._lib, name, None)
-        if function is None:
-            raise LibraryError(f"{self.path.name}: has no {name}: build the project again")
+        function = library_function(self._lib, name)
         function.argtypes = arguments
         function.restype = result
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.base.errors import InputError, LibraryError
-from ema_tools.library.definitions import library_path, open_library
+from ema_tools.base.errors import InputError
+from ema_tools.library.definitions import library_function, library_path, open_library
 
 LAWS = 1040  # of one forecast, as EMA_FORECAST_LAWS [layout]
 
@@ -58,10 +58,8 @@ class OnboardOutlook:
 
 @functools.cache
 def _library(bits: int) -> Any:
-    path = library_path(bits)
-    library = open_library(path)
-    if getattr(library, "ema_desk_trend", None) is None:
-        raise LibraryError(f"{path.name}: has no ema_desk_trend: build the project again")
+    library = open_library(library_path(bits))
+    library_function(library, "ema_desk_trend")
     real, whole = POINTER(c_double), POINTER(c_int32)
     library.ema_desk_trend.argtypes = [
         real, real, real, c_int32, c_double, c_double, whole, c_int32, c_int32, c_int32, POINTER(_Outlook), whole,

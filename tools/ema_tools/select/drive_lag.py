@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +16,14 @@ from ema_tools.base.lag import lagged, remembered
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
-from ema_tools.select.balance_bench import Bench, solved
+from ema_tools.select.balance_bench import Bench, FoldErrors, solved
 from ema_tools.select.fixes import NONE, Fixes
 
 _LONGEST_S = 0.015  # what filters a drive as it is recorded takes less, else it was another clock [judgement]
 _TRIED = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)  # of the longest, to either side, between which the best is then sought [effort]
 _NEAR = 0.02  # of the best of them, to which it is sought [precision]
-_FIRST, _TWICE, _ROUNDS = (
-    0.12,
-    2.0,
-    3,
-)  # share of the longest whose memory of a rest is left out at first; how near to the one found it must be; and how often [effort]
+# Share of the longest whose memory of a rest is left out at first; how near to the one found it must be; and how often [effort]
+_FIRST, _TWICE, _ROUNDS = 0.12, 2.0, 3
 _INSIDE = 0.95  # of the longest: a lag on its end is another clock, or no lag [precision]
 _MOST = 0.5  # of the parts in which the error must fall [judgement]
 _FALLS = 0.05  # share of the squared error that a lag must take off: it stands for nothing else then [judgement]
@@ -35,7 +32,21 @@ _GUESS_S = 1e-3  # of what filters drives as they are recorded [judgement]
 _AGAIN = 2  # times that a lag is sought beside the effects that were found with it [effort]
 _AS_GOOD = 0.05  # answers whose squared errors differ by less, relative, are as good as each other [judgement]
 
-Answer = TypeVar("Answer")
+
+class Lagging(Protocol):
+    """What a search or a refit by the balance comes to: its model, the errors of the actuator as it was given, and those of the model."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def actuator(self) -> Actuator: ...
+    @property
+    def given(self) -> FoldErrors: ...
+    @property
+    def errors(self) -> FoldErrors: ...
+
+
+Answer = TypeVar("Answer", bound=Lagging)
 
 
 @dataclass(frozen=True)
@@ -45,7 +56,7 @@ class _Recorded:
     period_s: float
     drive: Reals
     asked: Reals
-    resting: Reals
+    resting: NDArray[np.bool_]
 
 
 def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), fixes: Fixes = NONE) -> float:
@@ -60,14 +71,14 @@ def drive_lag_s(actuator: Actuator, records: Sequence[AnyRecord], holdout: Seque
             piece.record.period_s,
             piece.model.drive_Nm,
             np.column_stack([piece.model.load_Nm + piece.model.added_Nm, piece.model.columns]),
-            piece.model.still.astype(np.float64),
+            piece.model.still,
         )
         for piece in pieces
     ]
     found_s, seen_s = 0.0, _FIRST * _LONGEST_S
     for _ in range(_ROUNDS):
         # the same samples under every lag that is tried: where one remembers a rest, no friction is known
-        known = [~remembered(one.resting > 0.0, one.period_s, seen_s) for one in rows]
+        known = [~remembered(one.resting, one.period_s, seen_s) for one in rows]
         fitted = bench.fitted & np.concatenate([smoother.kept(one) for one, smoother in zip(known, bench.smoothers, strict=True)])
         if not fitted.any():
             return 0.0
@@ -111,45 +122,46 @@ def _best_s(bench: Bench, rows: Sequence[_Recorded], fitted: NDArray[np.bool_]) 
 
 def with_lag_fitted(
     run: Callable[[Actuator, Report], Answer],
-    left: Callable[[Answer], tuple[float, int]],
-    model: Callable[[Answer], Actuator],
-    as_given: Callable[[Answer, Answer], Answer],
     actuator: Actuator,
     records: Sequence[AnyRecord],
     holdout: Sequence[AnyRecord] = (),
     fixes: Fixes = NONE,
-    report: Report = untold,
+    progress: Report | None = None,
 ) -> Answer:
     """What `run` makes of an actuator whose drive is as late as the records show, where it does not state that and it is the better answer.
 
-    `left`: of an answer the squared error of the parts held out, and how many effects it has; `model`: its machine; `as_given`: the first with the errors of the actuator
-    as it was given, which the second has. Beside an effect that was found the lag is another one, so that it is
-    sought again.
+    Beside an effect that was found the lag is another one, so that it is sought again.
     """
+    report = progress or untold
     if actuator.drive_lag_s is not None:
         return run(actuator, report)
     at_once = run(actuator, lambda share, text: report(0.5 * share, text))
     # a large effect hides a lag until it is in the model
-    lag_s = drive_lag_s(actuator, records, holdout, fixes) or drive_lag_s(model(at_once), records, holdout, fixes)
-    if not lag_s and left(at_once)[1]:
+    lag_s = drive_lag_s(actuator, records, holdout, fixes) or drive_lag_s(at_once.actuator, records, holdout, fixes)
+    if not lag_s and _left(at_once)[1]:
         report(1.0, "done")
         return at_once
     # an effect that is refused for what a lag does to it is found with about that lag
     shown, lag_s = bool(lag_s), lag_s or _GUESS_S
     late = run(actuator.with_drive_lag(lag_s), lambda share, text: report(0.5 + 0.25 * share, text))
-    if not shown and not left(late)[1]:
+    if not shown and not _left(late)[1]:
         report(1.0, "done")
         return at_once
     for _ in range(_AGAIN):
-        again_s = drive_lag_s(model(late), records, holdout, fixes)
+        again_s = drive_lag_s(late.actuator, records, holdout, fixes)
         if not again_s or math.isclose(again_s, lag_s, rel_tol=_SAME):
             break
         other = run(actuator.with_drive_lag(again_s), lambda share, text: report(0.75 + 0.2 * share, text))
-        if left(other) >= left(late):
+        if _left(other) >= _left(late):
             break
         late, lag_s = other, again_s
     report(1.0, "done")
-    return as_given(late, at_once) if _explains_more(left(late), left(at_once)) else at_once
+    return replace(late, given=at_once.given) if _explains_more(_left(late), _left(at_once)) else at_once
+
+
+def _left(answer: Lagging) -> tuple[float, int]:
+    """Mean squared error of the parts when each is held out, and how many effects the model has."""
+    return float(np.nanmean(np.square(answer.errors.each))), len(answer.actuator.active_effects)
 
 
 def _explains_more(late: tuple[float, int], at_once: tuple[float, int]) -> bool:

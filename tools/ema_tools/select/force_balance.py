@@ -22,7 +22,7 @@ from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
-from ema_tools.base.progress import Report, untold
+from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import PARTS
@@ -267,9 +267,7 @@ class ForceSearch:
         )
 
     def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> Tried:
-        rows = self.bench.training
-        gain = float(np.sum(accepted.residual[rows] ** 2) - np.sum(fit.residual[rows] ** 2))
-        return Tried(effect, fit, gain, (accepted.residual - fit.residual)[rows])
+        return Tried(effect, fit, self._gain(accepted, fit), (accepted.residual - fit.residual)[self.bench.training])
 
     def without_effects(self) -> None:
         """Takes for what the first model left that which the base values leave, the constant torque among them unless it is an effect of its own."""
@@ -314,7 +312,7 @@ class ForceSearch:
             why = self.judge.refusal(accepted, judged)
             if why:
                 self.weak.append(judged)  # which may be more beside another
-                refused.append(Refusal(effect, why, _of(effect, judged.fit.values), _of(effect, judged.fit.std), judged.fit.errors))
+                refused.append(_refused(judged, why))
             else:
                 added.append(judged)
         needless = [one for one in added if self.needless(one, added)]
@@ -326,24 +324,30 @@ class ForceSearch:
     def _instead(self, accepted: Fitted, effect: str) -> Tried | Refusal:
         """An effect in place of its special case, which was accepted: what it takes off beyond that one."""
         special = record_of(effect).special_case
-        rest = tuple(one for one in accepted.patterns if one.effect != special)
-        bends = any(one.bends for one in accepted.patterns if one.effect == special)
-        owners = [one.effect for one in accepted.patterns for _ in range(one.columns.shape[1])]
-        columns = accepted.columns[:, [owner != special for owner in owners]]
-        without = self.bench.judged(self.bench.fit(self.bench.with_bends(rest) if bends else accepted.samples, rest, columns))
+        without = self.bench.judged(self._without(accepted, special))
         found = self.tried(without, effect)
         if isinstance(found, Refusal):
             return found
         judged = replace(found, fit=self.bench.judged(found.fit))
-        rows = self.bench.training
-        gain = float(np.sum(accepted.residual[rows] ** 2) - np.sum(judged.fit.residual[rows] ** 2))
-        if self.judge.share(accepted, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.judge.first:
+        gain = self._gain(accepted, judged.fit)
+        if self.judge.slight(accepted, gain):
             why = f"{special} was accepted, which does nearly as much with one value less"
         else:
             why = self.judge.refusal(without, judged)
-        if why:
-            return Refusal(effect, why, _of(effect, judged.fit.values), _of(effect, judged.fit.std), judged.fit.errors)
-        return replace(judged, gain=gain)
+        return _refused(judged, why) if why else replace(judged, gain=gain)
+
+    def _without(self, accepted: Fitted, effect: str) -> Fitted:
+        """A fit without one of its effects."""
+        rest = tuple(one for one in accepted.patterns if one.effect != effect)
+        bends = any(one.bends for one in accepted.patterns if one.effect == effect)
+        owners = [one.effect for one in accepted.patterns for _ in range(one.columns.shape[1])]
+        columns = accepted.columns[:, [owner != effect for owner in owners]]
+        return self.bench.fit(self.bench.with_bends(rest) if bends else accepted.samples, rest, columns)
+
+    def _gain(self, before: Fitted, after: Fitted) -> float:
+        """By how much a fit lowers the squared error of what is fitted."""
+        rows = self.bench.training
+        return float(np.sum(before.residual[rows] ** 2) - np.sum(after.residual[rows] ** 2))
 
     def needless(self, general: Tried, added: Sequence[Tried]) -> bool:
         """Whether an effect that is another one in a special case takes off too little beyond that one."""
@@ -383,7 +387,7 @@ class ForceSearch:
 
     def consistent(self, fit: Fitted) -> Fitted:
         """A fit whose patterns are those of its own base values, of which some are shares, and not of the values that were stated."""
-        for _ in range(_BASE_ROUNDS):
+        for _ in range(_BASE_ROUNDS if fit.patterns else 0):
             base = {name: fit.values[name] for name in (LEVEL, VISCOUS) if row_of(name).lower <= fit.values[name] <= row_of(name).upper}
             bends = {name: value for pattern in fit.patterns if pattern.bends for name, value in pattern.shape.items()}
             found = self.with_patterns(fit.patterns, self.bench.changed({**base, **bends}))
@@ -431,12 +435,8 @@ class ForceSearch:
         """Without each earlier effect that the others have made needless, and their names."""
         dropped = []
         for pattern in accepted.patterns[:-1]:
-            rest = tuple(one for one in accepted.patterns if one.effect != pattern.effect)
-            owners = [one.effect for one in accepted.patterns for _ in range(one.columns.shape[1])]
-            columns = accepted.columns[:, [owner != pattern.effect for owner in owners]]
-            without = self.bench.fit(self.bench.with_bends(rest) if pattern.bends else accepted.samples, rest, columns)
-            gain = float(np.sum(without.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            if (self.judge.share(without, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.judge.first) and not outside(without):
+            without = self._without(accepted, pattern.effect)
+            if self.judge.slight(without, self._gain(without, accepted)) and not outside(without):
                 settled = self.settled(without)
                 if outside(settled):
                     self.prepare(accepted.samples.setting)
@@ -447,12 +447,8 @@ class ForceSearch:
             size = size_of_load()
             judged = self.bench.judged(accepted)
             held = self.bench.with_load_as_given(accepted)
-            gain = float(np.sum(held.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            slight = (
-                abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf)
-                or self.judge.share(held, gain) < LEAST_SHARE
-                or gain < LEAST_OF_FIRST * self.judge.first
-            )
+            gain = self._gain(held, accepted)
+            slight = abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf) or self.judge.slight(held, gain)
             if slight:
                 self.bench.load_named = False
                 unnamed = self.with_patterns(accepted.patterns, accepted.samples)
@@ -476,9 +472,7 @@ class ForceSearch:
             if isinstance(found, Refusal):
                 continue
             fit = self.bench.judged(self.finished(found.fit, found.fit.patterns[-1].bends))
-            lost = float(np.sum(fit.residual[self.bench.training] ** 2) - np.sum(accepted.residual[self.bench.training] ** 2))
-            slight = self.judge.share(fit, lost) < LEAST_SHARE or lost < LEAST_OF_FIRST * self.judge.first
-            if slight and not self.judge.refusal(without, self._tried(without, special, fit)):
+            if self.judge.slight(fit, self._gain(fit, accepted)) and not self.judge.refusal(without, self._tried(without, special, fit)):
                 accepted, instead[pattern.effect] = fit, special
         return accepted, instead
 
@@ -487,18 +481,15 @@ def _clear(accepted: Fitted, added: Sequence[Tried], least: float) -> tuple[list
     """Of effects that may be added those that are clear where the error is no more than `least`, which records differ by as well, and the others with the reason."""
     error = accepted.errors.training
     clear = [one for one in added if error > least or one.fit.errors.training <= _CLEARLY * error]
-    refused = [
-        Refusal(
-            one.effect,
-            f"it lowers to {one.fit.errors.training:.3g} % an error of {error:.3g} % by which records that do the same may differ",
-            _of(one.effect, one.fit.values),
-            _of(one.effect, one.fit.std),
-            one.fit.errors,
-        )
-        for one in added
-        if one not in clear
-    ]
+    why = f"an error of {error:.3g} % by which records that do the same may differ"
+    refused = [_refused(one, f"it lowers to {one.fit.errors.training:.3g} % {why}") for one in added if one not in clear]
     return clear, refused
+
+
+def _refused(tried: Tried, why: str) -> Refusal:
+    """An effect that was fitted and judged, and is not added."""
+    fit = tried.fit
+    return Refusal(tried.effect, why, _of(tried.effect, fit.values), _of(tried.effect, fit.std), fit.errors)
 
 
 def _of(effect: str, values: Mapping[str, float]) -> dict[str, float]:
@@ -556,22 +547,8 @@ def improve_by_forces(
     Raises MissingSignal when a record has no mechanical balance.
     """
     return with_lag_fitted(
-        lambda known, report: _improved(known, records, holdout, report, fixes, veto),
-        _left,
-        lambda way: way.actuator,
-        lambda late, at_once: replace(late, given=at_once.given),
-        actuator,
-        records,
-        holdout,
-        fixes,
-        progress or untold,
+        lambda known, report: _improved(known, records, holdout, report, fixes, veto), actuator, records, holdout, fixes, progress
     )
-
-
-def _left(way: ForceSteps) -> tuple[float, int]:
-    """Mean squared error of the parts when each is held out, and how many effects were accepted."""
-    errors = (way.steps[-1].errors if way.steps else way.refitted).each
-    return float(np.nanmean(np.square(errors))), len(way.actuator.active_effects)
 
 
 def _improved(
@@ -626,9 +603,7 @@ def _improved(
         if pair is None and not added:
             break
         if pair is None and len(steps) == EFFECTS_MAX:
-            refused += [
-                Refusal(one.effect, MANY, _of(one.effect, one.fit.values), _of(one.effect, one.fit.std), one.fit.errors) for one in added
-            ]
+            refused += [_refused(one, MANY) for one in added]
             break
         if pair is not None:
             first_of, best = pair
@@ -662,7 +637,6 @@ def _improved(
         why = f"with what was found {accepted.errors.training:.3g} % of the drive stays: too much for a name"
         needless += [Refusal(step.effect, why, _of(step.effect, step.values), _of(step.effect, step.std), step.errors) for step in steps]
         steps, accepted = [], first
-        search.prepare(bench.start.setting)
     accepted = bench.judged(search.consistent(accepted))
     if steps:
         steps[-1] = replace(steps[-1], values=accepted.values, std=bench.stated(accepted).std, errors=accepted.errors)

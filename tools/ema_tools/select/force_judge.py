@@ -133,6 +133,10 @@ class Judge:
         # the floor is itself known from a few laps only
         return gain / (total - min(floor, _MOST_FLOOR * total)) if math.isfinite(floor) else gain / total
 
+    def slight(self, worse: Fitted, gain: float) -> bool:
+        """Whether a gain over a fit is too little of what is above the floor, or of what the first model left."""
+        return self.share(worse, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.first
+
     def another(self, fit: Fitted, effect: str) -> str:
         """Why an effect as it was fitted is none, or another one; empty where it is what its name says."""
         beyond = outside(fit, effect)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.errors import InputError
-from ema_tools.base.progress import Report, untold
+from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division
@@ -160,31 +160,9 @@ def _on_end(name: str, value: float) -> bool:
     return any(math.isclose(value, end, rel_tol=_NEAR) for end in (row.lower, row.upper))
 
 
-def _late(
-    run: Callable[[Actuator, Report], ForceRefit],
-    actuator: Actuator,
-    records: Sequence[AnyRecord],
-    holdout: Sequence[AnyRecord],
-    fixes: Fixes,
-    report: Report | None,
-) -> ForceRefit:
-    """A refit with the drive as late as the records show, where the actuator does not state that."""
-    return with_lag_fitted(
-        run,
-        lambda found: (float(np.nanmean(np.square(found.errors.each))), len(found.actuator.active_effects)),
-        lambda found: found.actuator,
-        lambda late, at_once: replace(late, given=at_once.given),
-        actuator,
-        records,
-        holdout,
-        fixes,
-        report or untold,
-    )
-
-
 def refit_by_forces(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes = NONE, report: Report | None = None) -> ForceRefit:
     """Base values and the sizes of the model's own effects, fitted to all of the records, and how late the drive records where the actuator does not state it. Raises MissingSignal, InputError."""
-    return _late(lambda known, tell: _refit_by_forces(known, records, fixes, tell), actuator, records, (), fixes, report)
+    return with_lag_fitted(lambda known, tell: _refit_by_forces(known, records, fixes, tell), actuator, records, (), fixes, report)
 
 
 def _refit_by_forces(actuator: Actuator, records: Sequence[AnyRecord], fixes: Fixes, tell: Report) -> ForceRefit:
@@ -215,7 +193,7 @@ def add_by_forces(
 
     Raises MissingSignal, and InputError for one that the records do not show.
     """
-    return _late(
+    return with_lag_fitted(
         lambda known, tell: _add_by_forces(known, effect, records, holdout, fixes, tell), actuator, records, holdout, fixes, report
     )
 

@@ -53,6 +53,11 @@ class ForceSteps:
     estimated: EstimatedFloor
     foretold: tuple[float, float]
 
+    @property
+    def errors(self) -> FoldErrors:
+        """Of the last model."""
+        return self.steps[-1].errors if self.steps else self.refitted
+
 
 @dataclass(frozen=True)
 class Tried:

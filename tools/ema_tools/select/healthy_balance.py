@@ -222,7 +222,7 @@ def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
 
 @dataclass(frozen=True)
 class Change:
-    """A value of the healthy machine as today's records have it. `limit`: beyond which it has changed; `counts`: whether it has, and every part held out says so too."""
+    """A value of the healthy machine as today's records have it. `limit`: beyond which it has changed; `counts`: whether it has, and the records say so."""
 
     name: str
     healthy: float

@@ -50,7 +50,7 @@ def _told(actuator: Actuator, records: Sequence[AnyRecord]) -> Reals:
 
 def _fitted(actuator: Actuator, record: MotionRecord) -> Reals | None:
     """R and ke of a record, [2]; None where it has no voltage and current, or its motion does not tell them apart."""
-    voltage = record.terminal_voltage_V if record.terminal_voltage_V is not None else record.voltage_V
+    voltage = record.motor_voltage_V
     smoother = Smoother.of(record.period_s)
     if voltage is None or record.current_A is None or record.rows < smoother.least_rows:
         return None

@@ -112,7 +112,7 @@ class BalanceAnswer:
     @property
     def last(self) -> FoldErrors:
         """Errors of the last model."""
-        return self.forces.steps[-1].errors if self.forces.steps else self.forces.refitted
+        return self.forces.errors
 
     @property
     def floor_from(self) -> FloorFrom | None:

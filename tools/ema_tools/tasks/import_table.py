@@ -208,7 +208,7 @@ def _shaft_rows(records: Sequence[MotionRecord], mapped: TableMap, train: Train)
 
 def _torque(record: MotionRecord, mapped: TableMap, train: Train, speed_rad_s: Reals) -> Reals:
     """Torque of the drive, [rows]; from a voltage by the winding at rest of its current."""
-    voltage = record.terminal_voltage_V if record.terminal_voltage_V is not None else record.voltage_V
+    voltage = record.motor_voltage_V
     machine = mapped.machine
     if voltage is not None and record.current_A is None and record.torque_Nm is None and record.force_N is None:
         return machine["torque_constant"] * (voltage - machine["back_emf"] * speed_rad_s) / machine["resistance"]

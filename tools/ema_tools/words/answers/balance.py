@@ -41,7 +41,7 @@ def diagnosis_by_balance(
 ) -> result.DiagnosisByBalanceResult:
     """What was found on the records."""
     way = found.forces
-    last = way.steps[-1].errors if way.steps else way.refitted
+    last = way.errors
     kept = {step.effect for step in found.accepted}
     return result.DiagnosisByBalanceResult(
         name=found.record.file,
