@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import threading
 import urllib.error
 import urllib.request
@@ -20,12 +19,11 @@ from ema_tools.tasks.watch import Watch
 from ema_tools.words.live.page import page
 from ema_tools.words.live.server import LiveServer
 from ema_tools.words.live.state import state
-from ema_tools.words.page import uplot
+from in_browser import PHONE, launched
 from support import RECORDINGS, REFERENCE, Ran, complaint, run_ema
 
 UNIT = RECORDINGS / "unit"
 LINES = (RECORDINGS / "case_a.csv").read_bytes().splitlines(keepends=True)
-_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
 class Clock:
@@ -185,22 +183,15 @@ def test_an_interrupt_ends_it_with_what_was_found(tmp_path: Path, monkeypatch: p
 
 @pytest.mark.slow
 def test_the_page_follows_in_a_browser(tmp_path: Path) -> None:
-    playwright = pytest.importorskip("playwright.sync_api", reason="the tests in the browser need the Python package playwright")
-    browser = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
-    if browser is None:
-        pytest.skip(f"no browser to look at the page: install one of {', '.join(_BROWSERS)}")
-    if not uplot.library().there:
-        pytest.skip("the charting library is not in the build folder: install nodejs and npm, then build again")
-    path, clock = tmp_path / "r.csv", Clock()
-    actuator = read_actuator(REFERENCE)
-    watch = Watch(actuator, Growing(path), clock=clock)
-    server = LiveServer(
-        page(actuator.name, "r.csv"), lambda seen: None if seen == str(watch.seen.version) else state(watch.seen, actuator, "r.csv")
-    )
-    complaints: list[str] = []
-    with playwright.sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=browser, args=["--no-sandbox", "--disable-gpu"])
-        shown = opened.new_page(viewport={"width": 390, "height": 844})
+    with launched() as opened:
+        path, clock = tmp_path / "r.csv", Clock()
+        actuator = read_actuator(REFERENCE)
+        watch = Watch(actuator, Growing(path), clock=clock)
+        server = LiveServer(
+            page(actuator.name, "r.csv"), lambda seen: None if seen == str(watch.seen.version) else state(watch.seen, actuator, "r.csv")
+        )
+        complaints: list[str] = []
+        shown = opened.new_page(viewport=PHONE)
         shown.on("console", lambda one: complaints.append(one.text))
         shown.on("pageerror", lambda one: complaints.append(str(one)))
         shown.goto(server.url)
@@ -221,4 +212,3 @@ def test_the_page_follows_in_a_browser(tmp_path: Path) -> None:
         assert not complaints
         server.close()
         shown.wait_for_function("() => document.getElementById('state').textContent.includes('has ended')")
-        opened.close()
