@@ -200,13 +200,15 @@ def test_the_page_follows_in_a_browser(tmp_path: Path) -> None:
         append(path, LINES[:6000])
         watch.step()
         shown.wait_for_selector("body[data-phase=recording]")
+        # The rows are shown before they are searched: a page may ask between the two.
+        shown.wait_for_function("() => document.getElementById('values').textContent.includes('by the rows so far')")
         assert shown.locator(".channel canvas").count() == 8
-        assert "by the rows so far" in shown.inner_text("#values")
         append(path, LINES[6000:])
         watch.step()
         clock.now = 9.0
         watch.step()
         shown.wait_for_selector("body[data-phase=judged]")
+        shown.wait_for_function("seen => document.body.dataset.version === String(seen)", arg=watch.seen.version)
         assert shown.inner_text("#headline") == state(watch.seen, actuator, "r.csv")["headline"]
         assert shown.evaluate("() => document.documentElement.scrollWidth") <= 390
         assert not complaints
