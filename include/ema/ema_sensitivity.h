@@ -9,7 +9,8 @@
  * What stands in the residual for longer than noise does, though little of it, comes from something that the fit has
  * partly taken for a parameter: a sensor that saturates, a clock, a lag. How far the estimate may be off for that is
  * its bias: a third of what is shared, as if it lay along the parameter's own signature. The share is measured: of the
- * records in docs/FAULTS.md, and of others spoilt at random, none needed more.
+ * records in docs/FAULTS.md, and of others spoilt at random, none needed more. What the sensor's own noise shares
+ * (`shared_noise_mm` of the actuator) is no bias: it widens the errors and nothing else.
  */
 #ifndef EMA_SENSITIVITY_H
 #define EMA_SENSITIVITY_H
@@ -41,6 +42,7 @@ typedef struct {
     ema_real delta[EMA_IDENTIFIED_MAX];
     ema_real normal[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX]; /* J'J */
     ema_residual_t residual;
+    ema_real shared_noise_mm; /* of the rod position's sensor */
     uint32_t parameters;
     uint32_t channels;
     uint32_t prepared;   /* runs whose model is made */

@@ -73,7 +73,8 @@ ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least
     result->outcome = self->outcome;
     const ema_real variance =
         ema_residual_variance(&best->residual, freedom, ema_residual_widening(result->residual_correlation));
-    const ema_real shared = ema_residual_shared(&best->residual, rows, result->residual_correlation) * best->square;
+    const ema_real shared =
+        ema_residual_shared(&best->residual, rows, result->residual_correlation, EMA_R(0.0)) * best->square;
     for (uint32_t k = 0; k < result->count; ++k) {
         const ema_searched_t* const searched = &self->config->searched[k];
         const ema_apart_t apart = ema_damped_apart(best->normal, result->count, k);

@@ -40,8 +40,9 @@ static inline ema_real ema_residual_correlation(const ema_residual_t* residual)
 }
 
 /* Share of the residual's mean square that neighbouring rows have in common, above what white noise may show: by pairs,
- * or by blocks where it lasts. */
-static inline ema_real ema_residual_shared(const ema_residual_t* residual, uint32_t row, ema_real correlation)
+ * or by blocks where it lasts. What the sensor's noise is known to share, `noise_mm` rms, is taken off. */
+static inline ema_real ema_residual_shared(const ema_residual_t* residual, uint32_t row, ema_real correlation,
+                                           ema_real noise_mm)
 {
     const ema_real width = (ema_real)EMA_BLOCK_ROWS;
     const uint32_t whole_blocks = row / EMA_BLOCK_ROWS;
@@ -52,6 +53,9 @@ static inline ema_real ema_residual_shared(const ema_residual_t* residual, uint3
         const ema_real white = (residual->position_square / rows) * (blocks * width);
         const ema_real doubt = EMA_CORRELATION_DOUBT * ema_sqrt(EMA_R(2.0) / blocks);
         shared = ema_max(shared, ((residual->block_square / white) - EMA_R(1.0) - doubt) / (width - EMA_R(1.0)));
+    }
+    if (noise_mm > EMA_R(0.0)) {
+        shared -= (noise_mm * noise_mm) * (rows / residual->position_square);
     }
     return ema_clamp(shared, EMA_R(0.0), EMA_R(1.0));
 }

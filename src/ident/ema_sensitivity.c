@@ -21,6 +21,7 @@ ema_status_t ema_sensitivity_begin(ema_sensitivity_t* self, const ema_actuator_t
     }
     ema_clear(self, sizeof *self);
     ema_cursor_start(&self->cursor, record, actuator);
+    self->shared_noise_mm = actuator->params.shared_noise_mm;
     self->parameters = count;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         self->weight[channel] = weight[channel];
@@ -159,8 +160,9 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
 
     const ema_real widen = ema_residual_widening(result->residual_correlation);
     const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));
-    const ema_real shared_square = ema_residual_shared(&self->residual, self->cursor.row, result->residual_correlation)
-                                   * self->residual.weighted_square;
+    const ema_real shared_square =
+        ema_residual_shared(&self->residual, self->cursor.row, result->residual_correlation, self->shared_noise_mm)
+        * self->residual.weighted_square;
     const ema_real variance = ema_residual_variance(&self->residual, freedom, widen);
     for (uint32_t i = 0; i < count; ++i) {
         ema_real column[EMA_IDENTIFIED_MAX];

@@ -50,10 +50,13 @@ void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_
     }
     /* next to a sure fault, another parameter's doubt changes nothing */
     reasons |= fault ? 0U : near_threshold;
-    /* what neighbouring rows share is no sensor noise, however small it is beside it */
+    /* what neighbouring rows share beyond what the sensor's noise does is none, however small it is beside it */
     const ema_real shared_mm = result->residual_rms_mm * ema_sqrt(ema_max(result->residual_correlation, EMA_R(0.0)));
-    result->adequate = (result->residual_rms_mm <= (params->adequacy_ratio * params->position_noise_mm))
-                       && (shared_mm <= (params->structure_ratio * params->position_noise_mm));
+    const ema_real structure_mm = params->structure_ratio * params->position_noise_mm;
+    const ema_real allowed_mm =
+        ema_sqrt((structure_mm * structure_mm) + (params->shared_noise_mm * params->shared_noise_mm));
+    result->adequate =
+        (result->residual_rms_mm <= (params->adequacy_ratio * params->position_noise_mm)) && (shared_mm <= allowed_mm);
     reasons |= result->adequate ? 0U : (uint32_t)EMA_REASON_INADEQUATE;
     reasons |= (result->outcome == EMA_OUTCOME_BUDGET) ? (uint32_t)EMA_REASON_NOT_CONVERGED : 0U;
     reasons |= (result->outside_ratio <= EMA_OUTSIDE_MAX) ? 0U : (uint32_t)EMA_REASON_LEARNED_RANGE;

@@ -325,6 +325,28 @@ static void test_shared_residual_widens_the_errors(void)
     EMA_ASSERT_CLOSE(2.5, (double)shared.std[0] / (double)white.std[0], 0.3, 0.0);
 }
 
+/* What the sensor's noise is known to share widens the errors as before, and is no bias; what is shared beyond it is.
+ */
+static void test_noise_that_is_known_to_be_shared_is_no_bias(void)
+{
+    make_record(ROWS, EMA_R(0.005), EMA_R(0.6));
+    start(position_only, deltas, 2U);
+    const ema_sensitivity_result_t unknown = run_to_the_end(UINT32_MAX);
+    const ema_real shared_mm = (ema_real)((double)unknown.residual_rms_mm * sqrt((double)unknown.residual_correlation));
+    TEST_ASSERT_TRUE(unknown.bias[0] > unknown.std[0]);
+    actuator.params.shared_noise_mm = EMA_R(0.8) * shared_mm;
+    start(position_only, deltas, 2U);
+    const ema_sensitivity_result_t partly = run_to_the_end(UINT32_MAX);
+    /* sqrt(1 - 0.8^2), less for the scatter of a correlation, which is taken off both */
+    EMA_ASSERT_CLOSE(0.6, (double)partly.bias[0] / (double)unknown.bias[0], 0.1, 0.0);
+    TEST_ASSERT_TRUE(partly.std[0] == unknown.std[0]);
+    actuator.params.shared_noise_mm = EMA_R(1.1) * shared_mm;
+    start(position_only, deltas, 2U);
+    const ema_sensitivity_result_t known = run_to_the_end(UINT32_MAX);
+    TEST_ASSERT_TRUE((known.bias[0] == EMA_R(0.0)) && (known.bias[1] == EMA_R(0.0)));
+    TEST_ASSERT_TRUE((known.std[0] == unknown.std[0]) && (known.std[1] == unknown.std[1]));
+}
+
 static void test_alternating_residual_does_not_narrow_the_errors(void)
 {
     make_record(ROWS, EMA_R(0.0), EMA_R(0.0));
@@ -525,6 +547,7 @@ int main(void)
     RUN_TEST(test_rows_apart_and_a_command_between_them);
     RUN_TEST(test_slices_change_no_bit_and_make_what_they_say);
     RUN_TEST(test_shared_residual_widens_the_errors);
+    RUN_TEST(test_noise_that_is_known_to_be_shared_is_no_bias);
     RUN_TEST(test_what_lasts_in_the_residual_is_told_as_bias);
     RUN_TEST(test_play_is_crossed_once_the_rod_was_pushed_both_ways);
     RUN_TEST(test_play_that_was_only_pushed_back_is_not_crossed);

@@ -210,6 +210,20 @@ static void test_residual_that_neighbours_share(void)
     JUDGE(lines);
 }
 
+/* Noise of 5 um rms of which neighbours share 4.5 um: what is beyond it counts, 1.5 um as before. */
+static void test_noise_that_neighbours_share_is_no_structure(void)
+{
+    healthy.params.shared_noise_mm = EMA_R(0.0045);
+    const line_t lines[] = {
+        {0.0, 0.04, 0.0, 0.8, 5.0, 0.83, HEALTHY},
+        {0.0, 0.04, 0.0, 0.8, 5.0, 0.89, HEALTHY},
+        {0.0, 0.04, 0.0, 0.8, 5.0, 0.91, UNDECIDED(EMA_REASON_INADEQUATE)},
+        {30.0, 0.04, 0.0, 0.8, 5.0, 0.91, UNDECIDED(EMA_REASON_INADEQUATE)},
+        {30.0, 0.04, 0.0, 0.8, 5.0, 0.89, FAULT},
+    };
+    JUDGE(lines);
+}
+
 static void test_structure_ratio_moves_its_limit(void)
 {
     const line_t strict = {0.0, 0.04, 0.0, 0.8, 5.0, 0.05, UNDECIDED(EMA_REASON_INADEQUATE)};
@@ -366,6 +380,7 @@ int main(void)
     RUN_TEST(test_parameter_that_the_record_does_not_show);
     RUN_TEST(test_residual_larger_than_the_noise_explains);
     RUN_TEST(test_residual_that_neighbours_share);
+    RUN_TEST(test_noise_that_neighbours_share_is_no_structure);
     RUN_TEST(test_structure_ratio_moves_its_limit);
     RUN_TEST(test_adequacy_ratio_noise_and_confidence_move_their_limits);
     RUN_TEST(test_residual_that_is_no_number_is_inadequate);

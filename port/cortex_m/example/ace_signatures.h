@@ -6,35 +6,35 @@
 #include "ema/ema_onboard.h"
 #include "ema/ema_schema.h"
 
-#if EMA_CONFIG_SCHEMA != 0xcb12f310U
+#if EMA_CONFIG_SCHEMA != 0x99b1b352U
 #error "EMA_SIGNATURES: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h --signatures FILE.h --healthy REC ..."
 #endif
 
 static const ema_pattern_t ema_exported_patterns[] = {
     {0, 5, 1, true, {EMA_R(0x1.58e1fa77c50bfp-10), EMA_R(0.0), EMA_R(0x1.4e1da4ffe4414p-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {0, 6, 1, true, {EMA_R(0x1.4dab32a129a6fp-10), EMA_R(0.0), EMA_R(0x1.3887955da0e11p-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {0, 7, 1, true, {EMA_R(0x1.b5bc6f26e37cap-11), EMA_R(0.0), EMA_R(0x1.a102374c82343p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {0, 8, 1, true, {EMA_R(0x1.618d68036e2dfp-11), EMA_R(0.0), EMA_R(0x1.51f59748c8623p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {0, 9, 1, true, {EMA_R(0x1.6b7efd9d0d9ebp-11), EMA_R(0.0), EMA_R(0x1.5648fa4264944p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
-    {0, 10, 1, true, {EMA_R(0x1.1957bf2a9618cp-11), EMA_R(0.0), EMA_R(0x1.089e9221490ecp-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
+    {0, 6, 1, true, {EMA_R(0x1.4dab32a129a6ep-10), EMA_R(0.0), EMA_R(0x1.3887955da0e10p-4)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
+    {0, 7, 1, true, {EMA_R(0x1.b5bc6f26e37ccp-11), EMA_R(0.0), EMA_R(0x1.a102374c82345p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
+    {0, 8, 1, true, {EMA_R(0x1.618d68036e2e0p-11), EMA_R(0.0), EMA_R(0x1.51f59748c8624p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
+    {0, 9, 1, true, {EMA_R(0x1.6b7efd9d0d9e9p-11), EMA_R(0.0), EMA_R(0x1.5648fa4264942p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
+    {0, 10, 1, true, {EMA_R(0x1.1957bf2a9618dp-11), EMA_R(0.0), EMA_R(0x1.089e9221490edp-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {1, 11, 2, false, {EMA_R(0x1.13b346e39c0e6p-13), EMA_R(-0x1.356dbcb6237f0p-16), EMA_R(0x1.6691f39e8631fp-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 13, 2, false, {EMA_R(0x1.129f5ceed8e5bp-13), EMA_R(-0x1.9848aa3f8ac99p-18), EMA_R(0x1.f5757f873d86ep-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 13, 2, false, {EMA_R(0x1.129f5ceed8e5bp-13), EMA_R(-0x1.9848aa3f8ac9dp-18), EMA_R(0x1.f5757f873d86ep-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 15, 2, false, {EMA_R(0x1.a8411c57a8869p-14), EMA_R(0x1.01d1ee2b918dap-15), EMA_R(0x1.3ec2355b1f5c9p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 17, 2, false, {EMA_R(0x1.58369c9f8eea8p-13), EMA_R(-0x1.a3e3a73039f29p-15), EMA_R(0x1.d01ec37c2b9cap-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 19, 2, false, {EMA_R(0x1.2d4f69d668a53p-13), EMA_R(-0x1.5ac4c14e9bfb8p-15), EMA_R(0x1.a4a1971113af8p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 21, 2, false, {EMA_R(0x1.2d50c999c8f50p-13), EMA_R(-0x1.5e4382b75aed6p-14), EMA_R(0x1.33674dd029820p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 17, 2, false, {EMA_R(0x1.58369c9f8eea8p-13), EMA_R(-0x1.a3e3a73039f27p-15), EMA_R(0x1.d01ec37c2b9cap-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 19, 2, false, {EMA_R(0x1.2d4f69d668a52p-13), EMA_R(-0x1.5ac4c14e9bfb7p-15), EMA_R(0x1.a4a1971113af8p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 21, 2, false, {EMA_R(0x1.2d50c999c8f50p-13), EMA_R(-0x1.5e4382b75aed4p-14), EMA_R(0x1.33674dd029820p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 23, 2, false, {EMA_R(0x1.c655bf7dfb13ap-13), EMA_R(0x1.5596e3ffc14d3p-16), EMA_R(0x1.971d882f88fd2p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 25, 2, false, {EMA_R(0x1.5d18340e92487p-13), EMA_R(-0x1.bdcff5fc819aap-14), EMA_R(0x1.3cd803aa41fa2p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 27, 2, false, {EMA_R(0x1.a23d34e1d8e14p-13), EMA_R(-0x1.9cddbcf1177b0p-14), EMA_R(0x1.653aff42a4e41p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 29, 2, false, {EMA_R(0x1.60e1e3cb6963fp-13), EMA_R(-0x1.af98135cb55e2p-14), EMA_R(0x1.dbf34d34eaceep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 31, 2, false, {EMA_R(0x1.16498197f2510p-12), EMA_R(0x1.87631e7e7f2e8p-16), EMA_R(0x1.05e739d7ce2e3p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 33, 2, false, {EMA_R(0x1.f905391de8032p-13), EMA_R(-0x1.a0080aebb3012p-14), EMA_R(0x1.9854a0fdae568p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 27, 2, false, {EMA_R(0x1.a23d34e1d8e14p-13), EMA_R(-0x1.9cddbcf1177afp-14), EMA_R(0x1.653aff42a4e41p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 29, 2, false, {EMA_R(0x1.60e1e3cb6963dp-13), EMA_R(-0x1.af98135cb55e0p-14), EMA_R(0x1.dbf34d34eaceep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 31, 2, false, {EMA_R(0x1.16498197f2510p-12), EMA_R(0x1.87631e7e7f2e9p-16), EMA_R(0x1.05e739d7ce2e3p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 33, 2, false, {EMA_R(0x1.f905391de8032p-13), EMA_R(-0x1.a0080aebb3013p-14), EMA_R(0x1.9854a0fdae568p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 35, 2, false, {EMA_R(0x1.b8ca76d22b855p-13), EMA_R(0x1.6931fbf8a88c3p-15), EMA_R(0x1.2cb15e3005b9bp-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 37, 2, false, {EMA_R(0x1.d5c8b6e17d5a1p-13), EMA_R(-0x1.3d1849d9068d3p-13), EMA_R(0x1.d001621629f52p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 39, 2, false, {EMA_R(0x1.66235f12d2cd2p-12), EMA_R(0x1.132bd842866e2p-15), EMA_R(0x1.0bd57afefff3ep-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 41, 2, false, {EMA_R(0x1.197ebe0ed41fep-12), EMA_R(-0x1.58da4bc3e0b34p-14), EMA_R(0x1.bff9707804034p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 39, 2, false, {EMA_R(0x1.66235f12d2cd2p-12), EMA_R(0x1.132bd842866e3p-15), EMA_R(0x1.0bd57afefff3ep-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 41, 2, false, {EMA_R(0x1.197ebe0ed41fep-12), EMA_R(-0x1.58da4bc3e0b33p-14), EMA_R(0x1.bff9707804034p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {2, 43, 1, false, {EMA_R(0x1.55f05f65846fcp-16), EMA_R(0.0), EMA_R(0x1.41d2ade60c084p-10)}, EMA_R(0.0)}, /* constant_load */
-    {3, 44, 1, false, {EMA_R(0x1.ccdc2ff39cc55p-2), EMA_R(0.0), EMA_R(0x1.1202a2df927e0p+5)}, EMA_R(0.0)}, /* winding_heating */
+    {3, 44, 1, false, {EMA_R(0x1.ccdc2ff39cc52p-2), EMA_R(0.0), EMA_R(0x1.1202a2df927dep+5)}, EMA_R(0.0)}, /* winding_heating */
     {4, 45, 1, true, {EMA_R(0x1.d5b887799a186p-11), EMA_R(0.0), EMA_R(0x1.b915e04fe1ebap-5)}, EMA_R(0.0)}, /* inverter_dead_time */
     {5, 46, 1, true, {EMA_R(0x1.18e446de95668p-11), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-7)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {5, 47, 1, true, {EMA_R(0x1.0d2bf92fe4207p-12), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-6)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
@@ -44,70 +44,70 @@ static const ema_pattern_t ema_exported_patterns[] = {
     {5, 51, 1, true, {EMA_R(0x1.118e565d52fb8p-12), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-6)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {6, 52, 1, true, {EMA_R(0x1.d3f2b75b17b09p-19), EMA_R(0.0), EMA_R(0x1.b7bd7e9169ca2p-13)}, EMA_R(0.0)}, /* feedback_delay */
     {7, 53, 1, true, {EMA_R(0x1.a517838ad712ap-17), EMA_R(0.0), EMA_R(0x1.9651d23b7d458p-11)}, EMA_R(0.0)}, /* spring_load */
-    {8, 54, 1, true, {EMA_R(0x1.28eaa469a46f6p-16), EMA_R(0.0), EMA_R(0x1.51905f95578aap-10)}, EMA_R(0.0)}, /* presliding */
+    {8, 54, 1, true, {EMA_R(0x1.28eaa469a46f7p-16), EMA_R(0.0), EMA_R(0x1.51905f95578abp-10)}, EMA_R(0.0)}, /* presliding */
     {9, 55, 1, false, {EMA_R(0x1.35b9c413cc470p-13), EMA_R(0.0), EMA_R(0x1.225dd76a4e24ep-7)}, EMA_R(0.0)}, /* coulomb_asymmetry */
     {10, 56, 1, false, {EMA_R(0x1.fe8a26d1b0ae8p-10), EMA_R(0.0), EMA_R(0x1.dea04a550624fp-4)}, EMA_R(0.0)}, /* viscous_asymmetry */
-    {11, 57, 1, true, {EMA_R(0x1.8a815ab656ce4p-13), EMA_R(0.0), EMA_R(0x1.7687ff375cc0bp-7)}, EMA_R(0.0)}, /* load_dependent_friction */
-    {12, 58, 2, false, {EMA_R(0x1.269bedb7453b9p-13), EMA_R(-0x1.f1b6b9c8b3c92p-19), EMA_R(0x1.f9637b6cd38a1p-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
-    {13, 60, 2, false, {EMA_R(0x1.190a4bc475cbdp-11), EMA_R(0x1.bcc1b8f42534dp-16), EMA_R(0x1.cace483fde0cfp-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 62, 2, false, {EMA_R(0x1.351b767483467p-11), EMA_R(0x1.63949281db0e3p-14), EMA_R(0x1.b53c29a1b9e16p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 64, 2, false, {EMA_R(0x1.dfc45d7d2bc27p-11), EMA_R(-0x1.9e0c722daa473p-14), EMA_R(0x1.dfaef095f63f6p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {11, 57, 1, true, {EMA_R(0x1.8a815ab656ce3p-13), EMA_R(0.0), EMA_R(0x1.7687ff375cc0ap-7)}, EMA_R(0.0)}, /* load_dependent_friction */
+    {12, 58, 2, false, {EMA_R(0x1.269bedb7453b9p-13), EMA_R(-0x1.f1b6b9c8b3c90p-19), EMA_R(0x1.f9637b6cd38a1p-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
+    {13, 60, 2, false, {EMA_R(0x1.190a4bc475cbdp-11), EMA_R(0x1.bcc1b8f42534dp-16), EMA_R(0x1.cace483fde0d0p-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 62, 2, false, {EMA_R(0x1.351b767483467p-11), EMA_R(0x1.63949281db0e1p-14), EMA_R(0x1.b53c29a1b9e16p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 64, 2, false, {EMA_R(0x1.dfc45d7d2bc27p-11), EMA_R(-0x1.9e0c722daa476p-14), EMA_R(0x1.dfaef095f63f8p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 66, 2, false, {EMA_R(0x1.281b7322890efp-10), EMA_R(0x1.64281d4371323p-13), EMA_R(0x1.24a8ef17bc927p-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 68, 2, false, {EMA_R(0x1.06593ed57894ap-10), EMA_R(-0x1.4473016c5adc2p-12), EMA_R(0x1.ee1e4e795bf2fp-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 68, 2, false, {EMA_R(0x1.06593ed57894ap-10), EMA_R(-0x1.4473016c5adc2p-12), EMA_R(0x1.ee1e4e795bf30p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {14, 70, 1, true, {EMA_R(0x1.3805d12b983edp-14), EMA_R(0.0), EMA_R(0x1.256b52b0c1f24p-8)}, EMA_R(0.0)}, /* magnet_weakening */
-    {15, 71, 1, true, {EMA_R(0x1.d19c1ad51073cp-14), EMA_R(0.0), EMA_R(0x1.b83a1268e9fc0p-8)}, EMA_R(0.0)}, /* supply_sag */
+    {15, 71, 1, true, {EMA_R(0x1.d19c1ad51073dp-14), EMA_R(0.0), EMA_R(0x1.b83a1268e9fc1p-8)}, EMA_R(0.0)}, /* supply_sag */
     {16, 72, 1, true, {EMA_R(0x1.b09caa9b5295bp-11), EMA_R(0.0), EMA_R(0x1.98f85fd45f64dp-5)}, EMA_R(0.0)}, /* source_resistance */
     {17, 73, 1, true, {EMA_R(0x1.65a49f2c5eab0p-3), EMA_R(0.0), EMA_R(0x1.bf75584ccccccp+2)}, EMA_R(0x1.62e42fefa39efp+0)}, /* current_limit */
     {17, 74, 1, true, {EMA_R(0x1.c6d5a79e289d9p-7), EMA_R(0.0), EMA_R(0x1.905b84e666666p+2)}, EMA_R(0x1.62e42fefa39efp+0)}, /* current_limit */
     {18, 75, 1, false, {EMA_R(0x1.515f9aa54cfb5p-15), EMA_R(0.0), EMA_R(0x1.3c3e4f5705a43p-9)}, EMA_R(0.0)}, /* sensor_gain */
     {19, 76, 1, false, {EMA_R(0x1.285364544c7a9p-15), EMA_R(0.0), EMA_R(0x1.0624dd2f1a9fcp-9)}, EMA_R(0.0)}, /* sensor_offset */
     {20, 77, 1, true, {EMA_R(0x1.96a0b911f6db2p-19), EMA_R(0.0), EMA_R(0x1.6da527c79402cp-13)}, EMA_R(0.0)}, /* actuation_delay */
-    {21, 78, 1, false, {EMA_R(0x1.1348ea4a36347p-7), EMA_R(0.0), EMA_R(0x1.012c2cdd2f2b5p-1)}, EMA_R(0.0)}, /* viscous_rise */
-    {22, 79, 1, false, {EMA_R(0x1.9490067d8db54p-17), EMA_R(0.0), EMA_R(0x1.7cc885a694714p-11)}, EMA_R(0.0)}, /* concave_viscous */
+    {21, 78, 1, false, {EMA_R(0x1.1348ea4a36348p-7), EMA_R(0.0), EMA_R(0x1.012c2cdd2f2b6p-1)}, EMA_R(0.0)}, /* viscous_rise */
+    {22, 79, 1, false, {EMA_R(0x1.9490067d8db52p-17), EMA_R(0.0), EMA_R(0x1.7cc885a694714p-11)}, EMA_R(0.0)}, /* concave_viscous */
     {23, 80, 1, false, {EMA_R(0x1.cec8e9d07a359p-29), EMA_R(0.0), EMA_R(0x1.e8054eaf56002p-23)}, EMA_R(0.0)}, /* quadratic_viscous */
-    {24, 81, 1, true, {EMA_R(0x1.ca6302432f02ep-15), EMA_R(0.0), EMA_R(0x1.a28ef3311053bp-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
+    {24, 81, 1, true, {EMA_R(0x1.ca6302432f02fp-15), EMA_R(0.0), EMA_R(0x1.a28ef3311053cp-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 82, 1, true, {EMA_R(0x1.5c6e4d909fdedp-14), EMA_R(0.0), EMA_R(0x1.41622f838b89ap-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 83, 1, true, {EMA_R(0x1.b216872297957p-14), EMA_R(0.0), EMA_R(0x1.9132fd5c3d0ccp-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 84, 1, true, {EMA_R(0x1.75f3a04a97d71p-14), EMA_R(0.0), EMA_R(0x1.59989202c83bap-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 85, 1, true, {EMA_R(0x1.57fee0bba4377p-14), EMA_R(0.0), EMA_R(0x1.3e88b5c622944p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 86, 1, true, {EMA_R(0x1.35437d1b52479p-14), EMA_R(0.0), EMA_R(0x1.1d8d469109e2ap-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 87, 1, true, {EMA_R(0x1.bed9dd89d7595p-15), EMA_R(0.0), EMA_R(0x1.999b9e5743a9fp-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
-    {25, 88, 1, false, {EMA_R(0x1.4b9ba5c2ccdcdp-13), EMA_R(0.0), EMA_R(0x1.370c207b9f961p-7)}, EMA_R(0.0)}, /* inertia_change */
+    {25, 88, 1, false, {EMA_R(0x1.4b9ba5c2ccdcep-13), EMA_R(0.0), EMA_R(0x1.370c207b9f962p-7)}, EMA_R(0.0)}, /* inertia_change */
     {26, 89, 1, false, {EMA_R(0x1.da5215dc380b1p-14), EMA_R(0.0), EMA_R(0x1.becded337ac52p-8)}, EMA_R(0.0)}, /* gain_drift */
-    {31, 90, 1, true, {EMA_R(0x1.cd5f82eea9cd4p-11), EMA_R(0.0), EMA_R(0x1.b73389a49a559p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
+    {31, 90, 1, true, {EMA_R(0x1.cd5f82eea9cd5p-11), EMA_R(0.0), EMA_R(0x1.b73389a49a55ap-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
     {31, 91, 1, true, {EMA_R(0x1.0aa5db6830ad3p-11), EMA_R(0.0), EMA_R(0x1.fb7e8b540a9efp-6)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
     {32, 92, 1, true, {EMA_R(0x1.3f1224d405132p-10), EMA_R(0.0), EMA_R(0x1.3007264805c7dp-4)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
     {32, 93, 1, true, {EMA_R(0x1.57dc08fe267c7p-11), EMA_R(0.0), EMA_R(0x1.5025f65586ce4p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
-    {33, 94, 1, true, {EMA_R(0x1.99757b6511f20p-7), EMA_R(0.0), EMA_R(0x1.8610bee273a08p-1)}, EMA_R(0.0)}, /* winding_warming */
+    {33, 94, 1, true, {EMA_R(0x1.99757b6511f21p-7), EMA_R(0.0), EMA_R(0x1.8610bee273a09p-1)}, EMA_R(0.0)}, /* winding_warming */
     {34, 95, 1, false, {EMA_R(0x1.45a9713e3d4aap-11), EMA_R(0.0), EMA_R(0x1.337f629ecb485p-5)}, EMA_R(0.0)}, /* grease_warming */
-    {35, 96, 1, true, {EMA_R(0x1.06a1af75a6732p-43), EMA_R(0.0), EMA_R(0x1.3f7d2e9e00b3ap-32)}, EMA_R(0.0)}, /* elastic_backlash */
+    {35, 96, 1, true, {EMA_R(0x1.06a1af75a6733p-43), EMA_R(0.0), EMA_R(0x1.3f7d2e9e00b3bp-32)}, EMA_R(0.0)}, /* elastic_backlash */
 };
 
 static const ema_real ema_exported_units[] = {
     EMA_R(0x1.361b989973982p-19), EMA_R(0x1.c7fe0168dea6ap-19), EMA_R(0x1.0716dfadaae9bp-18), EMA_R(0x1.7ad6447d4bf6bp-18),
-    EMA_R(0x1.f172ca408d813p-19), EMA_R(0x1.1af4ecc0f7fbcp-17), EMA_R(0x1.310475c05b95ap-17), EMA_R(0x1.d926c187d64dap-18),
-    EMA_R(0x1.fd827b74b612dp-18), EMA_R(0x1.5619cb8f3d8bfp-18), EMA_R(0x1.396d48ce0a480p-18), EMA_R(0x1.d344e3fab82eep-18),
+    EMA_R(0x1.f172ca408d813p-19), EMA_R(0x1.1af4ecc0f7fbcp-17), EMA_R(0x1.310475c05b95ap-17), EMA_R(0x1.d926c187d64d9p-18),
+    EMA_R(0x1.fd827b74b612dp-18), EMA_R(0x1.5619cb8f3d8bfp-18), EMA_R(0x1.396d48ce0a47fp-18), EMA_R(0x1.d344e3fab82eep-18),
     EMA_R(0x1.ea688d3f39c99p-18), EMA_R(0x1.5351000395243p-17), EMA_R(0x1.02a3f2eb270bdp-17), EMA_R(0x1.06cea267cf2ebp-17),
     EMA_R(0x1.4fa9057bd4dd6p-17), EMA_R(0x1.920491d8c188dp-18), EMA_R(0x1.d84ea394eabb8p-18), EMA_R(0x1.178f586637452p-17),
     EMA_R(0x1.1bbc5511d7348p-17), EMA_R(0x1.c40557af25062p-18), EMA_R(0x1.07773496f1afcp-17), EMA_R(0x1.a7ae2d185c702p-18),
     EMA_R(0x1.b22b52cad2591p-18), EMA_R(0x1.3dda5f65ad34cp-17), EMA_R(0x1.bb09755b385cbp-18), EMA_R(0x1.b2ea5b5a22cdbp-18),
-    EMA_R(0x1.14a77912857d5p-17), EMA_R(0x1.3ceeac0b29eb8p-17), EMA_R(0x1.451b430db1030p-17), EMA_R(0x1.b5336780b1e34p-18),
+    EMA_R(0x1.14a77912857d4p-17), EMA_R(0x1.3ceeac0b29eb8p-17), EMA_R(0x1.451b430db1030p-17), EMA_R(0x1.b5336780b1e35p-18),
     EMA_R(0x1.4b833b9f1e90dp-17), EMA_R(0x1.485758dff3960p-17), EMA_R(0x1.40bdb8bd659c1p-17), EMA_R(0x1.efd9ff87f2b8ep-18),
     EMA_R(0x1.d293d4d760873p-18), EMA_R(0x1.5c27095ce5082p-17), EMA_R(0x1.0ce7477498676p-17), EMA_R(0x1.0712d534a8645p-17),
     EMA_R(0x1.668870c477e9bp-17), EMA_R(0x1.34306b7ffa0bdp-17), EMA_R(0x1.8d51775489c50p-17), EMA_R(0x1.1efb31f298635p-19),
-    EMA_R(0x1.83850fdbb1cd0p-18), EMA_R(0x1.9a4db4722904bp-18), EMA_R(0x1.4a768fd9bb2d4p-18), EMA_R(0x1.3dfb794ca5530p-18),
+    EMA_R(0x1.83850fdbb1cd6p-18), EMA_R(0x1.9a4db4722904cp-18), EMA_R(0x1.4a768fd9bb2d4p-18), EMA_R(0x1.3dfb794ca5530p-18),
     EMA_R(0x1.484dd78037fe8p-18), EMA_R(0x1.3cd5ef20f7b5ap-18), EMA_R(0x1.40fff8e8045adp-18), EMA_R(0x1.3a471deeb857bp-18),
-    EMA_R(0x1.bac1af32e03b3p-19), EMA_R(0x1.ed6b6faa1e2acp-19), EMA_R(0x1.f0971f7cb1eb0p-18), EMA_R(0x1.1efc356a60b8fp-19),
-    EMA_R(0x1.17db0d77de4efp-18), EMA_R(0x1.34217f31d1c8fp-18), EMA_R(0x1.56a0877670e50p-19), EMA_R(0x1.3d39cb5fc534fp-18),
+    EMA_R(0x1.bac1af32e03b2p-19), EMA_R(0x1.ed6b6faa1e2acp-19), EMA_R(0x1.f0971f7cb1eb0p-18), EMA_R(0x1.1efc356a60b8fp-19),
+    EMA_R(0x1.17db0d77de4efp-18), EMA_R(0x1.34217f31d1c8fp-18), EMA_R(0x1.56a0877670e50p-19), EMA_R(0x1.3d39cb5fc5350p-18),
     EMA_R(0x1.bd16916685983p-18), EMA_R(0x1.700cc56f7beaap-18), EMA_R(0x1.ca31e3caf0e40p-18), EMA_R(0x1.03164ee85a491p-17),
-    EMA_R(0x1.be570d326ec9ap-18), EMA_R(0x1.ae1e70454c20dp-18), EMA_R(0x1.ad69fa048b8f3p-18), EMA_R(0x1.99381c860195ap-18),
-    EMA_R(0x1.a8dc42710d8cap-18), EMA_R(0x1.08e8ff3696203p-17), EMA_R(0x1.ec02469ec6c22p-19), EMA_R(0x1.b207e540bd9e6p-19),
+    EMA_R(0x1.be570d326ec9ap-18), EMA_R(0x1.ae1e70454c20fp-18), EMA_R(0x1.ad69fa048b8f3p-18), EMA_R(0x1.99381c860195ap-18),
+    EMA_R(0x1.a8dc42710d8cap-18), EMA_R(0x1.08e8ff3696203p-17), EMA_R(0x1.ec02469ec6c22p-19), EMA_R(0x1.b207e540bd9e7p-19),
     EMA_R(0x1.0fec9ae46412ap-18), EMA_R(0x1.131148e398a00p-16), EMA_R(0x1.51ba7f88330a6p-17), EMA_R(0x1.1ee83daab75f4p-18),
-    EMA_R(0x1.369aa4f1be1acp-19), EMA_R(0x1.2694969fe2f40p-18), EMA_R(0x1.0aa8d1508e83cp-20), EMA_R(0x1.aef19265baa8bp-19),
+    EMA_R(0x1.369aa4f1be1acp-19), EMA_R(0x1.2694969fe2f40p-18), EMA_R(0x1.0aa8d1508e83cp-20), EMA_R(0x1.aef19265baa8cp-19),
     EMA_R(0x1.e9351943b4cf1p-19), EMA_R(0x1.252a8ede71f40p-18), EMA_R(0x1.f4e950eb00dfcp-18), EMA_R(0x1.189797e2c031bp-17),
-    EMA_R(0x1.2fb9844b22e75p-17), EMA_R(0x1.f1600908ed39cp-18), EMA_R(0x1.a3f2c1a8b4537p-18), EMA_R(0x1.049d7c6752b0ep-18),
+    EMA_R(0x1.2fb9844b22e75p-17), EMA_R(0x1.f1600908ed39bp-18), EMA_R(0x1.a3f2c1a8b4537p-18), EMA_R(0x1.049d7c6752b0dp-18),
     EMA_R(0x1.42683db47f952p-18), EMA_R(0x1.944df7e44994fp-19), EMA_R(0x1.110cd0f1a8093p-17), EMA_R(0x1.08c1aae4021edp-17),
-    EMA_R(0x1.03d71f2b34a5ep-17), EMA_R(0x1.5faca50572bf9p-18), EMA_R(0x1.cb6d0bf1a82d1p-18), EMA_R(0x1.0413e0f6db95cp-18),
+    EMA_R(0x1.03d71f2b34a5fp-17), EMA_R(0x1.5faca50572bf9p-18), EMA_R(0x1.cb6d0bf1a82d1p-18), EMA_R(0x1.0413e0f6db95ap-18),
     EMA_R(0x1.2445bc80e1fcfp-18), EMA_R(0x1.7735d34172332p-18), EMA_R(0x1.f172ca408d815p-19),
 };
 
@@ -2210,7 +2210,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 4211061884U,
+    .fingerprint = 886625190U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,
@@ -2227,7 +2227,7 @@ static const ema_signatures_t EMA_SIGNATURES = {
     .limit = EMA_R(30.0),
     .energy = EMA_R(0x1.c9c40414a4494p+8),
     .fault = {
-        {25, 97, EMA_R(0x1.1a9fbe76c8b44p-3), EMA_R(0x1.060aa18de42dep-11), EMA_R(0x1.04dc771110734p+16)}, /* screw.csj_Nm */
+        {25, 97, EMA_R(0x1.1a9fbe76c8b44p-3), EMA_R(0x1.060aa18de42dep-11), EMA_R(0x1.04dc771110733p+16)}, /* screw.csj_Nm */
         {29, 98, EMA_R(0x1.0e5604189374cp-5), EMA_R(0x1.191382584d9e9p-13), EMA_R(0x1.a01e67ad8c7bbp+13)}, /* screw.blk_mm */
     },
     .pattern = ema_exported_patterns,

@@ -5,7 +5,7 @@
 #include "ema/ema_actuator.h"
 #include "ema/ema_schema.h"
 
-#if EMA_CONFIG_SCHEMA != 0xcb12f310U
+#if EMA_CONFIG_SCHEMA != 0x99b1b352U
 #error "EMA_ACTUATOR: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h"
 #endif
 
@@ -61,6 +61,7 @@ static const ema_actuator_t EMA_ACTUATOR = {
         .command_speed_mm_s = EMA_R(0x1.0657922cddad5p+4), /* 16.3963796 mm/s */
         .unseen_percent = EMA_R(0.0), /* 0 % */
         .position_noise_mm = EMA_R(0x1.47ae147ae147bp-8), /* 0.005 mm */
+        .shared_noise_mm = EMA_R(0.0), /* 0 mm */
         .confidence_std = EMA_R(3.0), /* 3 */
         .adequacy_ratio = EMA_R(2.0), /* 2 */
         .structure_ratio = EMA_R(0x1.3333333333333p-2), /* 0.3 */

@@ -6,7 +6,7 @@
 #include "ema/ema_onboard.h"
 #include "ema/ema_schema.h"
 
-#if EMA_CONFIG_SCHEMA != 0xcb12f310U
+#if EMA_CONFIG_SCHEMA != 0x99b1b352U
 #error "EMA_SIGNATURES: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h --signatures FILE.h --healthy REC ..."
 #endif
 
@@ -18,28 +18,28 @@ static const ema_pattern_t ema_exported_patterns[] = {
     {0, 9, 1, true, {EMA_R(0x1.a5ac922c9408cp-11), EMA_R(0.0), EMA_R(0x1.8d4bdab4482cdp-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {0, 10, 1, true, {EMA_R(0x1.3d637a4034b2ep-11), EMA_R(0.0), EMA_R(0x1.2a6410257e7c3p-5)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* stribeck_friction */
     {1, 11, 2, false, {EMA_R(0x1.28fb865f3a85fp-13), EMA_R(-0x1.85e53ade8e887p-15), EMA_R(0x1.76175923d4546p-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 13, 2, false, {EMA_R(0x1.f43156961c1b3p-14), EMA_R(-0x1.00fc6c8cef4cfp-16), EMA_R(0x1.e5af9e373bcccp-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 15, 2, false, {EMA_R(0x1.d4c57bf6591efp-14), EMA_R(0x1.20810a9b51484p-14), EMA_R(0x1.2b22da92fb674p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 17, 2, false, {EMA_R(0x1.3ed681df9c026p-13), EMA_R(-0x1.35617bde72353p-14), EMA_R(0x1.2d765b2bf0c13p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 19, 2, false, {EMA_R(0x1.4919766363341p-13), EMA_R(0x1.6a28f1cc3e402p-17), EMA_R(0x1.b3f326a8c339cp-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 21, 2, false, {EMA_R(0x1.47ffd63fec898p-13), EMA_R(-0x1.f7dfe293e3b32p-14), EMA_R(0x1.52d869a527574p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 23, 2, false, {EMA_R(0x1.d7bea1db35c58p-13), EMA_R(-0x1.acdb19f37e097p-16), EMA_R(0x1.6434036074ecep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 13, 2, false, {EMA_R(0x1.f43156961c1b3p-14), EMA_R(-0x1.00fc6c8cef4cep-16), EMA_R(0x1.e5af9e373bcccp-14)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 15, 2, false, {EMA_R(0x1.d4c57bf6591efp-14), EMA_R(0x1.20810a9b51483p-14), EMA_R(0x1.2b22da92fb674p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 17, 2, false, {EMA_R(0x1.3ed681df9c026p-13), EMA_R(-0x1.35617bde72353p-14), EMA_R(0x1.2d765b2bf0c12p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 19, 2, false, {EMA_R(0x1.4919766363341p-13), EMA_R(0x1.6a28f1cc3e404p-17), EMA_R(0x1.b3f326a8c339ap-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 21, 2, false, {EMA_R(0x1.47ffd63fec898p-13), EMA_R(-0x1.f7dfe293e3b32p-14), EMA_R(0x1.52d869a527573p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 23, 2, false, {EMA_R(0x1.d7bea1db35c58p-13), EMA_R(-0x1.acdb19f37e099p-16), EMA_R(0x1.6434036074ecep-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 25, 2, false, {EMA_R(0x1.3e26b43a4a8f5p-13), EMA_R(-0x1.6af0a2537cc7cp-14), EMA_R(0x1.c596b63e306d6p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 27, 2, false, {EMA_R(0x1.5aee6f1f2fcd2p-13), EMA_R(0x1.037b5e48be981p-14), EMA_R(0x1.c395e69dae443p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 29, 2, false, {EMA_R(0x1.421bf5ec6358bp-13), EMA_R(-0x1.194a217fa2f22p-13), EMA_R(0x1.16a7f453b995ep-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 27, 2, false, {EMA_R(0x1.5aee6f1f2fcd1p-13), EMA_R(0x1.037b5e48be981p-14), EMA_R(0x1.c395e69dae443p-13)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 29, 2, false, {EMA_R(0x1.421bf5ec6358bp-13), EMA_R(-0x1.194a217fa2f21p-13), EMA_R(0x1.16a7f453b995ep-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 31, 2, false, {EMA_R(0x1.4dd45d75e72e7p-12), EMA_R(-0x1.3510b03dabca7p-15), EMA_R(0x1.09fe39cc6fbdfp-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 33, 2, false, {EMA_R(0x1.a8ce38ee16e4ap-13), EMA_R(-0x1.98116034b1e19p-13), EMA_R(0x1.096e3313558fap-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 35, 2, false, {EMA_R(0x1.5b7de5d746e36p-12), EMA_R(-0x1.0294bd163fa0cp-15), EMA_R(0x1.6e0273156589ap-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
-    {1, 37, 2, false, {EMA_R(0x1.d0466606986fdp-13), EMA_R(-0x1.11392708fd8bep-12), EMA_R(0x1.677aa1d1a49d5p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
+    {1, 37, 2, false, {EMA_R(0x1.d0466606986fep-13), EMA_R(-0x1.11392708fd8bep-12), EMA_R(0x1.677aa1d1a49d5p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 39, 2, false, {EMA_R(0x1.5e3e481fd8321p-12), EMA_R(-0x1.6458d04d49caap-13), EMA_R(0x1.2b043557d43a1p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {1, 41, 2, false, {EMA_R(0x1.c673cd55f9d14p-13), EMA_R(-0x1.1907bdc447f39p-12), EMA_R(0x1.6915a47779e18p-12)}, EMA_R(0x1.bb9d3beb8c86bp+2)}, /* cogging_torque */
     {2, 43, 1, false, {EMA_R(0x1.55a61ce3c3085p-16), EMA_R(0.0), EMA_R(0x1.415e413cc8846p-10)}, EMA_R(0.0)}, /* constant_load */
-    {3, 44, 1, false, {EMA_R(0x1.4abbd0c40b59fp-1), EMA_R(0.0), EMA_R(0x1.41e8449501abap+5)}, EMA_R(0.0)}, /* winding_heating */
+    {3, 44, 1, false, {EMA_R(0x1.4abbd0c40b5a0p-1), EMA_R(0.0), EMA_R(0x1.41e8449501abap+5)}, EMA_R(0.0)}, /* winding_heating */
     {4, 45, 1, true, {EMA_R(0x1.dc10cd54080adp-11), EMA_R(0.0), EMA_R(0x1.bfa9a57b055fcp-5)}, EMA_R(0.0)}, /* inverter_dead_time */
     {5, 46, 1, true, {EMA_R(0x1.2c1df0546a617p-11), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-7)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {5, 47, 1, true, {EMA_R(0x1.229031de9e3e3p-12), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-6)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {5, 48, 1, true, {EMA_R(0x1.2f1582593cfc3p-11), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-7)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
-    {5, 49, 1, true, {EMA_R(0x1.2358167e72a47p-12), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-6)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
+    {5, 49, 1, true, {EMA_R(0x1.2358167e72a46p-12), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-6)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {5, 50, 1, true, {EMA_R(0x1.3548166af6eb4p-11), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-7)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {5, 51, 1, true, {EMA_R(0x1.25e0bf8f730dcp-12), EMA_R(0.0), EMA_R(0x1.47ae147ae147bp-6)}, EMA_R(0x1.cab0bfa2a2002p+1)}, /* transmission_compliance */
     {6, 52, 1, true, {EMA_R(0x1.f27236bdd377fp-19), EMA_R(0.0), EMA_R(0x1.d47cdccf227ecp-13)}, EMA_R(0.0)}, /* feedback_delay */
@@ -47,38 +47,38 @@ static const ema_pattern_t ema_exported_patterns[] = {
     {8, 54, 1, false, {EMA_R(0x1.5a7de9ad3ffe0p-15), EMA_R(0.0), EMA_R(0x1.05b0b2699d99bp-9)}, EMA_R(0.0)}, /* presliding */
     {9, 55, 1, false, {EMA_R(0x1.45c30d52362ddp-13), EMA_R(0.0), EMA_R(0x1.3167c123bbac0p-7)}, EMA_R(0.0)}, /* coulomb_asymmetry */
     {10, 56, 1, false, {EMA_R(0x1.d3511824bbcaap-10), EMA_R(0.0), EMA_R(0x1.b6134d5b98f2cp-4)}, EMA_R(0.0)}, /* viscous_asymmetry */
-    {11, 57, 1, true, {EMA_R(0x1.97b24a8de9d56p-13), EMA_R(0.0), EMA_R(0x1.83415dd4f512dp-7)}, EMA_R(0.0)}, /* load_dependent_friction */
-    {12, 58, 2, false, {EMA_R(0x1.f053b33352ffep-14), EMA_R(-0x1.c90a167f10668p-19), EMA_R(0x1.228bf9cc0a733p-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
-    {13, 60, 2, false, {EMA_R(0x1.26448011188a1p-11), EMA_R(-0x1.4a553a2783114p-16), EMA_R(0x1.f9f03215a075cp-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 62, 2, false, {EMA_R(0x1.5b1915417692dp-11), EMA_R(0x1.b1292e8e41151p-13), EMA_R(0x1.d0ceb1179a0f6p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {11, 57, 1, true, {EMA_R(0x1.97b24a8de9d57p-13), EMA_R(0.0), EMA_R(0x1.83415dd4f512dp-7)}, EMA_R(0.0)}, /* load_dependent_friction */
+    {12, 58, 2, false, {EMA_R(0x1.f053b33352ffep-14), EMA_R(-0x1.c90a167f1066fp-19), EMA_R(0x1.228bf9cc0a735p-13)}, EMA_R(0x1.62e42fefa39efp+0)}, /* pitch_ripple */
+    {13, 60, 2, false, {EMA_R(0x1.26448011188a1p-11), EMA_R(-0x1.4a553a2783115p-16), EMA_R(0x1.f9f03215a075cp-12)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 62, 2, false, {EMA_R(0x1.5b1915417692dp-11), EMA_R(0x1.b1292e8e41151p-13), EMA_R(0x1.d0ceb1179a0f8p-11)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 64, 2, false, {EMA_R(0x1.e63b31583d993p-11), EMA_R(-0x1.35ef6b1215cafp-13), EMA_R(0x1.30ac7b82ca4bap-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {13, 66, 2, false, {EMA_R(0x1.71901697e1e74p-10), EMA_R(0x1.14652569319bcp-14), EMA_R(0x1.19ea48c507529p-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
-    {13, 68, 2, false, {EMA_R(0x1.0f45d1edb1ab8p-10), EMA_R(0x1.19ba54d584ff5p-13), EMA_R(0x1.2bea0629ce70ap-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
+    {13, 68, 2, false, {EMA_R(0x1.0f45d1edb1abap-10), EMA_R(0x1.19ba54d584ff3p-13), EMA_R(0x1.2bea0629ce709p-10)}, EMA_R(0x1.26bb1bbb55516p+2)}, /* torque_ripple */
     {14, 70, 1, true, {EMA_R(0x1.40ffcc6f87a37p-14), EMA_R(0.0), EMA_R(0x1.2dce6aa9b996ep-8)}, EMA_R(0.0)}, /* magnet_weakening */
     {15, 71, 1, true, {EMA_R(0x1.ea906e1f20938p-14), EMA_R(0.0), EMA_R(0x1.d046e9c2621d6p-8)}, EMA_R(0.0)}, /* supply_sag */
     {16, 72, 1, true, {EMA_R(0x1.d2837599a8d14p-11), EMA_R(0.0), EMA_R(0x1.b914cba7cd91bp-5)}, EMA_R(0.0)}, /* source_resistance */
     {17, 73, 1, true, {EMA_R(0x1.6e88e5ef1f718p-3), EMA_R(0.0), EMA_R(0x1.b951d83333333p+2)}, EMA_R(0x1.62e42fefa39efp+0)}, /* current_limit */
     {17, 74, 1, true, {EMA_R(0x1.e464c2c61a0b8p-7), EMA_R(0.0), EMA_R(0x1.8add709999999p+2)}, EMA_R(0x1.62e42fefa39efp+0)}, /* current_limit */
-    {18, 75, 1, false, {EMA_R(0x1.5bd5f3b9d974cp-15), EMA_R(0.0), EMA_R(0x1.460d7721a3a1dp-9)}, EMA_R(0.0)}, /* sensor_gain */
+    {18, 75, 1, false, {EMA_R(0x1.5bd5f3b9d974ep-15), EMA_R(0.0), EMA_R(0x1.460d7721a3a1fp-9)}, EMA_R(0.0)}, /* sensor_gain */
     {19, 76, 1, false, {EMA_R(0x1.39b1766e337a6p-15), EMA_R(0.0), EMA_R(0x1.0624dd2f1a9fcp-9)}, EMA_R(0.0)}, /* sensor_offset */
     {20, 77, 1, true, {EMA_R(0x1.a856f26aa61c4p-19), EMA_R(0.0), EMA_R(0x1.7c40415df570ep-13)}, EMA_R(0.0)}, /* actuation_delay */
     {21, 78, 1, false, {EMA_R(0x1.44a2c319495e9p-5), EMA_R(0.0), EMA_R(0x1.88d5ab19f767bp+1)}, EMA_R(0.0)}, /* viscous_rise */
-    {22, 79, 1, false, {EMA_R(0x1.87a2e3ee99d04p-16), EMA_R(0.0), EMA_R(0x1.7d5ae471edcf0p-10)}, EMA_R(0.0)}, /* concave_viscous */
+    {22, 79, 1, false, {EMA_R(0x1.87a2e3ee99d03p-16), EMA_R(0.0), EMA_R(0x1.7d5ae471edcefp-10)}, EMA_R(0.0)}, /* concave_viscous */
     {23, 80, 1, false, {EMA_R(0x1.86b7b653ec23bp-28), EMA_R(0.0), EMA_R(0x1.ad7ed89190ff8p-22)}, EMA_R(0.0)}, /* quadratic_viscous */
     {24, 81, 1, true, {EMA_R(0x1.dcaa658dba047p-15), EMA_R(0.0), EMA_R(0x1.b35b8112a22fep-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 82, 1, true, {EMA_R(0x1.658311af5e833p-14), EMA_R(0.0), EMA_R(0x1.49f1830949045p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
-    {24, 83, 1, true, {EMA_R(0x1.bfe6fda9ee1e1p-14), EMA_R(0.0), EMA_R(0x1.9e30943e6de69p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
+    {24, 83, 1, true, {EMA_R(0x1.bfe6fda9ee1e2p-14), EMA_R(0.0), EMA_R(0x1.9e30943e6de6ap-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 84, 1, true, {EMA_R(0x1.81324f9d3e676p-14), EMA_R(0.0), EMA_R(0x1.64608cc8127d3p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 85, 1, true, {EMA_R(0x1.60e5bb762a141p-14), EMA_R(0.0), EMA_R(0x1.46e2f68d3f4b6p-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 86, 1, true, {EMA_R(0x1.3d7599e99a1e6p-14), EMA_R(0.0), EMA_R(0x1.2545d5b8b0a8bp-8)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {24, 87, 1, true, {EMA_R(0x1.d0ad6c143e2cep-15), EMA_R(0.0), EMA_R(0x1.aa58c4550e827p-9)}, EMA_R(0x1.f2272ae325a57p+1)}, /* jam_spot */
     {25, 88, 1, false, {EMA_R(0x1.4b5d661b36badp-13), EMA_R(0.0), EMA_R(0x1.371a3b3da5aa5p-7)}, EMA_R(0.0)}, /* inertia_change */
-    {26, 89, 1, false, {EMA_R(0x1.f7e30155823bfp-14), EMA_R(0.0), EMA_R(0x1.da4bd252c8877p-8)}, EMA_R(0.0)}, /* gain_drift */
+    {26, 89, 1, false, {EMA_R(0x1.f7e30155823bep-14), EMA_R(0.0), EMA_R(0x1.da4bd252c8876p-8)}, EMA_R(0.0)}, /* gain_drift */
     {31, 90, 1, true, {EMA_R(0x1.06477e7fee881p-10), EMA_R(0.0), EMA_R(0x1.f9e403eabb377p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
     {31, 91, 1, true, {EMA_R(0x1.2b65d01c7909ap-11), EMA_R(0.0), EMA_R(0x1.1bc377c3d28fep-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* directional_stribeck */
     {32, 92, 1, true, {EMA_R(0x1.8765193006b6ep-10), EMA_R(0.0), EMA_R(0x1.7711f1e805d93p-4)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
-    {32, 93, 1, true, {EMA_R(0x1.8b2d4056662bdp-11), EMA_R(0.0), EMA_R(0x1.830b5e6ddf373p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
-    {33, 94, 1, true, {EMA_R(0x1.d734ae24aca1cp-7), EMA_R(0.0), EMA_R(0x1.c236f6880c254p-1)}, EMA_R(0.0)}, /* winding_warming */
+    {32, 93, 1, true, {EMA_R(0x1.8b2d4056662bdp-11), EMA_R(0.0), EMA_R(0x1.830b5e6ddf375p-5)}, EMA_R(0x1.62e42fefa39efp+0)}, /* load_dependent_stribeck */
+    {33, 94, 1, true, {EMA_R(0x1.d734ae24aca1dp-7), EMA_R(0.0), EMA_R(0x1.c236f6880c255p-1)}, EMA_R(0.0)}, /* winding_warming */
     {34, 95, 1, false, {EMA_R(0x1.7fb9453ce15f9p-11), EMA_R(0.0), EMA_R(0x1.69d61a22b3030p-5)}, EMA_R(0.0)}, /* grease_warming */
 };
 
@@ -86,28 +86,28 @@ static const ema_real ema_exported_units[] = {
     EMA_R(0x1.2957423745259p-19), EMA_R(0x1.87cace3089a88p-17), EMA_R(0x1.4f473f85c232ep-19), EMA_R(0x1.df118c237b359p-19),
     EMA_R(0x1.20f9383c0ebacp-18), EMA_R(0x1.312695b8569a7p-17), EMA_R(0x1.40c6c34408128p-17), EMA_R(0x1.eb535d3188353p-18),
     EMA_R(0x1.04ad72e2b5239p-17), EMA_R(0x1.5ebb7e223ab17p-18), EMA_R(0x1.39371f02f4edbp-18), EMA_R(0x1.161c604c0736ep-17),
-    EMA_R(0x1.f01c0937d42e2p-18), EMA_R(0x1.5a2a8837dafdcp-17), EMA_R(0x1.7c4ef2c872ce3p-18), EMA_R(0x1.00d1a56bfe8e8p-17),
+    EMA_R(0x1.f01c0937d42e2p-18), EMA_R(0x1.5a2a8837dafdcp-17), EMA_R(0x1.7c4ef2c872ce4p-18), EMA_R(0x1.00d1a56bfe8e8p-17),
     EMA_R(0x1.3d1374a342aefp-17), EMA_R(0x1.a8f8639443b93p-18), EMA_R(0x1.e11083f3fdad7p-18), EMA_R(0x1.16ec93e8b2ac7p-17),
     EMA_R(0x1.08d891b0f99e8p-17), EMA_R(0x1.e53caba6f512bp-18), EMA_R(0x1.b94db3c09b6d8p-18), EMA_R(0x1.0189a7468ec12p-17),
     EMA_R(0x1.fdaa2d95bded0p-18), EMA_R(0x1.d5e20d8a1601ap-18), EMA_R(0x1.309e468094119p-17), EMA_R(0x1.0c5c6e52f47d3p-17),
     EMA_R(0x1.01e7d9ad6f573p-17), EMA_R(0x1.e62620b2a4312p-18), EMA_R(0x1.6e8a41f34891ap-17), EMA_R(0x1.0b1634dae3f00p-17),
     EMA_R(0x1.6632c18632f4bp-17), EMA_R(0x1.66e6865ec9a19p-17), EMA_R(0x1.2523ab5d19706p-17), EMA_R(0x1.34054cb4bef29p-17),
-    EMA_R(0x1.e16de00ede4c5p-17), EMA_R(0x1.ab70f0131c56cp-17), EMA_R(0x1.24728dea706a0p-17), EMA_R(0x1.088d1167402c3p-17),
+    EMA_R(0x1.e16de00ede4c5p-17), EMA_R(0x1.ab70f0131c56dp-17), EMA_R(0x1.24728dea706a0p-17), EMA_R(0x1.088d1167402c3p-17),
     EMA_R(0x1.479683c790766p-17), EMA_R(0x1.a0dea93651123p-17), EMA_R(0x1.1f3d605d8b23fp-17), EMA_R(0x1.28bc8be93e1adp-19),
-    EMA_R(0x1.3ed236bcb4af4p-17), EMA_R(0x1.949443f9460bep-18), EMA_R(0x1.415f339e6a716p-18), EMA_R(0x1.36734f1b1f594p-18),
-    EMA_R(0x1.3eaeeb0d17110p-18), EMA_R(0x1.3738d0f5ff96dp-18), EMA_R(0x1.35cade429a06ap-18), EMA_R(0x1.3a4d4111154eep-18),
-    EMA_R(0x1.c4915a45b1291p-19), EMA_R(0x1.ef65cd0b0a11dp-19), EMA_R(0x1.ab475b5c0c2cep-18), EMA_R(0x1.29ee4446d281cp-19),
+    EMA_R(0x1.3ed236bcb4af6p-17), EMA_R(0x1.949443f9460bdp-18), EMA_R(0x1.415f339e6a716p-18), EMA_R(0x1.36734f1b1f594p-18),
+    EMA_R(0x1.3eaeeb0d1710fp-18), EMA_R(0x1.3738d0f5ff96cp-18), EMA_R(0x1.35cade429a06ap-18), EMA_R(0x1.3a4d4111154eep-18),
+    EMA_R(0x1.c4915a45b1292p-19), EMA_R(0x1.ef65cd0b0a11dp-19), EMA_R(0x1.ab475b5c0c2cep-18), EMA_R(0x1.29ee4446d281cp-19),
     EMA_R(0x1.187fbca5c1180p-18), EMA_R(0x1.3725399b08bb3p-18), EMA_R(0x1.6c284a0ae5f52p-19), EMA_R(0x1.60242286aff3bp-18),
     EMA_R(0x1.a058c631a638dp-18), EMA_R(0x1.93d9d7836fc94p-18), EMA_R(0x1.af2c9f3d5423ap-18), EMA_R(0x1.046ee685c7217p-17),
     EMA_R(0x1.131b1cb9fec3cp-17), EMA_R(0x1.f5a0b0de9ea3cp-18), EMA_R(0x1.ee20313c55e00p-18), EMA_R(0x1.002f73495add9p-17),
-    EMA_R(0x1.f5de0bd950fccp-18), EMA_R(0x1.007407268e7a4p-17), EMA_R(0x1.0b42a8134b150p-18), EMA_R(0x1.bf2a49d90ba6dp-19),
-    EMA_R(0x1.0d7d5ff886029p-18), EMA_R(0x1.1e6aaed416460p-16), EMA_R(0x1.4be964f8e64d9p-17), EMA_R(0x1.375cccefe9a66p-18),
-    EMA_R(0x1.35137708873ddp-19), EMA_R(0x1.2cda555648049p-18), EMA_R(0x1.7798af5a4a37ep-18), EMA_R(0x1.46f5831478cdfp-18),
+    EMA_R(0x1.f5de0bd950fccp-18), EMA_R(0x1.007407268e7a3p-17), EMA_R(0x1.0b42a8134b150p-18), EMA_R(0x1.bf2a49d90ba70p-19),
+    EMA_R(0x1.0d7d5ff886027p-18), EMA_R(0x1.1e6aaed416460p-16), EMA_R(0x1.4be964f8e64d7p-17), EMA_R(0x1.375cccefe9a66p-18),
+    EMA_R(0x1.35137708873ddp-19), EMA_R(0x1.2cda55564804ap-18), EMA_R(0x1.7798af5a4a37ep-18), EMA_R(0x1.46f5831478cdap-18),
     EMA_R(0x1.3b168bca1a354p-18), EMA_R(0x1.303f13f96c63fp-18), EMA_R(0x1.01d8ba131d432p-17), EMA_R(0x1.2c1e55f6cb21cp-17),
     EMA_R(0x1.42927f4e86cf8p-17), EMA_R(0x1.fd4c0c0616e2fp-18), EMA_R(0x1.b1c98f58b4af5p-18), EMA_R(0x1.08cdb1c7ddc36p-18),
-    EMA_R(0x1.4c7fc2909c96bp-18), EMA_R(0x1.a36570f1d67cap-19), EMA_R(0x1.20054085f08c2p-17), EMA_R(0x1.0fb312d7d516dp-17),
-    EMA_R(0x1.23949cfaea4a1p-17), EMA_R(0x1.77aac0aa3c905p-18), EMA_R(0x1.d2898ef0c67f0p-18), EMA_R(0x1.116bedb00f37fp-18),
-    EMA_R(0x1.87687060578b3p-17), EMA_R(0x1.0963c6e3d36d5p-18),
+    EMA_R(0x1.4c7fc2909c96dp-18), EMA_R(0x1.a36570f1d67cap-19), EMA_R(0x1.20054085f08c2p-17), EMA_R(0x1.0fb312d7d516dp-17),
+    EMA_R(0x1.23949cfaea4a1p-17), EMA_R(0x1.77aac0aa3c904p-18), EMA_R(0x1.d2898ef0c67e9p-18), EMA_R(0x1.116bedb00f37fp-18),
+    EMA_R(0x1.87687060578b3p-17), EMA_R(0x1.0963c6e3d36d3p-18),
 };
 
 static const int16_t ema_exported_values[] = {
@@ -2188,7 +2188,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 112248350U,
+    .fingerprint = 569505826U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,
@@ -2203,10 +2203,10 @@ static const ema_signatures_t EMA_SIGNATURES = {
     .reference = {EMA_R(0x1.9da748afea5fdp-26), EMA_R(0x1.24963fdf5b8ebp-21)},
     .weight = {EMA_R(0x1.a9286d16f74e8p+10), EMA_R(0x1.790b7595a58e6p+7)},
     .limit = EMA_R(30.0),
-    .energy = EMA_R(0x1.ca0aa08cf446dp+8),
+    .energy = EMA_R(0x1.ca0aa08cf4463p+8),
     .fault = {
         {25, 96, EMA_R(0x1.0cee7aaaaaaabp-3), EMA_R(0x1.a999d84598650p-12), EMA_R(0x1.f9c3b2bcd1c01p+15)}, /* screw.csj_Nm */
-        {29, 97, EMA_R(0x1.052ccd5555555p-5), EMA_R(0x1.23975287748b3p-13), EMA_R(0x1.89cffcb4d6afdp+13)}, /* screw.blk_mm */
+        {29, 97, EMA_R(0x1.052ccd5555555p-5), EMA_R(0x1.23975287748b2p-13), EMA_R(0x1.89cffcb4d6afdp+13)}, /* screw.blk_mm */
     },
     .pattern = ema_exported_patterns,
     .unit = ema_exported_units,

@@ -20,13 +20,15 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
-from ema_tools.fit.whitening import least_noise
+from ema_tools.fit.whitening import counted, least_noise, spectrum
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
 
 # How far values of one machine may lie apart on two days, relative: beyond, one record is of another state. Grease may do anything [judgement]
 _OF_DAYS = {"screw.csj_Nm": 0.18, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
 _NOISE = 2.0  # times the sensors' noise may be left between two records [judgement]
 _NOT_SENSED = ("voltage_V",)  # the controller's answer to noise, not a sensor of its own [physics]
+_ASKED = 0.95  # of the power of the commanded speed lies below a frequency ... [judgement]
+_HARMONICS = 5.0  # ... of which what a model lacks has as many multiples: above is noise, and below as much of it as there [judgement]
 _GAP = 2.0  # the widest gap over the next, from which on records are two groups [judgement]
 
 
@@ -96,8 +98,23 @@ def _left(machine: KnownMachine, base: MachineFit) -> Reals:
     target = machine.evidence.target
     # of a signal in coarse counts most differences are none: then their rms tells
     rough = [float(np.std(np.diff(signal, 4))) / math.sqrt(70.0) for signal in target]
-    noise = np.maximum(np.maximum([white_noise(signal) for signal in target], rough), least_noise(target))
-    return np.asarray((target - machine.signals(base.values)) / noise[:, None])
+    left = target - machine.signals(base.values)
+    noise = np.maximum(
+        np.maximum([white_noise(signal) for signal in target], rough), np.maximum(least_noise(target), _coloured(machine, left))
+    )
+    return np.asarray(left / noise[:, None])
+
+
+def _coloured(machine: KnownMachine, left: Reals) -> Reals:
+    """Noise, rms, of which a sensor's filter leaves more at low frequencies, by what is `left` above those of the motion, [signals]."""
+    record = machine.evidence.record
+    asked = np.cumsum(np.abs(spectrum(np.gradient(record.command_mm))) ** 2)
+    power = np.abs(spectrum(left)) ** 2
+    first = int(_HARMONICS * np.searchsorted(asked, _ASKED * asked[-1])) + 1
+    if 2 * first >= power.shape[1]:
+        return np.zeros(len(left))
+    below = first * np.mean(power[:, first : 2 * first], axis=1)
+    return np.asarray(np.sqrt((below + np.sum(power[:, first:], axis=1)) * 2.0 / counted(left.shape[1])))
 
 
 def _two_groups(between: Reals, usual: float) -> tuple[tuple[int, ...], float] | None:

@@ -15,11 +15,12 @@ from ema_tools.data.records import Record
 from ema_tools.fit.detection import FALSE_ALARM, USUAL_WEIGHT, ShiftTest, beyond
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
+from ema_tools.fit.shared_noise import shared_noise
 from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, identified_of, run
+from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, SHARED_NOISE, identified_of, run
 
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
@@ -187,6 +188,12 @@ def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> Healthy
     weighed = replace(search, weight=search.weight or weights_of(beside))
     bases = [machine.base({}) for machine in beside.known_repeats]
     doubt = checked_states(beside, bases)
+    # each is held against the others here, today's record against all
+    left = np.array(
+        [machine.evidence.target[0] - machine.signals(base.values)[0] for machine, base in zip(beside.known_repeats, bases, strict=True)]
+    )
+    shared_mm = shared_noise(left) * math.sqrt((len(left) + 1.0) * (len(left) - 1.0)) / len(left)
+    known = known.changed({SHARED_NOISE: max(known[SHARED_NOISE], shared_mm)})
     days = [known.changed(beside.known.today(base)) for base in bases]
     answers = each(lambda day: run(day[0], day[1], weighed, bits), list(zip(days, beside.corrected_repeats(), strict=True)))
     count = len(answers)

@@ -16,6 +16,7 @@ MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "
 SCATTERS = {"screw.csj_Nm": "verdict.csj_scatter_percent", "screw.blk_mm": "verdict.blk_scatter_percent"}
 DAY_VALUES = "search.day_values"
 POSITION_NOISE = "verdict.position_noise_mm"
+SHARED_NOISE = "verdict.shared_noise_mm"
 COMMAND_SPEED = "verdict.command_speed_mm_s"
 UNSEEN = "verdict.unseen_percent"
 STRUCTURE = "verdict.structure_ratio"

@@ -23,6 +23,7 @@ from ema_tools.data.records import Record, simulated
 from ema_tools.fit.detection import FALSE_ALARM, ShiftTest, beyond, false_alarms, rate_text, unseen_by_search
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
+from ema_tools.fit.shared_noise import shared_noise
 from ema_tools.fit.temperature import Foretold
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import Identification, SearchSettings, library
@@ -37,6 +38,7 @@ from ema_tools.tasks.onboard_search import (
     MIN_SHIFTS,
     POSITION_NOISE,
     SCATTERS,
+    SHARED_NOISE,
     STRUCTURE,
     UNSEEN,
     check_bounds,
@@ -99,6 +101,13 @@ def own_machine(
     names = identified_of(found)
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
     found, answers = _searched(found, repeats)
+    read_so = [
+        simulated(found.changed({one.name: one.estimate for one in (*answer.identified, *answer.day)}), run_).position_mm
+        for answer, run_ in zip(answers, repeats, strict=True)
+    ]
+    rest = np.array([one.position_mm for one in repeats]) - np.array(read_so)
+    shared_mm = shared_noise(rest - rest.mean(axis=0)) * math.sqrt(len(rest) / (len(rest) - 1.0))
+    found = found.changed({SHARED_NOISE: max(found[SHARED_NOISE], shared_mm)})
     # what the onboard search reads wrongly of a unit, it reads wrongly of its healthy runs as well
     found = found.changed({name: _mean(answers, place) for place, name in enumerate(names)})
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
@@ -136,7 +145,7 @@ def own_machine(
         for name in names
     }
     test = ShiftTest(runs=runs)
-    shown_mm = found[STRUCTURE] * found[POSITION_NOISE]
+    shown_mm = math.hypot(found[STRUCTURE] * found[POSITION_NOISE], found[SHARED_NOISE])
     unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
     thresholds = max(unseen[name] / least[name] for name in names)
     sure = found["verdict.confidence_std"]
