@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
 from ema_tools.balances.filtering import Smoother, gain_of_noise
-from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, train_of, warmth
+from ema_tools.balances.motion import Motion, at_points, current_of, motion_of, noise_of_motion, raw_speed, train_of, warmth
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.base.lag import lagged, remembered
@@ -30,6 +31,9 @@ SLOW_SHARE = 0.01  # the shaft rests where it stays below this share of its larg
 _OF_STEADY = 0.5  # of one speed, which the mean of a record is at least this share of, noise hides no more than as much [judgement]
 REST_S = 0.01  # ... for at least this time: a reversal is shorter [judgement]
 _REST_ROWS = 3  # ... and so many rows of a slow record: a reversal passes within one [judgement]
+_REACH = 1.0  # periods of the cutoff over which the filter carries a step [precision]
+_LOW_HZ = 25.0  # a cutoff up to which starts and stops of usual drives last less than the filter [judgement]
+_QUIET = 0.03  # of the largest speed, that the rows' own noise may be where they tell a rest [judgement]
 NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
 _STARTS = 24  # places in a turn at which a record may begin that are tried, before the best is refined [effort]
 _TURNS_MAX = 10.0  # of the motor in one turn of the screw, that are tried [effort]
@@ -74,27 +78,43 @@ class Mechanical:
         return np.clip(net, -((1.0 - self.asymmetry) * static_Nm + backward), (1.0 + self.asymmetry) * static_Nm + forward)
 
 
-def _contact(actuator: Actuator, motion: Motion) -> tuple[Reals, bool]:
+def _contact(actuator: Actuator, motion: Motion, direction: Reals) -> tuple[Reals, bool]:
     """Share of the level of dry friction that acts against extension, [rows], -1 to 1, and whether the contact stretches, so that the shaft never rests."""
     if acts(actuator, "PRESLIDING"):
         return library().contact(*actuator.arrays(), motion.angle_rad), True
-    return np.sign(motion.speed_rad_s), False
+    return direction, False
 
 
-def _resting(motion: Motion, noise_rad_s: float, smoother: Smoother) -> NDArray[np.bool_]:
+def _resting(speed_rad_s: Reals, noise_rad_s: float, smoother: Smoother) -> NDArray[np.bool_]:
     """Rows of lasting rest, where friction may have any value up to its level. A reversal that only passes zero is none."""
     inner = slice(smoother.edge_rows, -smoother.edge_rows)
-    fastest = float(np.max(np.abs(motion.speed_rad_s[inner]), initial=0.0))
+    fastest = float(np.max(np.abs(speed_rad_s[inner]), initial=0.0))
     # a record of one slow speed moves, however coarsely it was read
-    steady = float(abs(np.mean(motion.speed_rad_s[inner]))) if fastest > 0.0 else 0.0
+    steady = float(abs(np.mean(speed_rad_s[inner]))) if fastest > 0.0 else 0.0
     hidden = min(3.0 * noise_rad_s, _OF_STEADY * steady) if steady > _OF_STEADY * fastest else 3.0 * noise_rad_s
-    slow = np.abs(motion.speed_rad_s) <= max(SLOW_SHARE * fastest, hidden)
+    slow = np.abs(speed_rad_s) <= max(SLOW_SHARE * fastest, hidden)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(np.int8), [0]))))
     resting = np.zeros(slow.size, dtype=bool)
     for first, last in zip(edges[::2], edges[1::2], strict=True):
         if (last - first) * smoother.period_s >= max(REST_S, _REST_ROWS * smoother.period_s):
             resting[first:last] = True
     return resting
+
+
+def _sliding(actuator: Actuator, record: AnyRecord, motion: Motion, smoother: Smoother) -> tuple[NDArray[np.bool_], Reals]:
+    """Rows of lasting rest, and the direction of sliding. Of a slow record the filter begins a motion before it begins and rings behind every stop: there the rows themselves tell, where their
+    noise hides no motion, and a rest reaches as far into the motion as the filter does."""
+    smooth = _resting(motion.speed_rad_s, _speed_noise_rad_s(actuator, record, smoother), smoother)
+    if smoother.cutoff_hz > _LOW_HZ:
+        return smooth, np.sign(motion.speed_rad_s)
+    speed = raw_speed(actuator, record, motion)
+    noise, derivatives = noise_of_motion(actuator, record)
+    of_speed = noise if derivatives else noise / (math.sqrt(2.0) * record.period_s)
+    if of_speed > _QUIET * float(np.max(np.abs(motion.speed_rad_s))):
+        return smooth, np.sign(motion.speed_rad_s)
+    rows = _resting(speed, of_speed, smoother)
+    reach = round(_REACH / (smoother.cutoff_hz * smoother.period_s))
+    return np.asarray(ndimage.binary_dilation(rows, iterations=reach)) if rows.any() else rows, np.where(rows, 0.0, np.sign(speed))
 
 
 def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None, motion: Motion | None = None) -> Mechanical:
@@ -109,7 +129,8 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     lag_s = actuator.drive_lag_s or 0.0
     # a motion that is late is held against a drive as late
     drive = lagged(drive, record.period_s, -lag_s)
-    contact, elastic = _contact(actuator, motion)
+    rests, direction = _sliding(actuator, record, motion, use)
+    contact, elastic = _contact(actuator, motion, direction)
     asymmetry = values["screw.friction_asymmetry"]
     load = at_points(actuator, motion, "LOAD")
     passed = load + values["screw.load_torque_Nm"]
@@ -127,7 +148,7 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
         return passing + eased * own + at_points(actuator, seen, "FRICTION", level_Nm=own, rows=rows, side=side)
 
     sliding, static = values["screw.dynamic_ratio"] * values["screw.csj_Nm"], values["screw.csj_Nm"]
-    at_rest = remembered(_resting(motion, _speed_noise_rad_s(actuator, record, use), use), record.period_s, lag_s)
+    at_rest = remembered(rests, record.period_s, lag_s)
 
     def late(values: Reals) -> Reals:
         return lagged(values, record.period_s, lag_s)

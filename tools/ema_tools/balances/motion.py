@@ -175,6 +175,11 @@ def motion_of(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> Moti
     return Motion(smoother.smooth(drive_current(actuator, record)), speed, np.gradient(speed, record.period_s), angle, motor_mm)
 
 
+def raw_speed(actuator: Actuator, record: AnyRecord, motion: Motion) -> Reals:
+    """The motor's speed by differences of the rows, not smoothed, rad/s, [rows]."""
+    return np.asarray(np.gradient(motion.motor_mm, record.period_s) / _scale_mm_per_rad(actuator))
+
+
 def _recorded_motion(actuator: Actuator, record: MotionRecord, smoother: Smoother) -> Motion:
     """The same of a machine of which anything may be recorded: a recorded speed is not differentiated from its own integral."""
     train = train_of(actuator)

@@ -37,6 +37,7 @@ _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, sa
 _ON_END = 1e-9  # so near to an end of where it may be, relative, a base value lies on it [precision]
 _BARELY = 2.0  # standard errors by which a base value may lie beyond its range and still be inside [chance]
 _ALIKE = 0.02  # a base value's torque that is the others' but for so much of its length is not told from them [judgement]
+_JACKKNIFE = 3  # records, of which one can be left out and the rest still say how they differ [chance]
 _ROUNDS_OF_SHAPE = 2  # over the values of a shape of several [effort]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
@@ -391,8 +392,24 @@ class Bench:
         return FoldErrors(self.error_of(fit.residual, drive, self.training), self.error_of(fit.residual, drive, self.held), each)
 
     def stated(self, fit: Fitted) -> Fitted:
-        """The fit with standard errors as they are told to people: shapes were fitted too, and a size that hangs on one is no better known than it is."""
-        return replace(fit, std=self._std(fit, self._shape_slopes(fit)))
+        """The fit with standard errors as they are told to people: shapes were fitted too, and a size that hangs on one is no better known than it is; and no value is better known than
+        records show it that are left out in turn, since friction itself differs from one to the next."""
+        std, apart = self._std(fit, self._shape_slopes(fit)), self._std_of_records(fit)
+        return replace(fit, std={name: max(one, apart.get(name, 0.0)) for name, one in std.items()})
+
+    def _std_of_records(self, fit: Fitted) -> dict[str, float]:
+        """Standard errors by leaving out one record after another (the jackknife); none of fewer than three. Shapes stay."""
+        numbers = np.unique(self.of_record[self.fitted])
+        if numbers.size < _JACKKNIFE:
+            return {}
+        matrix, target, setting = fit.matrix, fit.samples.target, fit.samples.setting
+        told: list[dict[str, float]] = []
+        for number in numbers:
+            rest = self.fitted & (self.of_record != number)
+            coefficients = self._solved(setting, matrix[rest], target[rest], matrix)
+            told.append(self.values_of(setting, fit.patterns, coefficients))
+        count = len(told)
+        return {name: math.sqrt((count - 1) ** 2 / count) * float(np.std([one[name] for one in told], ddof=1)) for name in told[0]}
 
     def _shape_slopes(self, fit: Fitted) -> dict[str, Reals]:
         """How the fitted torque moves with each shape parameter that lies between those tried, [samples] per unit of it."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,6 @@ from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
-from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
 from ema_tools.select.force_steps import ForceSteps, Tried
 from ema_tools.select.torque_patterns import Pattern, pattern_of
@@ -32,12 +31,12 @@ from ema_tools.select.torque_patterns import Pattern, pattern_of
 SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]
 _CHANCE = 0.995  # of a healthy record to lie below the limit of one value, to one side [chance]
 _LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell it and none is stated: a day's grease moves friction by as much [judgement]
+_LEAST_OF_DRIVE = 0.005  # scatter of a drive's reading, relative: as well as currents are measured [judgement]
 _SEEN = (
     0.05  # a record that shows less of a value than this, as a share of the one that shows most, says nothing of its scatter [judgement]
 )
 _AS_HEALTHY = 0.1  # an effect that takes so much of its gain off the healthy records too is no change [judgement]
 _AS_HEALTHY_LEFT = 1.1  # of what is left of the healthy records: more is left of today's before an effect is sought in it [judgement]
-_CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
 _MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judgement]
 
 
@@ -69,13 +68,21 @@ class HealthyByBalance:
         """So many standard deviations a value must differ to be a change."""
         return float(special.stdtrit(max(self.groups - 1, 1), _CHANCE))
 
+    @property
+    def scatter_of_drive(self) -> float:
+        """By how much all of the drive differs from record to record, as a share of it: what one healthy record asks of the machine as all of them show it, standard deviation."""
+        bench, rows = self.bench, self.bench.sliding
+        left = _residual(bench, self.actuator)
+        told = _alone((bench.start.drive - left)[rows, None], left[rows], _groups(bench, self.sure)[rows])
+        return max(_rms([float(one[0]) for one in told]), _LEAST_OF_DRIVE if self.sure else _LEAST_SCATTER)
+
     def limit(self, scatter: float, *std: float) -> float:
         """By how much a value must differ."""
         return self.times * math.hypot(scatter, *std)
 
-    def beyond(self, error_Nm: float) -> bool:
-        """Whether what a model leaves of a record is more than of any healthy one."""
-        return error_Nm > _MARGIN * self.worst_Nm
+    def beyond(self, error_Nm: float, doubt_Nm: float = 0.0) -> bool:
+        """Whether what a model leaves of a record is more than of any healthy one, and than it may be off there."""
+        return error_Nm > _MARGIN * math.hypot(self.worst_Nm, doubt_Nm)
 
     def scatter_of(self, pattern: Pattern, along: Reals | None = None) -> float:
         """Scatter of the size of an effect that the healthy machine does not have, in one shape; NaN where its records show nothing of it. `along`: coefficients of a table of unit size, [k], whose
@@ -168,7 +175,7 @@ def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]
     ]
 
 
-def _least(actuator: Actuator, name: str, value: float) -> float:
+def least_scatter(actuator: Actuator, name: str, value: float) -> float:
     """The least scatter of a value, in its unit: as the actuator states, else a share of `value`."""
     stated = stated_std(actuator, name)
     return _LEAST_SCATTER * abs(value) if stated is None else stated
@@ -196,7 +203,7 @@ def healthy_machine(
         spread = _rms([float(one[0]) / (factor or 1.0) for one in _alone(base[:, place : place + 1], left, group)])
         if math.isfinite(spread):
             # what records show holds what the model lacks of them, too: what is stated from run to run is the least
-            scatter[name] = max(spread, _least(known, name, 0.0 if sure else known[name]))
+            scatter[name] = max(spread, least_scatter(known, name, 0.0 if sure else known[name]))
     squares = [float(np.mean(left[group == number] ** 2)) for number in np.unique(group)]
     tell(1.0, "done")
     return HealthyByBalance(
@@ -211,52 +218,3 @@ def healthy_machine(
         math.sqrt(max(squares)),
         bench,
     )
-
-
-def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
-    """Whether the parts held out have less error with a change, and none clearly more; one that rests throughout says nothing."""
-    pairs = [(one, other) for one, other in zip(now, before, strict=True) if math.isfinite(one) and math.isfinite(other)]
-    gain = sum(other**2 - one**2 for one, other in pairs)
-    return gain > 0.0 and not any(one > WORSE_THIRD * other and one**2 - other**2 > WORSE_OF_GAIN * gain for one, other in pairs)
-
-
-@dataclass(frozen=True)
-class Change:
-    """A value of the healthy machine as today's records have it. `limit`: beyond which it has changed; `counts`: whether it has, and the records say so."""
-
-    name: str
-    healthy: float
-    today: float
-    std: float
-    limit: float
-    counts: bool
-
-
-def changes_of(
-    machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, apart: Sequence[str]
-) -> tuple[Change, ...]:
-    """Every value of the healthy machine that is fitted on both sides, but for `apart`; `today`: the model with what was accepted. Raises MissingSignal, InputError."""
-    free = refit_by_forces(today, records, fixes)
-    found = []
-    for name, healthy in machine.refit.values.items():
-        spread = machine.scatter.get(name, math.nan)
-        stds = [side.std.get(name, math.nan) for side in (machine.refit, free)]
-        if name in apart or name in machine.refit.kept or name in free.kept or name not in free.values or not all(map(math.isfinite, stds)):
-            continue
-        if not math.isfinite(spread):
-            # the size of a standing effect differs as much as all of its machine does
-            spread = _least(machine.actuator, name, healthy)
-        limit, value = machine.limit(spread, *stds), free.values[name]
-        if name.endswith("phase_rad"):
-            # the turn nearest to the healthy one
-            value = healthy + math.remainder(value - healthy, 2.0 * math.pi)
-        counts = abs(value - healthy) > limit
-        if counts:
-            base = name in MECHANICAL_PARAMETERS
-            kept = replace(fixes, kept=fixes.kept | {name}, between={key: ends for key, ends in fixes.between.items() if key != name})
-            as_before = kept if base else fixes.with_effects(frozenset({name.partition(".")[0]}))
-            held = refit_by_forces(today.changed({name: healthy}), records, as_before)
-            # few records held out in turn say little of values that need them all: what the change is worth in all of them says it as well
-            counts = _CLEAR_CHANGE * free.errors.training < held.errors.training or _held_out_too(free.errors.each, held.errors.each)
-        found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))
-    return tuple(found)

@@ -14,7 +14,8 @@ from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.data.motion_signals import motor_speed
-from ema_tools.select.healthy_balance import Change, HealthyByBalance
+from ema_tools.select.healthy_balance import HealthyByBalance
+from ema_tools.select.value_changes import Change
 
 _VALUES = ("motor.resistance_ohm", "motor.back_emf_V_s_per_rad")  # as the columns stand
 # Least scatter of either from record to record, relative: a winding is some kelvin warmer or colder, and few records do not show it [judgement]

@@ -30,8 +30,9 @@ from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import improve_by_forces
 from ema_tools.select.force_steps import ForceStep, ForceSteps
 from ema_tools.select.forward_errors import Forward, forward_of
-from ema_tools.select.healthy_balance import Change, HealthyByBalance, changes_of, healthy_machine
+from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
+from ema_tools.select.value_changes import Change, changes_of
 from ema_tools.select.winding_changes import winding_changes
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
@@ -48,7 +49,8 @@ class BalanceAnswer:
     """Everything that was found, `known` being the actuator as given; errors are relative force errors in %. `gates`: of every record fitted; `where`: of the first where it can be simulated.
 
     `compared`: what `ema compare` reads of all rows of the records, before and after.
-    `pictures`: of records without a controller. With `healthy` records `known` is the machine that these show, and `changes` are of its values.
+    `pictures`: of records without a controller. With `healthy` records `known` is the machine that these show, `changes` are of its values, and `left_Nm` is what it leaves of today's
+    records as it is, with the standard deviation of that.
     """
 
     records: tuple[AnyRecord, ...]
@@ -62,6 +64,8 @@ class BalanceAnswer:
     pictures: Pictures | None = None
     healthy: HealthyByBalance | None = None
     changes: tuple[Change, ...] = ()
+    left_Nm: float = 0.0
+    doubt_Nm: float = 0.0
 
     @property
     def record(self) -> AnyRecord:
@@ -158,13 +162,19 @@ class BalanceAnswer:
         before = self.forces.refitted.training
         if self.healthy is not None:
             worst = 100.0 * self.healthy.worst_Nm / self._drive_Nm
-            return self.healthy.beyond(0.01 * before * self._drive_Nm) and math.hypot(_MATTERS, worst) < before
+            fitted_leaves = self.healthy.beyond(0.01 * before * self._drive_Nm) and math.hypot(_MATTERS, worst) < before
+            return fitted_leaves or (self.untold and not self.changed)
         if self.floor_from is None:
             return False
         margin = _MARGINS[self.floor_from]
         if self.floor_from in ("estimate", "noise") and self.forces.estimated.foretold > _FORETOLD:
             margin = min(margin, _MARGIN_FORETOLD)
         return before > margin * self.floor_percent
+
+    @property
+    def untold(self) -> bool:
+        """Whether the healthy machine as it is leaves more of today's records than its own records, and what they tell of today's motion, allow."""
+        return self.healthy is not None and self.healthy.beyond(self.left_Nm, self.healthy.times * self.doubt_Nm)
 
     @property
     def verdict(self) -> Verdict:
@@ -254,9 +264,22 @@ def _against(
     forces = improve_by_forces(known, records, holdout, report, fixes, machine.veto)
     named = {step.effect for step in forces.steps}
     apart = [record_of(name).base_value for name in named if record_of(name).base_value]
-    changes = (*changes_of(machine, forces.actuator, records, fixes, apart), *winding_changes(machine, records))
+    told = changes_of(machine, forces.actuator, records, fixes, apart)
+    changes = (*told.values, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
     return BalanceAnswer(
-        tuple(records), tuple(holdout), known, gates, None, forces, compared, forward, _pictures(forces, records), machine, changes
+        tuple(records),
+        tuple(holdout),
+        known,
+        gates,
+        None,
+        forces,
+        compared,
+        forward,
+        _pictures(forces, records),
+        machine,
+        changes,
+        told.left_Nm,
+        told.doubt_Nm,
     )

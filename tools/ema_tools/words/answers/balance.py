@@ -21,7 +21,8 @@ from ema_tools.results.localisation import Localisation, Pictures
 from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Refusal
-from ema_tools.select.healthy_balance import Change, HealthyByBalance
+from ema_tools.select.healthy_balance import HealthyByBalance
+from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward

@@ -12,7 +12,8 @@ from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
 from ema_tools.select.force_steps import ForceStep
-from ema_tools.select.healthy_balance import SURE_RECORDS, Change, HealthyByBalance
+from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
+from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
 
@@ -98,13 +99,20 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     told = [f"missing {verb} {_named(found.accepted)}"] if found.accepted else []
     told += [_changed(one) for one in found.changed]
     if not told:
-        told.append(
-            "what is left is more than of any healthy record, and no effect of the library carries over to what was held out"
-            if found.exceeds
-            else "nothing has changed by more than healthy records differ"
-        )
+        told.append(_nothing_told(found, machine))
     doubt = "" if machine.sure else f" How much healthy records differ is uncertain with {count}: give {SURE_RECORDS} or more."
     return f"{found.names} {against}: {'; '.join(told)} ({errors}).{doubt}"
+
+
+def _nothing_told(found: BalanceAnswer, machine: HealthyByBalance) -> str:
+    """What is said where no effect is missing and no value has surely changed."""
+    if found.untold:
+        return "the healthy machine leaves more of these records than its own, and no value alone tells what has changed"
+    if found.exceeds:
+        return "what is left is more than of any healthy record, and no effect of the library carries over to what was held out"
+    if machine.beyond(found.left_Nm):
+        return "nothing has surely changed: the healthy records do not tell more of this motion; healthy records of the same motion would"
+    return "nothing has changed by more than healthy records differ"
 
 
 def _changed(one: Change) -> str:

@@ -1,0 +1,237 @@
+"""Which values of a healthy machine have changed, by today's records.
+
+Base values trade off against each other where one motion shows them alike, so that a fit of all of them spreads one change over several. Changes are therefore taken one after another: the value
+that alone explains most of what the healthy machine leaves, then the next beside it, as long as the error falls clearly. All of the drive at once is one such value: a motor whose torque constant
+has changed. How far a change may be off is told by leaving out each of the healthy records, and each of today's, in turn: friction differs from one to the next.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator
+from ema_tools.data.motion_records import AnyRecord
+from ema_tools.select.balance_bench import Bench, solved
+from ema_tools.select.fixes import Fixes
+from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD
+from ema_tools.select.force_refit import ForceRefit, refit_by_forces
+from ema_tools.select.healthy_balance import HealthyByBalance, least_scatter
+
+CONSTANT = "motor.torque_constant_Nm_per_A"
+_CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
+_CLEARER = 0.95  # of the error of any single value must the drive as a whole leave, to be what has changed [judgement]
+_APART = 3  # records, of which one can be left out and the rest still tell how they differ [chance]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value of the healthy machine as today's records have it. `limit`: beyond which it has changed; `counts`: whether it has, and the records say so."""
+
+    name: str
+    healthy: float
+    today: float
+    std: float
+    limit: float
+    counts: bool
+
+
+@dataclass(frozen=True)
+class _Column:
+    """What a value of today adds to the torque of the healthy machine, per unit of it, [samples]; `scatter`: by how much it differs from record to record."""
+
+    name: str
+    torque: Reals
+    healthy: float
+    scatter: float
+
+
+@dataclass(frozen=True)
+class Changes:
+    """`values`: of the healthy machine, those that have changed and the others; `left_Nm`: rms of what it leaves of today's records as it is, and `doubt_Nm`: by how much that may be off, one
+    standard deviation, for what the healthy records tell of today's motion."""
+
+    values: tuple[Change, ...]
+    left_Nm: float = 0.0
+    doubt_Nm: float = 0.0
+
+
+class _Today:
+    """Today's records on the healthy machine: what it leaves of them, and what its uncertainty makes of that."""
+
+    def __init__(
+        self, machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, names: Sequence[str]
+    ) -> None:
+        self.machine = machine
+        healthy = machine.actuator
+        held = today.changed({name: healthy[name] for name in machine.refit.values})
+        self.bench = Bench(held, records, (), fixes, whole=True)
+        start, rows = self.bench.start, self.bench.fitted
+        self.record = self.bench.of_record[rows]
+        self.factor = np.array([1.0, 1.0, healthy["screw.dynamic_ratio"] or 1.0, 1.0])
+        self.base = start.base[rows] * self.factor
+        self.places = [MECHANICAL_PARAMETERS.index(name) for name in names]
+        known = np.array([healthy[name] for name in MECHANICAL_PARAMETERS])
+        known[list(self.bench.taken)] = 0.0
+        self.left = start.target[rows] - self.base @ known
+        self.columns = [
+            _Column(name, self.base[:, place], healthy[name], machine.scatter[name]) for name, place in zip(names, self.places, strict=True)
+        ]
+        drive = start.drive[rows] - self.left
+        if healthy.has(CONSTANT) and all(record.current_A is not None for record in records):
+            # what is read of a torque is one over the constant
+            self.columns.append(_Column(CONSTANT, drive, 1.0, machine.scatter_of_drive))
+        self.moved = self._moved()
+
+    def _moved(self) -> list[Reals]:
+        """What the base values change in the torque of today, when one healthy record after another is left out, each [samples]; none of fewer than three."""
+        bench, here = self.machine.bench, self.bench
+        base, target, rows = bench.start.base * self.factor, bench.start.target, bench.fitted
+        numbers = np.unique(bench.of_record[rows])
+        if numbers.size < _APART:
+            return []
+        told = [solved(base[kept], target[kept], base) for kept in (rows & (bench.of_record != number) for number in numbers)]
+        mean = np.mean(told, axis=0)
+        asked = [place for place in range(len(MECHANICAL_PARAMETERS)) if place not in here.taken and place not in bench.taken]
+        return [self.base[:, asked] @ (one - mean)[asked] for one in told]
+
+    def changes(self, chosen: Sequence[_Column], rows: NDArray[np.bool_] | None = None) -> Reals:
+        """By how much each of these has changed, fitted together, [k]."""
+        here = np.ones(self.left.size, dtype=bool) if rows is None else rows
+        return solved(np.column_stack([one.torque for one in chosen])[here], self.left[here])
+
+    def error(self, chosen: Sequence[_Column]) -> float:
+        """Rms of what is left with these changed."""
+        rest = self.left - np.column_stack([one.torque for one in chosen]) @ self.changes(chosen) if chosen else self.left
+        return math.sqrt(float(np.mean(rest**2)))
+
+    def held_out(self, chosen: Sequence[_Column]) -> list[float]:
+        """The same of each record when the others tell the changes; of a single record as it is."""
+        numbers = np.unique(self.record)
+        if not chosen or numbers.size < 2:
+            rest = self.left if not chosen else self.left - np.column_stack([one.torque for one in chosen]) @ self.changes(chosen)
+            return [math.sqrt(float(np.mean(rest[self.record == number] ** 2))) for number in numbers]
+        columns = np.column_stack([one.torque for one in chosen])
+        found = []
+        for number in numbers:
+            here = self.record == number
+            rest = self.left[here] - columns[here] @ self.changes(chosen, ~here)
+            found.append(math.sqrt(float(np.mean(rest**2))))
+        return found
+
+    @property
+    def doubt_Nm(self) -> float:
+        """Rms of how far the torque of the healthy machine may be off on today's motion, one standard deviation."""
+        count = len(self.moved)
+        return math.sqrt((count - 1) / count * float(np.sum(np.mean(np.square(self.moved), axis=1)))) if count else 0.0
+
+    def std(self, chosen: Sequence[_Column], place: int) -> float:
+        """How far one of the changes may be off by what the healthy records, and today's, differ among themselves."""
+        columns = np.column_stack([one.torque for one in chosen])
+        by_healthy = [float(solved(columns, one)[place]) for one in self.moved]
+        numbers = np.unique(self.record)
+        by_today = [float(self.changes(chosen, self.record != number)[place]) for number in numbers] if numbers.size >= _APART else []
+        return math.hypot(_jackknife(by_healthy), _jackknife(by_today))
+
+
+def _jackknife(told: Sequence[float]) -> float:
+    """Standard error by what is told when one record after another is left out; zero where none was."""
+    return (len(told) - 1) / math.sqrt(len(told)) * float(np.std(told, ddof=1)) if told else 0.0
+
+
+def _limit(today: _Today, chosen: Sequence[_Column], place: int) -> float:
+    return today.machine.limit(chosen[place].scatter, today.std(chosen, place))
+
+
+def _clearly(today: _Today, before: Sequence[_Column], after: Sequence[_Column]) -> bool:
+    """Whether the last of the changes lowers the error clearly, or that of the records held out, and lies beyond its limit."""
+    lowers = today.error(before) > _CLEAR_CHANGE * today.error(after) or _held_out_too(today.held_out(after), today.held_out(before))
+    return lowers and abs(float(today.changes(after)[-1])) > _limit(today, after, len(after) - 1)
+
+
+def _chosen(today: _Today) -> list[_Column]:
+    """The changes, one after another, as long as each lowers the error clearly."""
+    chosen: list[_Column] = []
+    while True:
+        rest = [one for one in today.columns if one not in chosen and (one.name != CONSTANT or not chosen)]
+        if not rest:
+            return chosen
+        single = [one for one in rest if one.name != CONSTANT]
+        best = min(single, key=lambda one: today.error([*chosen, one])) if single else rest[0]
+        whole = [one for one in rest if one.name == CONSTANT and today.error([one]) < _CLEARER * today.error([best])]
+        best = whole[0] if whole else best
+        if not _clearly(today, chosen, [*chosen, best]):
+            return chosen
+        chosen.append(best)
+
+
+def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
+    """Whether the parts held out have less error with a change, and none clearly more; one that rests throughout says nothing."""
+    pairs = [(one, other) for one, other in zip(now, before, strict=True) if math.isfinite(one) and math.isfinite(other)]
+    gain = sum(other**2 - one**2 for one, other in pairs)
+    return gain > 0.0 and not any(one > WORSE_THIRD * other and one**2 - other**2 > WORSE_OF_GAIN * gain for one, other in pairs)
+
+
+def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, apart: Sequence[str]) -> Changes:
+    """Every value of the healthy machine that is fitted on both sides, but for `apart`; `today`: the model with what was accepted. Raises MissingSignal, InputError."""
+    free = refit_by_forces(today, records, fixes)
+    names = [name for name in machine.refit.values if name not in apart and _fitted_on_both(machine.refit, free, name)]
+    base = [name for name in names if name in machine.scatter]
+    others = _of_effects(machine, today, free, records, fixes, [name for name in names if name not in MECHANICAL_PARAMETERS])
+    if not base:
+        return Changes(tuple(others))
+    here = _Today(machine, today, records, fixes, base)
+    return Changes((*_of_base(here), *others), here.error([]), here.doubt_Nm)
+
+
+def _fitted_on_both(healthy: ForceRefit, today: ForceRefit, name: str) -> bool:
+    stds = [side.std.get(name, math.nan) for side in (healthy, today)]
+    return name not in healthy.kept and name not in today.kept and name in today.values and all(map(math.isfinite, stds))
+
+
+def _of_base(today: _Today) -> list[Change]:
+    """Base values: those that have changed, as they are together, and every other as it would be beside them."""
+    chosen = _chosen(today)
+    found = []
+    for column in today.columns:
+        counts = column in chosen
+        if column.name == CONSTANT and not counts:
+            continue
+        beside = chosen if counts else [*chosen, column]
+        place = beside.index(column)
+        change, limit = float(today.changes(beside)[place]), _limit(today, beside, place)
+        std = math.hypot(column.scatter, today.std(beside, place))
+        if column.name == CONSTANT:
+            constant = today.machine.actuator[CONSTANT]
+            found.append(Change(CONSTANT, constant, constant / (1.0 + change), std * constant, limit * constant, counts))
+        else:
+            found.append(Change(column.name, column.healthy, column.healthy + change, std, limit, counts))
+    return found
+
+
+def _of_effects(
+    machine: HealthyByBalance, today: Actuator, free: ForceRefit, records: Sequence[AnyRecord], fixes: Fixes, names: Sequence[str]
+) -> list[Change]:
+    """Values of the effects that the machine has anyhow."""
+    found = []
+    for name in names:
+        healthy, value = machine.refit.values[name], free.values[name]
+        # the size of a standing effect differs as much as all of its machine does
+        spread, stds = least_scatter(machine.actuator, name, healthy), (machine.refit.std[name], free.std[name])
+        limit = machine.limit(spread, *stds)
+        if name.endswith("phase_rad"):
+            # the turn nearest to the healthy one
+            value = healthy + math.remainder(value - healthy, 2.0 * math.pi)
+        counts = abs(value - healthy) > limit
+        if counts:
+            held = refit_by_forces(today.changed({name: healthy}), records, fixes.with_effects(frozenset({name.partition(".")[0]})))
+            # few records held out in turn say little of values that need them all: what the change is worth in all of them says it as well
+            counts = _CLEAR_CHANGE * free.errors.training < held.errors.training or _held_out_too(free.errors.each, held.errors.each)
+        found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))
+    return found
