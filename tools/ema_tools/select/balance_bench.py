@@ -394,10 +394,10 @@ class Bench:
     def stated(self, fit: Fitted) -> Fitted:
         """The fit with standard errors as they are told to people: shapes were fitted too, and a size that hangs on one is no better known than it is; and no value is better known than
         records show it that are left out in turn, since friction itself differs from one to the next."""
-        std, apart = self._std(fit, self._shape_slopes(fit)), self._std_of_records(fit)
+        std, apart = self._std(fit, self._shape_slopes(fit)), self.std_of_records(fit)
         return replace(fit, std={name: max(one, apart.get(name, 0.0)) for name, one in std.items()})
 
-    def _std_of_records(self, fit: Fitted) -> dict[str, float]:
+    def std_of_records(self, fit: Fitted) -> dict[str, float]:
         """Standard errors by leaving out one record after another (the jackknife); none of fewer than three. Shapes stay."""
         numbers = np.unique(self.of_record[self.fitted])
         if numbers.size < _JACKKNIFE:

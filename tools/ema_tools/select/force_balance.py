@@ -46,7 +46,7 @@ from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
 from ema_tools.select.drive_lag import with_lag_fitted
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
-from ema_tools.select.force_judge import LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, outside, unphysical
+from ema_tools.select.force_judge import CLEARLY, LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, outside, unphysical
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Refusal, Tried
 from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of, rows_of
@@ -61,8 +61,9 @@ _OWN = 1e-3  # a column is the base values' own when they leave less than this o
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
-# of the estimated floor: where no more is left, an effect must lower the error itself to so much of it, as a texture does that the estimate takes for chance [judgement]
-_AS_FLOOR, _CLEARLY = 1.2, 0.8
+# times the estimated floor: where no more is left, an effect must lower the error itself clearly, as a texture does that the estimate takes for chance [judgement]
+_AS_FLOOR = 1.2
+_AS_NOISE = 1.05  # of the noise alone, likewise: it is rather too low [judgement]
 _NO_MODEL = 30.0  # % of the drive: what leaves more is no model of the machine, and what it names is chance [judgement]
 _BASE_ROUNDS, _BASE_SAME = 5, 1e-4  # until base values and what is a share of them agree [precision]
 _CLASS_GAIN = 0.8  # effects that lower the fitted error by nearly as much as the best ... [judgement]
@@ -480,7 +481,7 @@ class ForceSearch:
 def _clear(accepted: Fitted, added: Sequence[Tried], least: float) -> tuple[list[Tried], list[Refusal]]:
     """Of effects that may be added those that are clear where the error is no more than `least`, which records differ by as well, and the others with the reason."""
     error = accepted.errors.training
-    clear = [one for one in added if error > least or one.fit.errors.training <= _CLEARLY * error]
+    clear = [one for one in added if error > least or one.fit.errors.training <= CLEARLY * error]
     why = f"an error of {error:.3g} % by which records that do the same may differ"
     refused = [_refused(one, f"it lowers to {one.fit.errors.training:.3g} % {why}") for one in added if one not in clear]
     return clear, refused
@@ -589,8 +590,9 @@ def _improved(
             )
         )
     # laps that differ may be what an effect does to them
-    estimated = EstimatedFloor() if math.isfinite(floor_of(bench, first)) else estimated_floor(bench, first)
-    least = _AS_FLOOR * estimated.percent if estimated.compared else 0.0
+    repeats = floor_of(bench, first)
+    estimated = EstimatedFloor() if math.isfinite(repeats) else estimated_floor(bench, first)
+    least = repeats if math.isfinite(repeats) else (_AS_FLOOR if estimated.compared else _AS_NOISE) * estimated.percent
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
         if search.upsets_inertia:

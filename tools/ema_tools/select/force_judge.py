@@ -21,6 +21,8 @@ from ema_tools.select.force_steps import Tried
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
 
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
+AGREED_STD = 2.0  # ... and of so many by which records differ, where it lowers the error by less than a fifth, ... [chance]
+CLEARLY = 0.8  # of the error left, which nobody takes for chance [judgement]
 FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
 _STRETCHES = 60  # of all records together, in most of which the error must fall where the mean of all is one start's [judgement]
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
@@ -66,6 +68,9 @@ class Judge:
         std = fit.std.get(size, math.inf)
         if abs(fit.values[size]) < SIZE_IN_STD * std:
             return f"its size {fit.values[size]:.3g} is not distinguishable from zero: standard error {std:.2g}"
+        apart = bench.std_of_records(fit).get(size, 0.0)
+        if abs(fit.values[size]) < AGREED_STD * apart and fit.errors.training > CLEARLY * accepted.errors.training:
+            return f"the records do not agree on its size {fit.values[size]:.3g}: leaving one out after another it is off by {apart:.2g}, one standard error"
         if _at_bound(size, fit.values[size]):
             return f"at a bound: {size} = {fit.values[size]:.3g}"
         # every part held out once

@@ -41,6 +41,8 @@ LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
 _MARGINS: dict[FloorFrom, float] = {"laps": 1.2, "healthy records": 1.3, "estimate": 2.5, "noise": 8.0}
 # ... or less where so much of what is left is foretold of one record by the others: it is no chance then [judgement]
 _FORETOLD, _MARGIN_FORETOLD = 0.3, 1.5
+# ... or where so much of the drive is left that nobody would call it explained [judgement]
+_MUCH, _MARGIN_MUCH = 10.0, 2.0
 _MATTERS = 1.0  # % of the drive by which today's records are worse than any healthy one, in squares, else nobody asks for what is missing [judgement]
 
 
@@ -169,6 +171,8 @@ class BalanceAnswer:
         margin = _MARGINS[self.floor_from]
         if self.floor_from in ("estimate", "noise") and self.forces.estimated.foretold > _FORETOLD:
             margin = min(margin, _MARGIN_FORETOLD)
+        if before > _MUCH:
+            margin = min(margin, _MARGIN_MUCH)
         return before > margin * self.floor_percent
 
     @property

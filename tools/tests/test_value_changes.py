@@ -1,0 +1,94 @@
+"""What has changed of a machine without a controller, on records written down here: one value at a time, all of the drive at once, and nothing where other motion is all that differs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import Actuator, read_actuator
+from ema_tools.data.motion_records import MotionRecord, read_motion_record
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
+
+PERIOD_S = 0.002
+INERTIA, VISCOUS, DRY, CONSTANT = 3e-4, 5e-4, 0.2, 0.5
+FRICTION_SCATTER, NOISE_A = 0.01, 0.02
+
+
+def speed(seed: int, steady: bool) -> Reals:
+    """Moves both ways at several speeds, rad/s, or at one speed alone: what friction and drag do there is the same."""
+    random = np.random.default_rng(seed)
+    asked: list[Reals] = []
+    one = float(random.uniform(30.0, 60.0))
+    for k in range(14):
+        fast = one if steady else float(random.uniform(8.0, 80.0))
+        asked.append(np.full(int(random.integers(250, 400)), fast if k % 2 else -fast))
+    smooth = np.hanning(61)
+    return np.convolve(np.concatenate(asked), smooth / smooth.sum(), mode="same")
+
+
+def record(
+    folder: Path, seed: int, *, steady: bool = False, dry: float = DRY, viscous: float = VISCOUS, constant: float = CONSTANT
+) -> MotionRecord:
+    """One record of the machine, whose friction differs from record to record."""
+    random = np.random.default_rng(1000 + seed)
+    moves = speed(seed, steady)
+    torque = INERTIA * np.gradient(moves, PERIOD_S) + viscous * moves + dry * (1.0 + FRICTION_SCATTER * random.normal()) * np.sign(moves)
+    current = torque / constant + NOISE_A * random.normal(size=moves.size)
+    path = folder / f"run_{seed}.csv"
+    rows = np.column_stack([PERIOD_S * np.arange(moves.size), moves, current])
+    np.savetxt(path, rows, delimiter=",", header="time_s,motor_speed_rad_s,current_A", comments="")
+    return read_motion_record(path)
+
+
+@pytest.fixture
+def sheet(tmp_path: Path) -> Actuator:
+    path = tmp_path / "actuator.toml"
+    path.write_text(
+        f"[motor]\ntorque_constant_Nm_per_A = {CONSTANT}\n\n[screw]\ninertia_kgm2 = {INERTIA}\nviscous_Nm_s_per_rad = 4e-4\ncsj_Nm = 0.18\n",
+        encoding="utf-8",
+    )
+    return read_actuator(path, complete=False)
+
+
+def answered(sheet: Actuator, folder: Path, today: list[MotionRecord]) -> BalanceAnswer:
+    return answer_by_balance(sheet, today, healthy=[record(folder, seed) for seed in range(5)])
+
+
+def shares(found: BalanceAnswer) -> dict[str, float]:
+    return {one.name: one.today / one.healthy - 1.0 for one in found.changed}
+
+
+@pytest.mark.parametrize(
+    ("changed", "name", "share"),
+    [
+        ({"dry": 1.25 * DRY}, "screw.csj_Nm", 0.25),
+        ({"viscous": 1.8 * VISCOUS}, "screw.viscous_Nm_s_per_rad", 0.8),
+        ({"constant": 0.9 * CONSTANT}, "motor.torque_constant_Nm_per_A", -0.1),
+    ],
+)
+def test_the_value_that_changed_is_told_and_no_other(
+    tmp_path: Path, sheet: Actuator, changed: dict[str, float], name: str, share: float
+) -> None:
+    found = answered(sheet, tmp_path, [record(tmp_path, seed, **changed) for seed in (50, 51, 52)])
+    assert (found.verdict, set(shares(found))) == ("adequate", {name})
+    # three records of a friction that scatters by 1 %
+    assert shares(found)[name] == pytest.approx(share, abs=0.03 if name != "screw.viscous_Nm_s_per_rad" else 0.15)
+
+
+def test_an_unchanged_machine_is_told_unchanged(tmp_path: Path, sheet: Actuator) -> None:
+    found = answered(sheet, tmp_path, [record(tmp_path, seed) for seed in (60, 61, 62)])
+    assert (found.verdict, shares(found)) == ("adequate", {})
+    assert not found.untold
+
+
+def test_motion_that_the_healthy_records_do_not_tell_is_no_change(tmp_path: Path, sheet: Actuator) -> None:
+    healthy = [record(tmp_path, seed, steady=True) for seed in range(5)]
+    found = answer_by_balance(sheet, [record(tmp_path, seed) for seed in (70, 71, 72)], healthy=healthy)
+    assert shares(found) == {}
+    assert not found.untold
+    # at one speed friction and drag are one: a tenth of the drag is not known, and the torque of faster motion by as much less
+    assert found.healthy is not None
+    assert found.doubt_Nm > 0.2 * found.healthy.error_Nm
