@@ -177,8 +177,8 @@ class BalanceAnswer:
 
     @property
     def untold(self) -> bool:
-        """Whether the healthy machine as it is leaves more of today's records than its own records, and what they tell of today's motion, allow."""
-        return self.healthy is not None and self.healthy.beyond(self.left_Nm, self.healthy.times * self.doubt_Nm)
+        """Whether the healthy machine as it is leaves more of today's records than its own records, and what they tell of today's motion, allow. Few records do not say what they tell."""
+        return self.healthy is not None and self.healthy.sure and self.healthy.beyond(self.left_Nm, self.healthy.times * self.doubt_Nm)
 
     @property
     def verdict(self) -> Verdict:
