@@ -13,6 +13,8 @@ from ema_tools.base.arrays import Reals
 # Numbers of periods per motor turn that pairs of slots and poles make [physics]
 PERIODS_PER_TURN = (*range(1, 61), 64, 66, 72, 78, 80, 84, 90, 96, 108, 120, 126, 132, 144, 156, 168, 180)
 
+WIDEST_SPOT = 0.1  # of the stroke, to either side of a spot's middle, at most: wider, it is friction by place [judgement]
+
 Shape = Mapping[str, float]
 
 

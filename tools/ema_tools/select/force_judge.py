@@ -15,6 +15,7 @@ from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import PART, PARTS
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
+from ema_tools.library.torques import WIDEST_SPOT
 from ema_tools.select.balance_bench import INERTIA, Bench, Fitted, floor_of
 from ema_tools.select.balance_setting import LEVEL, VISCOUS
 from ema_tools.select.force_steps import Tried
@@ -36,7 +37,6 @@ _SEEN_ELSEWHERE = 0.1
 _THIRDS = 3  # of the places and of the speeds, each told from the other two: what is seen in one of them only is no law [judgement]
 # quantile of the speeds from which friction is looked at on its way to the fastest, and at how many [precision]
 _SLOWEST, _SPEEDS = 0.01, 64
-_SPOT = 0.1  # of the stroke, to either side of a spot's middle, at most [judgement]
 _FALLS = 0.1  # of what an effect adds to friction, by which all of it must fall with the speed [judgement]
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
@@ -154,7 +154,7 @@ class Judge:
         local = record.local
         if local is not None and local.spot:
             width, stroke = fit.values[f"{effect}.{local.spot}"], float(np.ptp(fit.samples.setting.states.screw_mm))
-            return f"{width:.3g} of {stroke:.3g} mm is no spot: friction differs by place" if width > _SPOT * stroke else ""
+            return f"{width:.3g} of {stroke:.3g} mm is no spot: friction differs by place" if width > WIDEST_SPOT * stroke else ""
         if local is None or not local.falls:
             return ""
         states, values = fit.samples.setting.states, fit.values

@@ -20,7 +20,16 @@ from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
-from ema_tools.tasks.onboard_search import DAY_VALUES, MIN_SHIFTS, POSITION_ALONE, POSITION_NOISE, SHARED_NOISE, identified_of, run
+from ema_tools.tasks.onboard_search import (
+    DAY_VALUES,
+    MIN_SHIFTS,
+    POSITION_ALONE,
+    POSITION_NOISE,
+    SHARED_NOISE,
+    check_kept,
+    identified_of,
+    run,
+)
 
 # Reasons that make the values read on a healthy record worthless.
 _NO_BASELINE = tuple(REASONS[bit] for bit in (1, 2, 8, NOT_DETERMINED))
@@ -174,16 +183,17 @@ def weights_of(beside: Compared) -> tuple[float, float, float, float]:
     return found[0], found[1], found[2], found[3]
 
 
-def healthy_runs(beside: Compared, search: SearchSettings, bits: int) -> HealthyRuns:
+def healthy_runs(given: Actuator, beside: Compared, search: SearchSettings, bits: int) -> HealthyRuns:
     """The machine as its healthy repeats show it, and how far the same search reads each of them from the others.
 
-    What is called a fault is no less than what the unit does from run to run. Raises InputError where the records are not of one machine in one state.
+    `given`: the machine as its file has it. What is called a fault is no less than what the unit does from run to run. Raises InputError where the records are not of one machine in one state.
     """
     unit = beside.unit
     here = unit.simulate({}, np.zeros(len(unit.spread)))[0]
     noise_mm = max(float(np.sqrt(np.mean((one[0] - here) ** 2))) for one in unit.repeats)
     # what differs from day to day is taken from all signals here
     known = unit.actuator.changed({POSITION_NOISE: max(unit.actuator[POSITION_NOISE], noise_mm), DAY_VALUES: 0.0})
+    check_kept(given, known, beside.repeats[0].file)
     names = identified_of(known)
     weighed = replace(search, weight=search.weight or weights_of(beside))
     bases = [machine.base({}) for machine in beside.known_repeats]

@@ -281,7 +281,7 @@ def identify(
     foretold: Foretold | None = None
     if repeats is not None:
         begin("healthy runs")
-        runs = healthy_runs(repeats, settings, bits)
+        runs = healthy_runs(actuator, repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
         today = repeats.known.today(repeats.known.base({}))

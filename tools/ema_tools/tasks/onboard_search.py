@@ -20,6 +20,7 @@ SHARED_NOISE = "verdict.shared_noise_mm"
 COMMAND_SPEED = "verdict.command_speed_mm_s"
 UNSEEN = "verdict.unseen_percent"
 STRUCTURE = "verdict.structure_ratio"
+_LEFT = 0.4  # of a value that a data sheet states: real machines have more of it [judgement]
 POSITION_ALONE = (1.0, 0.0, 0.0, 0.0)  # what the search weighs unless told: the rod position is what the fault shows in [physics]
 
 
@@ -40,6 +41,17 @@ def weight_of(text: str | None) -> tuple[float, float, float, float] | None:
     if not all(0.0 <= number < float("inf") for number in numbers) or not any(numbers):
         raise InputError(f"--weight {text}: not weights: give numbers of zero or more, one of them above zero")
     return numbers[0], numbers[1], numbers[2], numbers[3]
+
+
+def check_kept(given: Actuator, found: Actuator, file: str) -> None:
+    """Raises InputError where a machine as its healthy records show it has hardly anything left of a value that is watched: what stands for it cannot be told from a fault."""
+    for name in identified_of(given):
+        if found[name] < _LEFT * given[name]:
+            standing = ", ".join(one for one in found.active_effects if one not in given.active_effects) or "its base values"
+            raise InputError(
+                f"{file} and the other healthy records: {name} would be {found[name]:.3g}, where the actuator says {given[name]:.3g}: {standing} would stand for it, "
+                "and a fault could not be told: give more healthy records, or other days' ones; ema diagnose says what they lack"
+            )
 
 
 def identified_of(actuator: Actuator) -> tuple[str, ...]:

@@ -42,6 +42,7 @@ from ema_tools.tasks.onboard_search import (
     STRUCTURE,
     UNSEEN,
     check_bounds,
+    check_kept,
     identified_of,
     run,
 )
@@ -93,6 +94,7 @@ def own_machine(
     evidence = gather(actuator, repeats[0], repeats, signals, report)
     doubt = state_doubt(evidence, repeats)
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
+    check_kept(actuator, found, repeats[0].file)
     found = found.changed({}, actuator.about)
     left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
     noise_mm = max(found[POSITION_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))

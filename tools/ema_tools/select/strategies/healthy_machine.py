@@ -9,6 +9,8 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.refit import Fit
+from ema_tools.library.registry import record_of
+from ema_tools.library.torques import WIDEST_SPOT
 from ema_tools.select.candidates import Signature
 from ema_tools.select.strategies.strategy import SearchLimits, Strategy, polished_near
 
@@ -41,6 +43,13 @@ class HealthyMachine(Strategy):
     def limit_at(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
         """The same in every round."""
         return self._needed
+
+    def is_slight(self, fit: Fit, effect: str) -> bool:
+        """A spot as wide as the stroke is no spot: it would stand for friction itself, which the unit's runs are there to tell."""
+        local = record_of(effect).local
+        if local is None or not local.spot:
+            return False
+        return fit.values[f"effects.{effect}.{local.spot}"] > WIDEST_SPOT * float(np.ptp(self.evidence.record.command_mm))
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
