@@ -82,10 +82,14 @@ def cross_check(
     if plainly or hardly:
         plain = _faults(known, base)
         stands = open_state(known, base, base.cost - known.floor if hardly else 0.0)
-        for name, shift in plain.shift.items():
-            found = rivals(known, base, name, least[name]) if shift > least[name] else []
-            if found:
-                return said("rival", _with_effect(replace(plain, open=stands), found[0], [one.effect for one in found[1:]], actuator))
+        beyond = [name for name, shift in plain.shift.items() if shift > least[name]]
+        instead = {name: rivals(known, base, name, least[name]) for name in beyond}
+        sure = [name for name in beyond if not instead[name]]
+        for found in filter(None, instead.values()):
+            # beside a fault that stands whatever explains the other, the other's doubt changes nothing
+            if any(_beside_all(known, found, name, least[name]) for name in sure):
+                continue
+            return said("rival", _with_effect(replace(plain, open=stands), found[0], [one.effect for one in found[1:]], actuator))
         why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
         why = "what is left is too little beside the fault to be its cause" if hardly else why
         return said("adequate", replace(plain, open=stands), why)
@@ -96,6 +100,11 @@ def cross_check(
     as_filed = repeats > 0 or best.cost - known.floor < 6.0 * np.sqrt(2.0 * known.evidence.numbers)
     best = best if as_filed else on_unit(beside.unit, best)
     return said("missing", _with_effect(_faults(known, best), best, alike, actuator))
+
+
+def _beside_all(known: KnownMachine, rivalling: Sequence[MachineFit], fault: str, least: float) -> bool:
+    """Whether a shift is a fault beside each of these effects."""
+    return all(one.values[fault] / known.actuator[fault] - 1.0 > least for one in rivalling)
 
 
 def _faults(known: KnownMachine, fit: MachineFit) -> _Said:

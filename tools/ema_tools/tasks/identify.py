@@ -155,10 +155,9 @@ class Identified:
 
     def _stands(self, checked: CrossCheck) -> bool:
         """Whether the verdict is the same for all that the machine may be today."""
-        sure = self.healthy["verdict.confidence_std"]
-        doubt = {name: (sure * one.std + one.moved) / abs(self.healthy[name]) for name, one in checked.open.items()}
         if self.answer.verdict == "fault":
-            return any(shift - doubt[name] > self._threshold(name) for name, shift in checked.shift.items())
+            return self._surely_faulty(checked)
+        doubt = self._doubts(checked)
         # a fall within the scatter is no wear
         return not self._open_by_climate() and all(
             shift + doubt[name] <= self._least(name) and doubt[name] - shift <= self._threshold(name)
@@ -201,6 +200,26 @@ class Identified:
         return is_beyond and self.answer.verdict != "healthy" and all(shift <= self._threshold(name) for name, shift in shifts.items())
 
     @property
+    def sure_beside_remainder(self) -> bool:
+        """Whether the module withholds its answer for a remainder alone, which beside healthy records is too little to be the cause of what is surely a fault: what a unit always has grows
+        with its friction."""
+        checked = self.checked
+        if checked is None or checked.kind != "adequate" or checked.against == 0 or self.doubt or self.objects:
+            return False
+        withheld = self.answer.verdict == "undecided" and self.answer.reasons == (NOT_ADEQUATE,)
+        return withheld and not any(map(self._moved, self.answer.identified)) and self._surely_faulty(checked)
+
+    def _surely_faulty(self, checked: CrossCheck) -> bool:
+        """Whether a shift is beyond its threshold for all that the machine may be today."""
+        doubt = self._doubts(checked)
+        return any(shift - doubt[name] > self._threshold(name) for name, shift in checked.shift.items())
+
+    def _doubts(self, checked: CrossCheck) -> dict[str, float]:
+        """How far each shift may be off for what the machine may be today, relative."""
+        sure = self.healthy["verdict.confidence_std"]
+        return {name: (sure * one.std + one.moved) / abs(self.healthy[name]) for name, one in checked.open.items()}
+
+    @property
     def objects(self) -> bool:
         """Whether the module's answer does not stand."""
         return self.objection is not None
@@ -213,12 +232,14 @@ class Identified:
     @property
     def verdict(self) -> str:
         """The module's verdict, undecided where all signals object to it."""
-        return "undecided" if self.objects else self.answer.verdict
+        if self.objects:
+            return "undecided"
+        return "fault" if self.sure_beside_remainder else self.answer.verdict
 
     @property
     def adequate(self) -> bool:
         """Whether the model explains the record: the rod position by the module, every signal by the cross-check."""
-        return self.answer.adequate and self.objection not in ("unknown", "missing")
+        return (self.answer.adequate or self.sure_beside_remainder) and self.objection not in ("unknown", "missing")
 
 
 def _check_healthy(actuator: Actuator, healthy: Sequence[Record]) -> None:

@@ -98,7 +98,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
 
 def reasons(found: Identified) -> tuple[str, ...]:
     """Why it is undecided: the module's reasons, and what all signals object behind the first of them."""
-    own = found.answer.reasons
+    own = () if found.sure_beside_remainder else found.answer.reasons
     if not found.objects or found.checked is None:
         return tuple(own)
     words = objection_words(found, found.checked)
