@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from ema_tools.balances.balance import Balance
 from ema_tools.balances.effects import acts, adjusted, transmission_of
@@ -112,6 +111,9 @@ def _sliding(actuator: Actuator, record: AnyRecord, motion: Motion, smoother: Sm
     of_speed = noise if derivatives else noise / (math.sqrt(2.0) * record.period_s)
     if of_speed > _QUIET * float(np.max(np.abs(motion.speed_rad_s))):
         return smooth, np.sign(motion.speed_rad_s)
+    # a tenth of a second to load, for slow records alone
+    from scipy import ndimage
+
     rows = _resting(speed, of_speed, smoother)
     reach = round(_REACH / (smoother.cutoff_hz * smoother.period_s))
     return np.asarray(ndimage.binary_dilation(rows, iterations=reach)) if rows.any() else rows, np.where(rows, 0.0, np.sign(speed))

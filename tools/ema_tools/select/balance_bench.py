@@ -18,6 +18,7 @@ from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, best_placed, me
 from ema_tools.base import leastsquares
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
+from ema_tools.base.jackknife import LEAST_RECORDS, jackknife_std
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import Division, divided
@@ -37,7 +38,6 @@ _ABSENT = 1e-3  # what shows so little of a column, as a share of its length, sa
 _ON_END = 1e-9  # so near to an end of where it may be, relative, a base value lies on it [precision]
 _BARELY = 2.0  # standard errors by which a base value may lie beyond its range and still be inside [chance]
 _ALIKE = 0.02  # a base value's torque that is the others' but for so much of its length is not told from them [judgement]
-_JACKKNIFE = 3  # records, of which one can be left out and the rest still say how they differ [chance]
 _ROUNDS_OF_SHAPE = 2  # over the values of a shape of several [effort]
 _SINGULAR = 1e-12  # columns that differ by less, in squares, are one [precision]
 # A constant torque is both a base value and an effect: what has changed of it since the actuator was given is the effect's.
@@ -400,7 +400,7 @@ class Bench:
     def std_of_records(self, fit: Fitted) -> dict[str, float]:
         """Standard errors by leaving out one record after another (the jackknife); none of fewer than three. Shapes stay."""
         numbers = np.unique(self.of_record[self.fitted])
-        if numbers.size < _JACKKNIFE:
+        if numbers.size < LEAST_RECORDS:
             return {}
         matrix, target, setting = fit.matrix, fit.samples.target, fit.samples.setting
         told: list[dict[str, float]] = []
@@ -408,8 +408,7 @@ class Bench:
             rest = self.fitted & (self.of_record != number)
             coefficients = self._solved(setting, matrix[rest], target[rest], matrix)
             told.append(self.values_of(setting, fit.patterns, coefficients))
-        count = len(told)
-        return {name: math.sqrt((count - 1) ** 2 / count) * float(np.std([one[name] for one in told], ddof=1)) for name in told[0]}
+        return {name: float(jackknife_std([one[name] for one in told])) for name in told[0]}
 
     def _shape_slopes(self, fit: Fitted) -> dict[str, Reals]:
         """How the fitted torque moves with each shape parameter that lies between those tried, [samples] per unit of it."""

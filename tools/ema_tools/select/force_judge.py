@@ -68,8 +68,8 @@ class Judge:
         std = fit.std.get(size, math.inf)
         if abs(fit.values[size]) < SIZE_IN_STD * std:
             return f"its size {fit.values[size]:.3g} is not distinguishable from zero: standard error {std:.2g}"
-        apart = bench.std_of_records(fit).get(size, 0.0)
-        if abs(fit.values[size]) < AGREED_STD * apart and fit.errors.training > CLEARLY * accepted.errors.training:
+        apart = bench.std_of_records(fit).get(size, 0.0) if fit.errors.training > CLEARLY * accepted.errors.training else 0.0
+        if abs(fit.values[size]) < AGREED_STD * apart:
             return f"the records do not agree on its size {fit.values[size]:.3g}: leaving one out after another it is off by {apart:.2g}, one standard error"
         if _at_bound(size, fit.values[size]):
             return f"at a bound: {size} = {fit.values[size]:.3g}"

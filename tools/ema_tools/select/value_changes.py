@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.arrays import Reals
+from ema_tools.base.jackknife import LEAST_RECORDS, jackknife_std
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.select.balance_bench import Bench, solved
@@ -27,7 +28,6 @@ from ema_tools.select.healthy_balance import HealthyByBalance, least_scatter
 CONSTANT = "motor.torque_constant_Nm_per_A"
 _CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
 _CLEARER = 0.95  # of the error of any single value must the drive as a whole leave, to be what has changed [judgement]
-_APART = 3  # records, of which one can be left out and the rest still tell how they differ [chance]
 
 
 @dataclass(frozen=True)
@@ -76,17 +76,15 @@ class _Today:
         self.record = self.bench.of_record[rows]
         self.factor = np.array([1.0, 1.0, healthy["screw.dynamic_ratio"] or 1.0, 1.0])
         self.base = start.base[rows] * self.factor
-        self.places = [MECHANICAL_PARAMETERS.index(name) for name in names]
         known = np.array([healthy[name] for name in MECHANICAL_PARAMETERS])
         known[list(self.bench.taken)] = 0.0
         self.left = start.target[rows] - self.base @ known
         self.columns = [
-            _Column(name, self.base[:, place], healthy[name], machine.scatter[name]) for name, place in zip(names, self.places, strict=True)
+            _Column(name, self.base[:, MECHANICAL_PARAMETERS.index(name)], healthy[name], machine.scatter[name]) for name in names
         ]
-        drive = start.drive[rows] - self.left
         if healthy.has(CONSTANT) and all(record.current_A is not None for record in records):
             # what is read of a torque is one over the constant
-            self.columns.append(_Column(CONSTANT, drive, 1.0, machine.scatter_of_drive))
+            self.columns.append(_Column(CONSTANT, start.drive[rows] - self.left, 1.0, machine.scatter_of_drive))
         self.moved = self._moved()
 
     def _moved(self) -> list[Reals]:
@@ -94,7 +92,7 @@ class _Today:
         bench, here = self.machine.bench, self.bench
         base, target, rows = bench.start.base * self.factor, bench.start.target, bench.fitted
         numbers = np.unique(bench.of_record[rows])
-        if numbers.size < _APART:
+        if numbers.size < LEAST_RECORDS:
             return []
         told = [solved(base[kept], target[kept], base) for kept in (rows & (bench.of_record != number) for number in numbers)]
         mean = np.mean(told, axis=0)
@@ -106,43 +104,37 @@ class _Today:
         here = np.ones(self.left.size, dtype=bool) if rows is None else rows
         return solved(np.column_stack([one.torque for one in chosen])[here], self.left[here])
 
+    def _rest(self, chosen: Sequence[_Column], fitted: NDArray[np.bool_], told: NDArray[np.bool_]) -> float:
+        """Rms of what is left of some samples with these changed as others tell it."""
+        rest = self.left[told]
+        if chosen:
+            rest = rest - np.column_stack([one.torque for one in chosen])[told] @ self.changes(chosen, fitted)
+        return math.sqrt(float(np.mean(rest**2)))
+
     def error(self, chosen: Sequence[_Column]) -> float:
         """Rms of what is left with these changed."""
-        rest = self.left - np.column_stack([one.torque for one in chosen]) @ self.changes(chosen) if chosen else self.left
-        return math.sqrt(float(np.mean(rest**2)))
+        every = np.ones(self.left.size, dtype=bool)
+        return self._rest(chosen, every, every)
 
     def held_out(self, chosen: Sequence[_Column]) -> list[float]:
         """The same of each record when the others tell the changes; of a single record as it is."""
-        numbers = np.unique(self.record)
-        if not chosen or numbers.size < 2:
-            rest = self.left if not chosen else self.left - np.column_stack([one.torque for one in chosen]) @ self.changes(chosen)
-            return [math.sqrt(float(np.mean(rest[self.record == number] ** 2))) for number in numbers]
-        columns = np.column_stack([one.torque for one in chosen])
-        found = []
-        for number in numbers:
-            here = self.record == number
-            rest = self.left[here] - columns[here] @ self.changes(chosen, ~here)
-            found.append(math.sqrt(float(np.mean(rest**2))))
-        return found
+        parts = [self.record == number for number in np.unique(self.record)]
+        return [self._rest(chosen, ~here if len(parts) > 1 else here, here) for here in parts]
 
     @property
     def doubt_Nm(self) -> float:
         """Rms of how far the torque of the healthy machine may be off on today's motion, one standard deviation."""
-        count = len(self.moved)
-        return math.sqrt((count - 1) / count * float(np.sum(np.mean(np.square(self.moved), axis=1)))) if count else 0.0
+        return math.sqrt(float(np.mean(jackknife_std(self.moved) ** 2))) if self.moved else 0.0
 
     def std(self, chosen: Sequence[_Column], place: int) -> float:
         """How far one of the changes may be off by what the healthy records, and today's, differ among themselves."""
         columns = np.column_stack([one.torque for one in chosen])
         by_healthy = [float(solved(columns, one)[place]) for one in self.moved]
         numbers = np.unique(self.record)
-        by_today = [float(self.changes(chosen, self.record != number)[place]) for number in numbers] if numbers.size >= _APART else []
-        return math.hypot(_jackknife(by_healthy), _jackknife(by_today))
-
-
-def _jackknife(told: Sequence[float]) -> float:
-    """Standard error by what is told when one record after another is left out; zero where none was."""
-    return (len(told) - 1) / math.sqrt(len(told)) * float(np.std(told, ddof=1)) if told else 0.0
+        by_today = (
+            [float(self.changes(chosen, self.record != number)[place]) for number in numbers] if numbers.size >= LEAST_RECORDS else []
+        )
+        return math.hypot(*(float(jackknife_std(told)) for told in (by_healthy, by_today) if told))
 
 
 def _limit(today: _Today, chosen: Sequence[_Column], place: int) -> float:
