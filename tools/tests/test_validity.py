@@ -110,7 +110,7 @@ def test_wrong_sign_or_unit_blocks(change: Callable[[Record], Record], topic: st
         (
             lambda r: replace(r, position_mm=held(r.position_mm, 5000, 150)),
             "stuck",
-            "position_mm repeats one value for 150 rows from row 5001",
+            "position_mm repeats one value for 150 rows from row 5001, where the motor turns on",
         ),
         (lambda r: replace(r, position_mm=np.concatenate((np.zeros(30), r.position_mm[:-30]))), "clock", "ms later than in the model"),
         (

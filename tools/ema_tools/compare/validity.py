@@ -73,12 +73,13 @@ _ROWS_PER_PERIOD = 20.0  # of the fastest part of the command: fewer show the mo
 
 @dataclass(frozen=True)
 class RecordRemark:
-    """One thing looked at: what about, how much it matters, a sentence, and what to do next (empty where nothing is to be done)."""
+    """One thing looked at: what about, how much it matters, a sentence, and what to do next (empty where nothing is to be done); `sensor`: it is a sensor's or a recorder's, no machine does so."""
 
     topic: str
     severity: Severity
     text: str
     next: str = ""
+    sensor: bool = False
 
 
 @dataclass(frozen=True)
@@ -570,7 +571,9 @@ def _spikes(record: Record) -> list[RecordRemark]:
             more = f", and so do {rows.size - 1} other rows" if rows.size > 1 else ""
             text = f"{name} jumps by {values[first] - calm[first]:+.3g} {UNITS[name]} in row {first + 1} and back{more}: no machine does"
             found.append(
-                RecordRemark("spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again")
+                RecordRemark(
+                    "spikes", "weakens", text, f"look for a loose contact or lost samples of the {TITLES[name]}, and record again", True
+                )
             )
     return found
 
@@ -603,17 +606,12 @@ def _stuck(actuator: Actuator, record: Record, run: Simulation) -> list[RecordRe
             text = f"{name} repeats one value for {longest + 1} rows from row {start + 1}, where the "
             held = slice(start, start + longest + 1)
             mover = _moves_on(actuator, record, name, held)
-            if mover and longest > _STUCK_BLOCKS * record.rows:
-                found.append(RecordRemark("stuck", "blocks", f"{text}{mover} on", _HELD[name]))
+            if mover:
+                severity: Severity = "blocks" if longest > _STUCK_BLOCKS * record.rows else "weakens"
+                found.append(RecordRemark("stuck", severity, f"{text}{mover} on", _HELD[name], True))
             else:
-                found.append(
-                    RecordRemark(
-                        "stuck",
-                        "weakens",
-                        f"{text}{f'{mover} on' if mover else 'model moves on'}",
-                        "check the recording for lost samples, and the machine for a seized rod",
-                    )
-                )
+                what = "check the recording for lost samples, and the machine for a seized rod"
+                found.append(RecordRemark("stuck", "weakens", f"{text}model moves on", what))
     return found
 
 

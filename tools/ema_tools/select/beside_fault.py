@@ -26,6 +26,8 @@ from ema_tools.select.strategies.strategy import LEAST_LIMIT
 _FIRST_STEPS, _SECOND_STEPS = 4, 8
 _SECOND, _LAST = 6, 3  # how many effects go on to the second and the last of these fits [effort]
 _ALIKE = 9.0  # fits whose costs differ by less than three standard deviations cannot be told apart [chance]
+# As much again as the best one leaves beyond noise: where its own form leaves something, forms are not told apart by less [judgement]
+_NEARLY = 1.0
 _LEAST_SHARE = 0.05  # the share of the excess over sensor noise that a named effect must take off ... [judgement]
 _UNEXPLAINED = 0.1  # ... and with more than this share left the answer is that something is missing, not what [judgement]
 _LEAST_ERRORS = 2.0  # a named effect's size differs from none by so many standard errors [chance]
@@ -116,7 +118,8 @@ def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None
         return "unknown", None, ()
     if best.cost - known.floor > max(_UNEXPLAINED * excess, 6.0 * np.sqrt(2.0 * numbers)):
         return "unknown", None, ()
-    alike = [one.effect for one in fits[1:] if one.cost - best.cost < _ALIKE * unit]
+    near = max(_ALIKE * unit, _NEARLY * (best.cost - known.floor))
+    alike = [one.effect for one in fits[1:] if one.cost - best.cost < near]
     alike += record_of(best.effect).inseparable
     return "missing", known.with_whole_std(best), tuple(dict.fromkeys(alike))
 

@@ -16,7 +16,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
-from ema_tools.compare.validity import judge
+from ema_tools.compare.validity import RecordRemark, judge
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit import bounded
@@ -302,9 +302,17 @@ def silent(record: Record) -> tuple[str, ...]:
 
 def blocked(actuator: Actuator, record: Record) -> str:
     """Why no answer from a record means anything, by its validity; empty where it may answer. Sensors that are not connected are left out."""
+    return next((f"{one.text}: {one.next}" for one in _remarks(actuator, record) if one.severity == "blocks"), "")
+
+
+def disturbed(actuator: Actuator, record: Record) -> str:
+    """What a sensor or recorder did in a part of the record that no machine does; empty where nothing. What is unknown in such a record may be that."""
+    return next((f"{one.text}: {one.next}" for one in _remarks(actuator, record) if one.sensor), "")
+
+
+def _remarks(actuator: Actuator, record: Record) -> tuple[RecordRemark, ...]:
     left_out: dict[str, Any] = {name: None for name in silent(record) if name != "position_mm"}
-    gate = judge(actuator, replace(record, **left_out))
-    return next((f"{one.text}: {one.next}" for one in gate.remarks if one.severity == "blocks"), "")
+    return judge(actuator, replace(record, **left_out)).remarks
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from ema_tools.fit.evidence import Evidence
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.registry import record_of
 from ema_tools.select.outcome import Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
@@ -23,6 +24,11 @@ class Searched:
     sensor: Suspect | None = None
 
 
+def _less_than_none(one: Named) -> bool:
+    """Whether a bend of the law of friction is negative: it stands for a law in another form."""
+    return record_of(one.name).adds and next(iter(one.values.values())) < 0.0
+
+
 def searched(unit: Evidence) -> Searched:
     """The search on evidence that healthy records stand behind."""
     found, sensor = diagnose(unit), suspect(unit)
@@ -30,6 +36,6 @@ def searched(unit: Evidence) -> Searched:
     if sensor is not None and not (explains and sensor.cost >= found.cost_after - LEAST_LIMIT):
         return Searched(sensor=sensor)
     effects = [one for one in found.named if one.accepted and one.name not in FAULTS]
-    if not explains or found.fit is None or len(effects) != 1:
+    if not explains or found.fit is None or len(effects) != 1 or _less_than_none(effects[0]):
         return Searched()
     return Searched(effects[0], {name: found.fit.values[name] for name in FAULTS.values() if name in found.fit.values})

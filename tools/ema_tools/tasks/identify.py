@@ -21,6 +21,7 @@ from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.temperature import Foretold
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
+from ema_tools.select.baseline import same_command
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
@@ -249,6 +250,23 @@ def _check_healthy(actuator: Actuator, healthy: Sequence[Record]) -> None:
             raise InputError(f"{other.file}: cannot serve as a healthy record: {why}")
 
 
+def _blamed(actuator: Actuator, record: Record, healthy: Sequence[Record], error: InputError) -> InputError:
+    """What healthy records could not do each by itself is today's record's doing where it runs none of their commands."""
+    first = healthy[0]
+    if any(same_command(record, one) for one in healthy):
+        return error
+    why = blocked(actuator, record)
+    if why:
+        return InputError(f"{record.file}: {why}")
+    rows = min(record.rows, first.rows)
+    begun = np.allclose(record.command_mm[:rows], first.command_mm[:rows], atol=1e-6)
+    what = f"its {record.rows} rows are the beginning of the command of {first.file}, which has {first.rows}: it was cut off"
+    unlike = what if begun and record.rows < first.rows else f"not the command of {first.file}"
+    return InputError(
+        f"{record.file}: command_mm: {unlike}: record today's under the whole command of the healthy records; each of them by itself cannot serve ({error})"
+    )
+
+
 def _holds(actuator: Actuator, values: Mapping[str, float]) -> bool:
     """Whether the effect of these values, its size first, is in the actuator at this very size."""
     if not values:
@@ -313,7 +331,10 @@ def identify(
             percent = 100.0 * foretold.std
             known = known.changed({DRY: known[DRY] * (1.0 + foretold.shift), SCATTERS[DRY]: percent})
     elif healthy:
-        baseline = baseline_of(actuator, healthy, settings, bits)
+        try:
+            baseline = baseline_of(actuator, healthy, settings, bits)
+        except InputError as error:
+            raise _blamed(actuator, record, healthy, error) from error
         known = actuator.changed(baseline.values)
     else:
         known = actuator
