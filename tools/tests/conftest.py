@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 # As the commands do it: two workers on two cores, each with threads inside its small matrix products, wait for each other. Read when NumPy is imported.
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -17,6 +18,22 @@ from demo_run import forget_demo_run
 # the same examples everywhere: what fails for one fails for all
 settings.register_profile("ema", deadline=None, derandomize=True)
 settings.load_profile("ema")
+
+
+# Files that take longest begin, so that no worker waits for the last of them. What shares a compiled model or a run of the demo stands together: a worker's own part is in one piece.
+FIRST = (
+    *("test_reference", "test_vectors", "test_forms"),
+    *("test_walk_through", "test_demo", "test_readme"),
+    *("test_add_an_effect", "test_own_effect"),
+    *("test_late_drive", "test_value_changes", "test_cli_diagnose", "test_any_machine", "test_fleet", "test_hidden", "test_cross_check"),
+    *("test_guard", "test_without_controller", "test_diagnosis", "test_shared_noise", "test_strategies", "test_faults", "test_wear"),
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The order of the files; within one it stays."""
+    place = {name: number for number, name in enumerate(FIRST)}
+    items.sort(key=lambda item: place.get(Path(item.path).stem, len(FIRST)))
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

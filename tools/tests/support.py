@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
+import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,6 +49,34 @@ def run_ema(*arguments: object) -> Ran:
     finally:
         sys.argv = before
     return Ran(code, out.getvalue(), err.getvalue())
+
+
+_COMMANDS = """
+import contextlib, io, json, sys
+from ema_tools.cli import main
+printed = []
+for command in json.loads(sys.argv[1]):
+    sys.argv = ["ema", *command]
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        try:
+            main()
+        except SystemExit as end:
+            if end.code:
+                raise
+    printed.append(out.getvalue())
+print(json.dumps(printed))
+"""
+
+
+def ema_elsewhere(commands: Sequence[Sequence[object]], folder: Path, environment: Mapping[str, str]) -> list[str]:
+    """What each command prints, in `folder` with other libraries or sources; all in one process, since starting the tools takes as long as most of them."""
+    asked = json.dumps([[str(part) for part in command] for command in commands])
+    ran = subprocess.run(
+        [sys.executable, "-c", _COMMANDS, asked], cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=1200
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    printed: list[str] = json.loads(ran.stdout)
+    return printed
 
 
 def complaint(ran: Ran) -> str:

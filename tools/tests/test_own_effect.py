@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from ema_tools.library.definitions import library_path, load_definitions, read_definitions
-from support import REFERENCE, ROOT
+from support import REFERENCE, ROOT, ema_elsewhere
 
 EXAMPLE = ROOT / "docs" / "own_effect"
 HIDDEN = {"drag_Nm_per_mm": 0.008, "start_mm": 0.5}
@@ -20,7 +19,7 @@ NOISE = "position_mm=0.002,motor_position_mm=0.002,current_A=0.03,voltage_V=0.02
 # Dry friction of healthy runs and of today's: a usual scatter.
 LEVELS_NM = (0.1375, 0.1383, 0.1377, 0.1386, 0.1379)
 TODAY_NM = 0.1384
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., list[str]]
 
 
 def test_the_ordinary_library_does_not_know_the_example() -> None:
@@ -71,22 +70,9 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def ema_with(libraries: Path, folder: Path) -> Run:
-    """The command `ema` with these libraries in `folder`."""
+    """Commands of `ema` with these libraries in `folder`."""
     environment = {**os.environ, "EMA_LIBRARY_DIR": str(libraries), "PYTHONPATH": str(ROOT / "tools")}
-
-    def run(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
-        ran = subprocess.run(
-            [sys.executable, "-m", "ema_tools", *map(str, arguments)],
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert ran.returncode == code, ran.stdout + ran.stderr
-        return ran
-
-    return run
+    return lambda *commands: ema_elsewhere(commands, folder, environment)
 
 
 @pytest.mark.slow
@@ -102,9 +88,10 @@ def test_the_list_of_ones_own_stands_behind_the_projects(built: Path) -> None:
 def records(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with five healthy records and today's, which hides the example."""
     folder = tmp_path_factory.mktemp("records")
-    run = ema_with(built, folder)
-    for place, level in enumerate(LEVELS_NM):
-        run(
+    hidden = [part for field, value in HIDDEN.items() for part in ("--set", f"effects.scored_rod.{field}={value}")]
+
+    def simulate(file: str, seed: int, level_Nm: float, *more: str) -> tuple[object, ...]:
+        return (
             "simulate",
             REFERENCE,
             "--command",
@@ -112,37 +99,31 @@ def records(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
             "--noise",
             NOISE,
             "--seed",
-            place + 1,
+            seed,
             "--set",
-            f"screw.csj_Nm={level}",
+            f"screw.csj_Nm={level_Nm}",
+            *more,
             "-o",
-            f"healthy{place}.csv",
+            file,
         )
-    hidden = [part for field, value in HIDDEN.items() for part in ("--set", f"effects.scored_rod.{field}={value}")]
-    run(
-        "simulate",
-        REFERENCE,
-        "--command",
-        "chirp",
-        "--noise",
-        NOISE,
-        "--seed",
-        99,
-        "--set",
-        f"screw.csj_Nm={TODAY_NM}",
-        *hidden,
-        "-o",
-        "today.csv",
-    )
+
+    healthy = [simulate(f"healthy{place}.csv", place + 1, level) for place, level in enumerate(LEVELS_NM)]
+    ema_with(built, folder)(*healthy, simulate("today.csv", 99, TODAY_NM, *hidden))
     return folder
 
 
 @pytest.mark.slow
 def test_the_example_is_listed_and_named_first_and_added(built: Path, records: Path) -> None:
-    run = ema_with(built, records)
-    assert "drag_Nm_per_mm" in run("effects", "scored_rod").stdout
     healthy = [part for place in range(len(LEVELS_NM)) for part in ("--healthy", f"healthy{place}.csv")]
-    run("diagnose", REFERENCE, "today.csv", *healthy, "--json", "found.json")
+    listed, *_ = ema_with(built, records)(
+        ("effects", "scored_rod"),
+        ("diagnose", REFERENCE, "today.csv", *healthy, "--json", "found.json"),
+        ("add", REFERENCE, "scored_rod", "--fit", "today.csv", *healthy, "-o", "with.toml"),
+        ("compare", REFERENCE, "today.csv", "--json", "before.json"),
+        ("compare", "with.toml", "today.csv", "--json", "after.json"),
+        ("export", "with.toml", "-o", "machine.h"),
+    )
+    assert "drag_Nm_per_mm" in listed
     found = json.loads((records / "found.json").read_text())
     assert found["verdict"] == "missing"
     first = found["effects"][0]
@@ -153,22 +134,16 @@ def test_the_example_is_listed_and_named_first_and_added(built: Path, records: P
     assert found["error"]["after"] < 1.05 * found["error"]["floor"]
     # it stands among the others, not alone
     assert {"jam_spot", "coulomb_asymmetry"} <= {one["name"] for one in found["effects"]}
-
-    run("add", REFERENCE, "scored_rod", "--fit", "today.csv", *healthy, "-o", "with.toml")
     assert "[effects.scored_rod]" in (records / "with.toml").read_text()
-    for actuator, result in ((REFERENCE, "before.json"), ("with.toml", "after.json")):
-        run("compare", actuator, "today.csv", "--json", result)
     before, after = (json.loads((records / name).read_text())["balances"]["mechanical"]["rms"] for name in ("before.json", "after.json"))
     # what is left is the noise of the recorded current and position
     assert after < 0.6 * before
-    run("export", "with.toml", "-o", "machine.h")
     assert "scored_rod" in (records / "machine.h").read_text()
 
 
 @pytest.mark.slow
 def test_what_to_measure_next_knows_the_example(built: Path, records: Path) -> None:
-    run = ema_with(built, records)
-    run("next", REFERENCE, "--between", "scored_rod", "coulomb_asymmetry", "--json", "next.json")
+    ema_with(built, records)(("next", REFERENCE, "--between", "scored_rod", "coulomb_asymmetry", "--json", "next.json"))
     found = json.loads((records / "next.json").read_text())
     assert found["best"]["separation"] > 3.0
     assert found["sizes"]["scored_rod"]["drag_Nm_per_mm"] > 0.0

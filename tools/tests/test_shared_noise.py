@@ -19,7 +19,7 @@ from ema_tools.plant.native import SearchSettings
 from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.onboard_search import SHARED_NOISE, run
-from ema_tools.tasks.own_machine import own_machine
+from ema_tools.tasks.own_machine import OwnMachine, own_machine
 
 ROWS, RUNS, RMS = 10_000, 3, 0.005
 
@@ -63,6 +63,15 @@ def runs(worn: bool, count: int, first: int) -> tuple[Record, ...]:
     return tuple(record_of(measured(unit, changes, "chirp", first + k), k) for k in range(count))
 
 
+@cache
+def flown_machine() -> OwnMachine:
+    """What its healthy runs make of it, whatever today is."""
+    healthy = runs(False, 3, 700)
+    own = own_machine(calibrate(reference_actuator(), healthy).actuator, healthy)
+    assert own is not None
+    return own
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("worn", "verdict"), [(False, "healthy"), (True, "fault")])
 def test_a_unit_with_such_a_sensor_is_judged(worn: bool, verdict: str) -> None:
@@ -70,8 +79,7 @@ def test_a_unit_with_such_a_sensor_is_judged(worn: bool, verdict: str) -> None:
     found = identify(reference_actuator(), today, healthy)
     assert found.verdict == verdict
     assert found.healthy[SHARED_NOISE] > 0.0
-    own = own_machine(calibrate(reference_actuator(), healthy).actuator, healthy)
-    assert own is not None
+    own = flown_machine()
     assert own.actuator[SHARED_NOISE] > 0.0
     flown = run(own.actuator, today, SearchSettings(), 32)
     assert (flown.verdict, flown.reasons) == (verdict, ())

@@ -20,7 +20,7 @@ def _tuple_type(name: str, fields: Iterable[str]) -> Any:
 
 _DEFINITIONS: Definitions = project_definitions()
 _BLOCK_SECTIONS = ("control", "drive", "motor", "gearbox", "screw", "encoder", "timing")
-_Effects = _tuple_type("Effects", [effect.name for effect in _DEFINITIONS.effects])
+Effects = _tuple_type("Effects", [effect.name for effect in _DEFINITIONS.effects])
 Actuator = _tuple_type("Actuator", [*_BLOCK_SECTIONS, "effects"])
 
 
@@ -60,4 +60,4 @@ def build(values: Mapping[str, float]) -> Any:
         rows = _DEFINITIONS.sections[section]
         sections.append(_structure({row.field: int(values[row.name]) if row.is_option else float(values[row.name]) for row in rows}))
     effects = [_structure({value.field: float(values[value.name]) for value in effect.parameters}) for effect in _DEFINITIONS.effects]
-    return Actuator(*sections, _Effects(*effects))
+    return Actuator(*sections, Effects(*effects))

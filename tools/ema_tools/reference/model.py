@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
-from ema_tools.base.compiled import compiled
+from ema_tools.base.compiled import compiled, kept
 from ema_tools.base.recording import Recording
 from ema_tools.library.definitions import defaults, project_definitions
 from ema_tools.reference import drive, encoder, gearbox, pid, plant, sites
@@ -97,7 +98,8 @@ def _move(
         span = left
 
 
-@compiled
+# The whole loop is kept, with all that it calls: the sites' functions are handed others, which Numba cannot keep one by one.
+@kept(Path(__file__).parent, repr(project_definitions()))
 def _run(moving: plant.Plant, command_mm: np.ndarray, start_mm: float, oversample: int, rows: np.ndarray) -> int:
     """Simulate every step of `command_mm` [n]; fill `rows` [5, m]; return the number of steps that went well."""
     part = moving.part

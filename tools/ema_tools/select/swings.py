@@ -9,7 +9,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import signal
 
 from ema_tools.base.arrays import Reals
 
@@ -35,6 +34,9 @@ def swings(residuals: Sequence[Reals], angles_rad: Sequence[Reals], highest: flo
     orders = np.arange(power.size, dtype=np.float64) * (2.0 * math.pi / (lines * width))
     apart = 2.0 * math.pi / longest
     power[(orders < _CYCLES * apart) | (orders > highest)] = 0.0
+    # here and below, since it takes half a second to load and few records come here
+    from scipy import signal
+
     peaks, _ = signal.find_peaks(power, distance=_FINER)
     whole = np.abs(orders[peaks] - np.round(orders[peaks])) < apart
     peaks = peaks[~(whole & (np.round(orders[peaks]) > 0.0))]
@@ -50,6 +52,8 @@ def _over_angle(residual: Reals, angle_rad: Reals, width: float) -> Reals:
     place = np.flatnonzero(there) / count.size
     found = np.zeros(count.size)
     found[there] = means - np.polynomial.Polynomial.fit(place, means, min(_TREND, means.size - 1))(place)
+    from scipy import signal
+
     return np.asarray(found * signal.windows.hann(count.size, sym=True))
 
 
