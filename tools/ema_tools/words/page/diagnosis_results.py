@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
-from ema_tools.results.diagnosis import ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.results.diagnosis import BaseEntry, ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BinPicture, BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
@@ -92,6 +92,14 @@ class ShownChange:
 
 
 @dataclass(frozen=True)
+class ShownBase:
+    """One base value as fitted, beside what is stated."""
+
+    name: str
+    entry: BaseEntry
+
+
+@dataclass(frozen=True)
 class Diagnosed:
     """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by their names, those that are known; what the result does not hold is empty. `found`: the result itself."""
 
@@ -117,6 +125,7 @@ class Diagnosed:
     curves: Curves | None
     forward_sentence: str = ""
     changes: tuple[ShownChange, ...] = ()
+    base: tuple[ShownBase, ...] = ()
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
@@ -168,6 +177,7 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         curves=None if found.curves is None else curves_of(found.curves, source),
         forward_sentence="" if isinstance(found, DiagnosisResult) else _of_forward(found),
         changes=tuple(ShownChange(*one) for one in found.changes.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
+        base=tuple(ShownBase(*one) for one in found.base.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
         records=count,
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,

@@ -12,7 +12,8 @@ from ema_tools.words.sentences.importing import origin_text
 from ema_tools.words.terminal.console import number, table
 from ema_tools.words.terminal.show import say
 
-_VALUES = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
+LOAD = "screw.load_torque_Nm"
+_VALUES = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", LOAD)
 
 
 def print_draft(console: Console, found: DraftResult) -> None:
@@ -56,5 +57,9 @@ def print_tables(console: Console, found: TableImportResult) -> None:
     say(console, f"{found.actuator}, to start from")
     values = table("", "value", "number", "from", text_columns=1)
     for name in _VALUES:
-        values.add_row(name, number(found.values[name]), "the records" if name in found.estimated else Text(found.map))
+        values.add_row(
+            name,
+            number(found.values[name]),
+            "the records" if name in found.estimated else "nothing: none is taken" if name == LOAD else Text(found.map),
+        )
     console.print(values)

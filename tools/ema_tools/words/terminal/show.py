@@ -22,6 +22,7 @@ from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.balance import forward_sentence, friction_sentence, lag_sentence
+from ema_tools.words.sentences.base_values import note
 from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
@@ -321,6 +322,7 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     if found.floor_from != "healthy records":
         rows.add_row(_FLOORS[found.floor_from], "", "", number(found.error.floor, 3), "")
     console.print(rows)
+    _base(console, found)
     if found.unexplained is not None and found.verdict != "adequate":
         estimated = ", by that estimate" if found.floor_from in ("estimate", "noise") else ""
         say(
@@ -347,6 +349,27 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     console.print()
     console.print(refused)
     say(console, found.next_experiment)
+
+
+def _base(console: Console, found: DiagnosisByBalanceResult) -> None:
+    """Base values as fitted beside what the file states."""
+    if not found.base:
+        return
+    console.print()
+    title = "Base values of the healthy machine" if found.healthy is not None else "Base values beside what was found"
+    rows = table(title, "value", "unit", "stated", "fitted", "95 % interval", "of the stated", text_columns=0)
+    for column in rows.columns[:2]:
+        column.justify = "left"
+    for name, one in found.base.items():
+        stated = number(one.stated, 4) if one.stated_from == "file" else "not stated"
+        fitted = "-" if one.kept else number(one.value, 4) + (" (at its bound)" if one.at_bound else "")
+        times = "" if one.times is None else f"{one.times:.3g} times"
+        rows.add_row(name, one.unit, stated, fitted, ends_text(*one.interval95), times)
+    console.print(rows)
+    for name, one in found.base.items():
+        if text := note(name, one):
+            say(console, text)
+    console.print()
 
 
 def _changes(console: Console, found: DiagnosisByBalanceResult) -> None:

@@ -1,0 +1,36 @@
+"""The base values of a balance on a page, beside what the actuator's file states of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from ema_tools.words.page import text as words
+from ema_tools.words.page.diagnosis_results import ShownBase
+from ema_tools.words.sentences.base_values import note
+
+CAPTION = "Base values as fitted beside what was found, and what the actuator's file states of them."
+HEADS = ("Value", "Stated", "Fitted", "95 % interval", "Of the stated")
+
+
+def rows(shown: Sequence[ShownBase]) -> list[str]:
+    """One row of cells a value, under HEADS."""
+    return [_row(one) for one in shown]
+
+
+def notes(shown: Sequence[ShownBase]) -> list[str]:
+    """What is said below: values that were not fitted, or are hardly seen."""
+    return [f'<p class="note">{escape(text)}</p>' for one in shown if (text := note(one.name, one.entry))]
+
+
+def _row(shown: ShownBase) -> str:
+    one = shown.entry
+    low, high = one.interval95
+    unit = f" {escape(one.unit)}" if one.unit else ""
+    stated = f"{words.number(one.stated, 4)}{unit}" if one.stated_from == "file" else "not stated"
+    fitted = "–" if one.kept else f"{words.number(one.value, 4)}{unit}{' (at its bound)' if one.at_bound else ''}"
+    spread = words.interval(low, high) if low is not None and high is not None else "–"
+    times = "–" if one.times is None else f"{words.number(one.times)} times"
+    if one.contradicts:
+        times = f'<b class="bad">{times}</b>'
+    return f'<tr><th scope="row">{escape(shown.name)}</th><td>{stated}</td><td>{fitted}</td><td>{spread}</td><td>{times}</td></tr>'
