@@ -88,7 +88,8 @@ def import_tables(names: Sequence[str | Path], map_path: str | Path, folder: str
         files.append(convert(path, mapped, units))
     files = _said_once(_named_apart(files))
     records = [record for one in files for record in one.records]
-    remarks = doubts.check(records, mapped)
+    unnamed = {name: column for one in files for name, column in one.unnamed.items()}
+    remarks = (*_assumed(unnamed, mapped), *doubts.check(records, mapped, unnamed))
     actuator, estimated = start_machine(records, mapped)
     target = Path(folder)
     places = tuple(tuple(target / record.file for record in one.records) for one in files)
@@ -132,6 +133,12 @@ def _said_once(files: Sequence[Converted]) -> list[Converted]:
         copies = tuple(TableRemark("copy", None, None, twin) for twin in twins if twin is not None)
         found.append(replace(one, remarks=one.remarks + copies))
     return found
+
+
+def _assumed(unnamed: Mapping[str, str], mapped: TableMap) -> tuple[TableRemark, ...]:
+    """That units were taken from the map alone."""
+    told = ", ".join(f'"{column}" in {mapped.columns[name].unit}' for name, column in unnamed.items() if not mapped.columns[name].sure)
+    return (TableRemark("assumed", None, None, told, mapped.file),) if told else ()
 
 
 def _stem(path: Path) -> str:
