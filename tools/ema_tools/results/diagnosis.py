@@ -246,9 +246,10 @@ class DiagnosisByBalanceResult:
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     steps: tuple[StepEntry, ...] = ()
     forces: Forces
-    base: dict[str, BaseEntry] = field(
-        default_factory=dict
-    )  # base values of the last model, with healthy records of the healthy machine, by full name
+    # base values of the last model, with healthy records those of the healthy machine, by full name; None in files of before
+    base: dict[str, BaseEntry] | None = field(default=None, metadata=SPARE)
+    # rod travel per motor angle of a machine of which everything was recorded along its line, and which is told in N, kg and mm; None of any other
+    rod_m_per_rad: float | None = field(default=None, metadata=SPARE)
     friction: FrictionShape | None = None  # None where friction is least at standstill
     drive_lag_s: float | None = field(default=None, metadata=SPARE)  # by which the drive records late; None where no lag shows
     gate: Validity = field(default_factory=Validity)

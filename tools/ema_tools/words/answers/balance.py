@@ -33,6 +33,7 @@ from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of,
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.balance import next_step, sentence
 from ema_tools.words.sentences.base_values import contradiction
+from ema_tools.words.sentences.machine_units import units_of
 
 _SPEEDS = 200  # that friction is worked out at [layout]
 _MODES: dict[By, Literal["laps of one record", "stretches of one record", "several records"]] = {
@@ -70,6 +71,7 @@ def diagnosis_by_balance(
         steps=_steps(way),
         forces=forces_of(way, found.compared),
         base={shown(row_of(one.name)): _base(one) for one in found.base},
+        rod_m_per_rad=units_of(found.known, found.records).m_per_rad,
         friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
         drive_lag_s=way.actuator.drive_lag_s or None,
         gate=validity(_with_contradiction(found)),
@@ -123,7 +125,7 @@ def _base(one: BaseValue) -> result.BaseEntry:
 
 def _with_contradiction(found: BalanceAnswer) -> RecordValidity:
     """The judgement of the first record, with what the fit says against the actuator's file: a scale that is wrong passes every other look."""
-    gate, text = found.gates[0], contradiction(found.base, found.record)
+    gate, text = found.gates[0], contradiction(found.base, found.record, units_of(found.known, found.records))
     return replace(gate, remarks=(RecordRemark("scale", "weakens", text), *gate.remarks)) if text else gate
 
 

@@ -387,8 +387,8 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
     _changed(page, result)
     if result.base:
         heads = _heads(*base_values.HEADS)
-        page.add("<h3>Base values</h3>", _table("base values", base_values.CAPTION, heads, base_values.rows(result.base)))
-        page.add(*base_values.notes(result.base))
+        page.add("<h3>Base values</h3>", _table("base values", base_values.CAPTION, heads, base_values.rows(result.base, result.units)))
+        page.add(*base_values.notes(result.base, result.units))
     if result.curves is not None:
         names = " and ".join(result.steps[-1].effects) if result.steps else result.added
         titles = {"before": "Before: the first model", "after": f"After: with {names}" if names else "After: the new model"}

@@ -18,6 +18,7 @@ from ema_tools.results.validity import Remark, Validity
 from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.recorded import Curves, curves_of
 from ema_tools.words.sentences.balance import forward_sentence, lag_sentence
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 
 _ERRORS = ("before", "after", "floor", "holdout_before", "holdout_after")
 
@@ -126,6 +127,7 @@ class Diagnosed:
     forward_sentence: str = ""
     changes: tuple[ShownChange, ...] = ()
     base: tuple[ShownBase, ...] = ()
+    units: MachineUnits = TURNING
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
@@ -177,7 +179,8 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         curves=None if found.curves is None else curves_of(found.curves, source),
         forward_sentence="" if isinstance(found, DiagnosisResult) else _of_forward(found),
         changes=tuple(ShownChange(*one) for one in found.changes.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
-        base=tuple(ShownBase(*one) for one in found.base.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
+        base=tuple(ShownBase(*one) for one in (found.base or {}).items()) if isinstance(found, DiagnosisByBalanceResult) else (),
+        units=_units(found),
         records=count,
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,
@@ -186,11 +189,16 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
     )
 
 
+def _units(found: DiagnosisResult | DiagnosisByBalanceResult | Addition) -> MachineUnits:
+    """How the numbers of the machine are told."""
+    return MachineUnits(m_per_rad=found.rod_m_per_rad) if isinstance(found, DiagnosisByBalanceResult) else TURNING
+
+
 def _of_forward(found: DiagnosisByBalanceResult | Addition) -> str:
     """What is said of the forward solution, and of a drive that records late."""
     lag_s = found.drive_lag_s
     told = [lag_sentence(lag_s)] if lag_s else []
-    return " ".join([*told, *([forward_sentence(found.forward)] if found.forward is not None else [])])
+    return " ".join([*told, *([forward_sentence(found.forward, _units(found))] if found.forward is not None else [])])
 
 
 def _suspect(one: EffectEntry) -> ShownSuspect:

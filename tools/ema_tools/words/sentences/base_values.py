@@ -10,6 +10,7 @@ from ema_tools.results.diagnosis import BaseEntry
 from ema_tools.select.balance_bench import INERTIA
 from ema_tools.select.balance_setting import LEVEL
 from ema_tools.select.base_values import BaseValue
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text
 
 # What each column's scale hangs on, the rod's on more than the motor's.
@@ -23,16 +24,16 @@ _HANGS_ON = {
     "current_A": "the torque constant and the unit of current_A",
     "force_N": "lead and ratio, and the unit or nominal value of force_N",
 }
-_TITLES = {INERTIA: "inertia", LEVEL: "dry friction"}
+_TITLES = {INERTIA: "inertia", LEVEL: "dry friction"}  # of what turns; along a line by its units
 _SAME = 1.25  # factors within this of each other are one [judgement]
 
 
-def contradiction(values: Sequence[BaseValue], record: AnyRecord) -> str:
+def contradiction(values: Sequence[BaseValue], record: AnyRecord, units: MachineUnits = TURNING) -> str:
     """Where fitted values contradict stated ones, and what to check; empty where none does."""
     odd = [one for one in values if one.contradicts]
     if not odd:
         return ""
-    told = " and ".join(f"the {_TITLES[one.name]} fitted is {_times(one)}" for one in odd)
+    told = " and ".join(f"the {_title(one, units)} fitted is {_times(one)}" for one in odd)
     hangs = [_HANGS_ON[name] for name in (*_first(record, MOTIONS), *_first(record, DRIVES))]
     itself = " and ".join(shown(row_of(one.name)) for one in odd)
     one_scale = len(odd) > 1 and max(one.times for one in odd) < _SAME * min(one.times for one in odd)
@@ -40,6 +41,10 @@ def contradiction(values: Sequence[BaseValue], record: AnyRecord) -> str:
         why = "one factor on both is one of the drive's scale: " if one_scale else ""
         return f"{told}: {why}check {', '.join(dict.fromkeys(hangs[-1:] if one_scale else hangs))}, or {itself} itself"
     return f"{told}: friction has changed, or {itself} is of another machine"
+
+
+def _title(one: BaseValue, units: MachineUnits) -> str:
+    return _TITLES[one.name] if units.m_per_rad is None else units.title(one.name)
 
 
 def _times(one: BaseValue) -> str:
@@ -54,11 +59,12 @@ def _first(record: AnyRecord, names: Sequence[str]) -> tuple[str, ...]:
     return tuple(sorted(there, key=lambda name: ("motor_" not in name) and name in MOTIONS)[:1])
 
 
-def note(name: str, one: BaseEntry) -> str:
+def note(name: str, one: BaseEntry, units: MachineUnits = TURNING) -> str:
     """What must be known of a base value beside its number: that it was not fitted, or that the records hardly show it; else empty."""
+    stated, unit = units.told(one.stated, one.unit)
     if one.kept:
         whose = "as stated" if one.stated_from == "file" else "a start by the import, which nobody stated"
-        return f"{name} stays {one.stated:.4g} {one.unit}, {whose}: {one.kept}."
+        return f"{units.title(name)} stays {stated:.4g} {unit}, {whose}: {one.kept}."
     if one.hardly_seen and one.error_as_stated_percent is not None:
-        return f"{name}: these records hardly show it, as stated the error is {one.error_as_stated_percent:.3g} %: take the stated value."
+        return f"{units.title(name)}: these records hardly show it, as stated the error is {one.error_as_stated_percent:.3g} %: take the stated value."
     return ""
