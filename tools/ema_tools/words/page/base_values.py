@@ -30,7 +30,8 @@ def _row(shown: ShownBase, units: MachineUnits) -> str:
     low, high = (None if end is None else units.told(end, one.unit)[0] for end in one.interval95)
     tail = f" {escape(unit)}" if unit else ""
     stated = f"{words.number(given, 4)}{tail}" if one.stated_from == "file" else "not stated"
-    fitted = "–" if one.kept else f"{words.number(value, 4)}{tail}{' (at its bound)' if one.at_bound else ''}"
+    known = one.std is not None or one.at_bound
+    fitted = "–" if not known else f"{words.number(value, 4)}{tail}{' (at its bound)' if one.at_bound else ''}"
     spread = words.interval(low, high) if low is not None and high is not None else "–"
     times = "–" if one.times is None else f"{words.number(one.times)} times"
     if one.contradicts:

@@ -158,6 +158,13 @@ def forward_sentence(found: ForwardErrors, units: MachineUnits = TURNING) -> str
     return " ".join(told)
 
 
+def held_out_sentence(what: str) -> str:
+    """What the errors of the last column are of."""
+    return (
+        f"Held out: {what}, to which nothing of the line was fitted; it is no part of those fitted, so read down a column and not across."
+    )
+
+
 def lag_sentence(lag_s: float) -> str:
     """By how much the drive, or the motion, is recorded late."""
     late, other = ("drive", "motion") if lag_s > 0.0 else ("motion", "drive")

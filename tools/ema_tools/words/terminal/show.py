@@ -21,7 +21,7 @@ from ema_tools.results.identification import IdentificationResult, ValueEntry, V
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, lag_sentence
+from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, held_out_sentence, lag_sentence
 from ema_tools.words.sentences.base_values import note
 from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
@@ -303,10 +303,8 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     console.print()
     forces = found.forces
     parts = PARTS[forces.laps.by]
-    held = ", ".join(found.holdout) or f"the last of {forces.laps.parts} {GROUPS[forces.laps.by]}"
     rows = table(
-        f"Force error, in % of the drive's force. Held out: {held}, to which nothing of the line was fitted; "
-        "its motion is another one, so read down a column, not across",
+        "Force error, in % of the drive's force",
         "step",
         "looks like",
         "size in the last fit",
@@ -329,6 +327,7 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     if found.floor_from != "healthy records":
         rows.add_row(_FLOORS[found.floor_from], "", "", number(found.error.floor, 3), "")
     console.print(rows)
+    say(console, held_out_sentence(", ".join(found.holdout) or f"the last of {forces.laps.parts} {GROUPS[forces.laps.by]}"))
     _base(console, found)
     if found.unexplained is not None and found.verdict != "adequate":
         estimated = ", by that estimate" if found.floor_from in ("estimate", "noise") else ""
@@ -373,7 +372,8 @@ def _base(console: Console, found: DiagnosisByBalanceResult) -> None:
         (given, unit), (value, _) = units.told(one.stated, one.unit), units.told(one.value, one.unit)
         low, high = (None if end is None else units.told(end, one.unit)[0] for end in one.interval95)
         stated = number(given, 4) if one.stated_from == "file" else "not stated"
-        fitted = "-" if one.kept else number(value, 4) + (" (at its bound)" if one.at_bound else "")
+        known = one.std is not None or one.at_bound
+        fitted = number(value, 4) + (" (at its bound)" if one.at_bound else "") if known else "-"
         times = "" if one.times is None else f"{one.times:.3g} times"
         rows.add_row(units.title(name), unit, stated, fitted, ends_text(low, high), times)
     console.print(rows)
@@ -448,11 +448,10 @@ def added(console: Console, found: Addition) -> None:
         console,
         found.steps or (),
         found.error.floor,
-        f"Force error, in % of the drive's force. Held out: {', '.join(found.holdout or ()) or 'the last part of the records'}, to which nothing of the line was fitted; "
-        "its motion is another one, so read down a column, not across"
-        if found.method == "balance"
-        else "Weighted error",
+        "Force error, in % of the drive's force" if found.method == "balance" else "Weighted error",
     )
+    if found.method == "balance":
+        say(console, held_out_sentence(", ".join(found.holdout or ()) or "the last part of the records"))
     if found.drive_lag_s:
         say(console, lag_sentence(found.drive_lag_s))
     _forward(console, found.forward)
