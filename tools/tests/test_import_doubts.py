@@ -124,3 +124,18 @@ def test_a_machine_that_would_be_too_fast_is_asked_about(tmp_path: Path) -> None
         imported(tmp_path, {"t": time, "n": 60.0 * speed, "tau": torque}, [mapped[0], ("motor_speed_rad_s", "n", "rad/s"), DRIVEN])
     )
     assert 'write unit = "rpm" in [columns.motor_speed_rad_s]' in said
+
+
+def test_a_linear_machine_is_told_along_its_line(tmp_path: Path) -> None:
+    time = PERIOD_S * np.arange(1500)
+    way = 300.0 * np.sin(1.1 * time) * np.sin(0.4 * time)
+    speed = np.gradient(way, PERIOD_S)
+    force = 8.0e-3 * np.gradient(speed, PERIOD_S) + 14.0 * np.sign(speed)
+    ran = imported(
+        tmp_path,
+        {"t": time, "x": way, "F": force},
+        [("time_s", "t", "s"), ("position_mm", "x", "mm"), ("force_N", "F", "N")],
+        'lead = "32 mm"\nratio = 1\nmass = "8 kg"',
+    )
+    assert ran.code == 0, ran.err  # type: ignore[attr-defined]
+    assert "along the line: mass 8 kg, viscous friction" in ran.out and "dry friction 1" in ran.out  # type: ignore[attr-defined]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.data.motion_records import DRIVES, MOTIONS, AnyRecord
@@ -14,15 +14,15 @@ from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text
 
 # What each column's scale hangs on, the rod's on more than the motor's.
-_HANGS_ON = {
-    "motor_angle_rad": "counts per turn or the unit of motor_angle_rad",
-    "motor_speed_rad_s": "the unit of motor_speed_rad_s, or its counts per turn",
-    "motor_position_mm": "lead and ratio, and the counts per turn of motor_position_mm",
-    "position_mm": "lead and ratio, and the unit of position_mm",
-    "speed_mm_s": "lead and ratio, and the unit of speed_mm_s",
-    "torque_Nm": "the unit or nominal value of torque_Nm",
-    "current_A": "the torque constant and the unit of current_A",
-    "force_N": "lead and ratio, and the unit or nominal value of force_N",
+_HANGS_ON: Mapping[str, tuple[str, ...]] = {
+    "motor_angle_rad": ("counts per turn or the unit of motor_angle_rad",),
+    "motor_speed_rad_s": ("the unit of motor_speed_rad_s, or its counts per turn",),
+    "motor_position_mm": ("lead and ratio", "the counts per turn of motor_position_mm"),
+    "position_mm": ("lead and ratio", "the unit of position_mm"),
+    "speed_mm_s": ("lead and ratio", "the unit of speed_mm_s"),
+    "torque_Nm": ("the unit or nominal value of torque_Nm",),
+    "current_A": ("the torque constant", "the unit of current_A"),
+    "force_N": ("lead and ratio", "the unit or nominal value of force_N"),
 }
 _TITLES = {INERTIA: "inertia", LEVEL: "dry friction"}  # of what turns; along a line by its units
 _SAME = 1.25  # factors within this of each other are one [judgement]
@@ -34,12 +34,12 @@ def contradiction(values: Sequence[BaseValue], record: AnyRecord, units: Machine
     if not odd:
         return ""
     told = " and ".join(f"the {_title(one, units)} fitted is {_times(one)}" for one in odd)
-    hangs = [_HANGS_ON[name] for name in (*_first(record, MOTIONS), *_first(record, DRIVES))]
+    motion, drive = ([text for name in _first(record, names) for text in _HANGS_ON[name]] for names in (MOTIONS, DRIVES))
     itself = " and ".join(shown(row_of(one.name)) for one in odd)
     one_scale = len(odd) > 1 and max(one.times for one in odd) < _SAME * min(one.times for one in odd)
     if one_scale or odd[0].name == INERTIA:
         why = "one factor on both is one of the drive's scale: " if one_scale else ""
-        return f"{told}: {why}check {', '.join(dict.fromkeys(hangs[-1:] if one_scale else hangs))}, or {itself} itself"
+        return f"{told}: {why}check {', '.join(dict.fromkeys(drive if one_scale else [*motion, *drive]))}, or {itself} itself"
     return f"{told}: friction has changed, or {itself} is of another machine"
 
 
