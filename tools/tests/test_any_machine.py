@@ -26,7 +26,8 @@ from ema_tools.select.torque_patterns import NO_SCREW, NOT_PLACED, patterns_of
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import chosen, diagnosed
 from ema_tools.words.answers.steps import forward
-from ema_tools.words.sentences.balance import forward_sentence, sentence, swing_text
+from ema_tools.words.sentences.balance import forward_sentence, sentence
+from ema_tools.words.sentences.machine_units import units_of
 from support import chirp_record, run_ema
 
 quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a record without Numba")
@@ -105,7 +106,7 @@ def test_what_swings_once_per_turn_of_a_pulley_is_found(kind: str, command: str,
     assert [step.effect for step in answer.accepted if step.effect != "presliding"] == ["cogging_torque"]
     # the way of a record holds some tens of turns, and its second wave pulls a little
     assert answer.actuator["cogging_torque.periods"] == pytest.approx(periods, rel=5e-3)
-    assert swing_text(answer.actuator["cogging_torque.periods"]) in sentence(answer)
+    assert units_of(answer.known, answer.records).swing(answer.actuator["cogging_torque.periods"]) in sentence(answer)
     assert answer.last.training < 0.3 * answer.forces.refitted.training
 
 

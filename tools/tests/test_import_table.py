@@ -398,8 +398,9 @@ def test_two_signals_of_one_motion_must_agree(tmp_path: Path) -> None:
         )
 
     assert "run against each other: change sign in [columns.motor_angle_rad]" in refused(tmp_path, "\n".join(lines), table_map(-1, "rad"))
-    assert "motor_angle_rad moves 0.0175 times as far as motor_speed_rad_s says: correct from, unit or scale" in refused(
-        tmp_path, "\n".join(lines), table_map(1, "deg")
+    assert (
+        "motor_angle_rad moves 0.0175 times as far as motor_speed_rad_s says, as degrees and radians taken for each other would make it: correct from, unit or scale"
+        in refused(tmp_path, "\n".join(lines), table_map(1, "deg"))
     )
     assert read_motion_record(imported(tmp_path, "b.csv", "\n".join(lines), table_map(1, "rad")) / "b.csv").rows == 400
 

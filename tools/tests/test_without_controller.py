@@ -17,10 +17,10 @@ from ema_tools.data.motion_records import MotionRecord, write_motion_record
 from ema_tools.library.definitions import load_definitions
 from ema_tools.results.codec import to_json
 from ema_tools.select import force_judge
-from ema_tools.select.balance_bench import Bench, compared_percent
+from ema_tools.select.balance_bench import BY_RECORDS, Bench, compared_percent
 from ema_tools.select.fixes import fixes_of
 from ema_tools.select.force_balance import improve_by_forces
-from ema_tools.select.force_refit import BY_RECORDS, add_by_forces, refit_by_forces
+from ema_tools.select.force_refit import add_by_forces, refit_by_forces
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
 from ema_tools.select.healthy_balance import healthy_machine
 from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance

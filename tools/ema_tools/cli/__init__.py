@@ -481,7 +481,9 @@ def _page(path: str | None, result: Result, force: bool) -> None:
     metavar="REC",
     help="A record that the effect is fitted to, or REC behind the effect; several by the balance of forces. Files, patterns, folders.",
 )
-@healthy_option("Records of the healthy machine under the same command; give two or more.")
+@healthy_option(
+    "Records of the healthy machine under the same command; two or more. By simulation alone: by the balance of forces ACTUATOR says what the machine is like, so calibrate it on them first."
+)
 @click.option("--holdout", metavar="REC", help="A record that nothing is fitted to, best of another command.")
 @click.option(
     "--known",
@@ -573,7 +575,8 @@ def add(
     if way.method == "balance":
         if references:
             raise InputError(
-                f"add {effect}: --healthy: the balance fits the effect to the records of today alone: leave it out, or calibrate the actuator on the healthy ones first"
+                f"add {effect}: --healthy: the balance fits the effect to the records of today alone: leave it out and calibrate the actuator on the healthy ones first"
+                f" (ema calibrate {actuator} HEALTHY... -o NEW.toml), or give --method simulation"
             )
         with progress("adding", 100) as bar:
             by_balance = add_by_balance(model, effect, records, () if other is None else (other,), fixes, tell)

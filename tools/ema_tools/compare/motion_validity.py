@@ -39,8 +39,9 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
     present = {name: record.channel(name) is not None for name in (*MOTIONS, *DRIVES, *VOLTAGES)}
     least = Smoother.of(record.period_s).least_rows
     if record.rows < least:
-        text = f"{record.file} has {record.rows} rows, too few for any filter"
-        return RecordValidity(present, (RecordRemark("coverage", "blocks", text, f"record {least} rows or more"),), {})
+        text = f"{record.file} has {record.rows} rows, {record.rows * record.period_s:.3g} s, too few for any filter"
+        wanted = f"record {least} rows or more, {least * record.period_s:.3g} s, and look whether the unit of its time is right"
+        return RecordValidity(present, (RecordRemark("coverage", "blocks", text, wanted),), {})
     remarks = []
     motion = motion_signal(record)
     if not np.max(np.abs(motion)) > 0.0 or (np.ptp(motion) <= _MOVING * float(np.max(np.abs(motion))) and "speed" not in _name(record)):

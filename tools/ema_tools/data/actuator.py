@@ -37,6 +37,10 @@ SCATTER = "scatter"
 # The table of a calibrated unit, and its key for the healthy runs that it was calibrated on, from the file's folder.
 CALIBRATION, HEALTHY = "calibration", "healthy"
 
+# The comments behind values that nobody stated: an import put them there to start from.
+FROM_RECORDS, NONE_TAKEN = "a start, by least squares on the imported records", "a start, none is taken"
+STARTS = (FROM_RECORDS, NONE_TAKEN)
+
 Row = Parameter | EffectParameter
 
 

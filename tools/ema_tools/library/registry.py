@@ -105,6 +105,11 @@ def called(effect: str) -> str:
     return along.called if along is not None else effect
 
 
+def effect_called(name: str) -> str:
+    """The effect that people know by a name: the reverse of `called`."""
+    return next((effect for effect in named() if called(effect) == name), name)
+
+
 def learned_effect(balance: str, friction: bool = False) -> str:
     """The effect whose table holds what is left of a balance."""
     return next(

@@ -168,6 +168,24 @@ class FrictionShape:
 
 
 @dataclass(frozen=True)
+class BaseEntry:
+    """One base value as the balance fitted it, beside what was stated of it, in its unit."""
+
+    value: float
+    std: float | None  # None where it was not fitted
+    interval95: tuple[float | None, float | None]
+    unit: str
+    stated: float
+    stated_from: Literal["file", "import"]  # import: a start that an import put there, nobody stated it
+    times: float | None  # fitted over stated; None where nothing was stated, or nothing fitted
+    contradicts: bool  # whether what is stated is farther off than the doubt of both
+    kept: str | None = None  # why it was not fitted
+    at_bound: bool = False  # on an end of where it may be
+    hardly_seen: bool = False  # far from what is stated, and the error would hardly be larger with that
+    error_as_stated_percent: float | None = None  # force error of the parts fitted with the value as stated, all else fitted anew
+
+
+@dataclass(frozen=True)
 class HealthyValue:
     """One value of the healthy machine, in its unit."""
 
@@ -228,6 +246,10 @@ class DiagnosisByBalanceResult:
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     steps: tuple[StepEntry, ...] = ()
     forces: Forces
+    # base values of the last model, with healthy records those of the healthy machine, by full name; None in files of before
+    base: dict[str, BaseEntry] | None = field(default=None, metadata=SPARE)
+    # rod travel per motor angle of a machine of which everything was recorded along its line, and which is told in N, kg and mm; None of any other
+    rod_m_per_rad: float | None = field(default=None, metadata=SPARE)
     friction: FrictionShape | None = None  # None where friction is least at standstill
     drive_lag_s: float | None = field(default=None, metadata=SPARE)  # by which the drive records late; None where no lag shows
     gate: Validity = field(default_factory=Validity)

@@ -47,6 +47,10 @@ INERTIA = "screw.inertia_kgm2"
 _TAKEN_FIRST = (LOAD, VISCOUS, INERTIA)
 
 
+# Why a base value is not fitted.
+BY_USER, BY_RECORDS = "as fixed", "the records do not determine it"
+
+
 def load_effect() -> str:
     """The effect that is one with the base value LOAD."""
     return effect_of_base_value(LOAD)
@@ -234,6 +238,13 @@ class Bench:
             if any(math.isclose(float(fit.coefficients[place]), end, rel_tol=_ON_END) for end in ends)
         )
 
+    @property
+    def kept_because(self) -> dict[str, str]:
+        """Base values that are taken and not fitted, and why."""
+        return {
+            MECHANICAL_PARAMETERS[place]: BY_USER if MECHANICAL_PARAMETERS[place] in self.fixes.kept else BY_RECORDS for place in self.taken
+        }
+
     def keep_undetermined(self) -> tuple[str, ...]:
         """Takes an inertia as stated that the records do not determine, and a base value whose torque is the others': a load where the machine moves one way only, viscous friction
         where it keeps one speed. Another base value that the records put beyond its range stays inside from here on: an effect that is not yet known may be what pushes it there.
@@ -338,6 +349,15 @@ class Bench:
             Samples(start.setting, start.drive, start.target - known * start.base[:, 3], base), (), np.zeros((self.fold.size, 0))
         )
         return replace(fit, values={**fit.values, LOAD: start.setting.actuator[LOAD]})
+
+    def error_with(self, fit: Fitted, name: str, value: float) -> float:
+        """Relative error of the parts fitted, %, when one base value is taken for `value` and all else is fitted anew."""
+        samples, place = fit.samples, MECHANICAL_PARAMETERS.index(name)
+        target = samples.target - _coefficient(samples.setting, place, value) * samples.base[:, place]
+        base = samples.base.copy()
+        base[:, place] = 0.0
+        held = self.fit(replace(samples, target=target, base=base), fit.patterns, fit.columns)
+        return self.error_of(held.residual, samples.drive, self.training)
 
     def with_load_as_given(self, fit: Fitted) -> Fitted:
         """A fit with the constant torque left as it was given."""

@@ -43,6 +43,7 @@ from ema_tools.select.balance_bench import (
     solved,
 )
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
+from ema_tools.select.base_values import base_values
 from ema_tools.select.drive_lag import with_lag_fitted
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
@@ -425,6 +426,7 @@ class ForceSearch:
             curves,
             estimated_floor(bench, accepted),
             (foretold_percent(bench, first), foretold_percent(bench, accepted)),
+            base_values(actuator, bench, bench.stated(accepted)),
         )
 
     def patterns_bend(self, effect: str) -> bool:

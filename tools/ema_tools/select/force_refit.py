@@ -53,9 +53,6 @@ class ForceRefit:
     reason: str = ""
 
 
-BY_USER, BY_RECORDS = "as fixed", "the records do not determine it"
-
-
 class _Refit:
     """The bench of a model whose own effects are fitted anew."""
 
@@ -127,10 +124,6 @@ class _Refit:
                 f"{f'add {self.added}' if self.added else 'calibrate'}: {beyond}: keep an effect of the model by --fix EFFECT, or bound a base value by --fix NAME=LOW..HIGH"
             )
         bench, last = self.bench, self.bench.stated(last)
-        kept = {
-            MECHANICAL_PARAMETERS[place]: BY_USER if MECHANICAL_PARAMETERS[place] in bench.fixes.kept else BY_RECORDS
-            for place in bench.taken
-        }
         sizes = {load_definitions().effect(one.effect).size.name for one in last.patterns}
         ends = tuple(name for name in sizes if _on_end(name, last.values[name]))
         return ForceRefit(
@@ -140,7 +133,7 @@ class _Refit:
             last.errors,
             last.values,
             last.std,
-            kept,
+            bench.kept_because,
             self.held,
             (*bench.at_ends(last), *ends),
             floor_of(bench, last),

@@ -9,6 +9,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.division import Division
 from ema_tools.select.balance_bench import Fitted, FoldErrors
+from ema_tools.select.base_values import BaseValue
 from ema_tools.select.force_floor import EstimatedFloor
 
 
@@ -39,7 +40,8 @@ class Refusal:
 class ForceSteps:
     """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %,
     NaN where no lap is repeated, and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture;
-    `estimated`: the floor where no lap is repeated; `foretold`: error in % of the drive that the refitted base values, and the last model, foretell from the motion alone."""
+    `estimated`: the floor where no lap is repeated; `foretold`: error in % of the drive that the refitted base values, and the last model, foretell from the motion alone;
+    `base`: the base values of the last model."""
 
     actuator: Actuator
     given: FoldErrors
@@ -52,6 +54,7 @@ class ForceSteps:
     curves: Mapping[str, Reals]
     estimated: EstimatedFloor
     foretold: tuple[float, float]
+    base: tuple[BaseValue, ...] = ()
 
     @property
     def errors(self) -> FoldErrors:

@@ -26,6 +26,7 @@ from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
 from ema_tools.select.balance_bench import FoldErrors, compared_percent
+from ema_tools.select.base_values import BaseValue
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import improve_by_forces
 from ema_tools.select.force_steps import ForceStep, ForceSteps
@@ -52,7 +53,7 @@ class BalanceAnswer:
 
     `compared`: what `ema compare` reads of all rows of the records, before and after.
     `pictures`: of records without a controller. With `healthy` records `known` is the machine that these show, `changes` are of its values, and `left_Nm` is what it leaves of today's
-    records as it is, with the standard deviation of that.
+    records as it is, with the standard deviation of that. `base`: base values as fitted, those of the healthy machine where there is one, beside what the actuator as given states.
     """
 
     records: tuple[AnyRecord, ...]
@@ -68,6 +69,7 @@ class BalanceAnswer:
     changes: tuple[Change, ...] = ()
     left_Nm: float = 0.0
     doubt_Nm: float = 0.0
+    base: tuple[BaseValue, ...] = ()
 
     @property
     def record(self) -> AnyRecord:
@@ -210,7 +212,8 @@ def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence
     for record, gate in zip(records, gates, strict=True):
         if not gate.answerable:
             remark = next(one for one in gate.remarks if one.severity == "blocks")
-            raise InputError(f"{record.file}: {remark.text}: {remark.next}")
+            named = remark.text.startswith(f"{record.file} ")
+            raise InputError(f"{'' if named else f'{record.file}: '}{remark.text}: {remark.next}")
     for record in (*records, *holdout):
         try:
             mechanical(actuator, record)
@@ -246,7 +249,9 @@ def answer_by_balance(
     there = where(actuator, first) if not isinstance(first, MotionRecord) else None
     compared = (compared_percent(actuator, records), compared_percent(forces.actuator, records))
     forward = forward_of(actuator, forces.actuator, records, holdout, forces.division, forces.foretold)
-    return BalanceAnswer(tuple(records), tuple(holdout), actuator, gates, there, forces, compared, forward, _pictures(forces, records))
+    return BalanceAnswer(
+        tuple(records), tuple(holdout), actuator, gates, there, forces, compared, forward, _pictures(forces, records), base=forces.base
+    )
 
 
 def _pictures(forces: ForceSteps, records: Sequence[AnyRecord]) -> Pictures | None:
@@ -286,4 +291,5 @@ def _against(
         changes,
         told.left_Nm,
         told.doubt_Nm,
+        machine.steps.base,
     )

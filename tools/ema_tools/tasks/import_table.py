@@ -13,7 +13,7 @@ from ema_tools.balances.filtering import Smoother
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import keep_apart, may_write, write_text
-from ema_tools.data.actuator import Actuator, reference_actuator
+from ema_tools.data.actuator import FROM_RECORDS, NONE_TAKEN, Actuator, reference_actuator
 from ema_tools.data.incomplete import NONE_OF_IT
 from ema_tools.data.motion_records import MotionRecord, same_samples, write_motion_record
 from ema_tools.data.motion_signals import Origin, Train, drive_torque, integrated, motor_speed, origins
@@ -43,7 +43,8 @@ _VALUES: Mapping[str, str] = {
 # Sections of values of a machine.
 _MACHINE = ("control", "drive", "motor", "gearbox", "screw", "encoder", "timing")
 # What every machine has, and what a record shows of it.
-_STATED = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
+LOAD = "screw.load_torque_Nm"
+_STATED = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", LOAD)
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,8 @@ def import_tables(names: Sequence[str | Path], map_path: str | Path, folder: str
         files.append(convert(path, mapped, units))
     files = _said_once(_named_apart(files))
     records = [record for one in files for record in one.records]
-    remarks = doubts.check(records, mapped)
+    unnamed = {name: column for one in files for name, column in one.unnamed.items()}
+    remarks = (*_assumed(unnamed, mapped), *doubts.check(records, mapped, unnamed))
     actuator, estimated = start_machine(records, mapped)
     target = Path(folder)
     places = tuple(tuple(target / record.file for record in one.records) for one in files)
@@ -133,6 +135,12 @@ def _said_once(files: Sequence[Converted]) -> list[Converted]:
     return found
 
 
+def _assumed(unnamed: Mapping[str, str], mapped: TableMap) -> tuple[TableRemark, ...]:
+    """That units were taken from the map alone."""
+    told = ", ".join(f'"{column}" in {mapped.columns[name].unit}' for name, column in unnamed.items() if not mapped.columns[name].sure)
+    return (TableRemark("assumed", None, None, told, mapped.file),) if told else ()
+
+
 def _stem(path: Path) -> str:
     return path.name.removesuffix(path.suffix)
 
@@ -165,14 +173,14 @@ def start_machine(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[Ac
         _STATED[1]: machine.get("viscous", max(0.0, float(found[1]))),
         _STATED[2]: machine.get("friction", max(0.0, float(found[2]))),
         # fitted only beside the others: a load that pulls one way is for a diagnosis to name
-        _STATED[3]: 0.0,
+        LOAD: 0.0,
         **{value: machine[entry] for entry, value in _VALUES.items() if entry in machine},
     }
     about = {"name": "a machine", **{key: text for key, text in mapped.about.items() if text}}
     about["notes"] = (
         f"To start from: by {mapped.file}; {', '.join(estimated)} by least squares on the imported records. The controller is not known, so it is not here."
     )
-    remarks = dict.fromkeys(estimated, "a start, by least squares on the imported records")
+    remarks = {**dict.fromkeys(estimated, FROM_RECORDS), LOAD: NONE_TAKEN}
     reference = reference_actuator()
     stated = {**reference.values, **NONE_OF_IT}
     absent = frozenset(row for row in reference.values if row not in values and row not in NONE_OF_IT and row.partition(".")[0] in _MACHINE)

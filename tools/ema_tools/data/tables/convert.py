@@ -13,6 +13,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.data.motion_records import COLUMNS, PERIOD_MAX_S, PERIOD_MIN_S, MotionRecord
+from ema_tools.data.tables.plausible_units import check_step, check_turn, is_named
 from ema_tools.data.tables.rate import TableRemark, pieces_of
 from ema_tools.data.tables.raw import RawColumn, RawTable
 from ema_tools.data.tables.read import read_table
@@ -28,11 +29,12 @@ _LIKELY_S = (1e-5, 0.2)  # steps that recorders usually have, for the unit that 
 
 @dataclass(frozen=True)
 class Converted:
-    """The records of one file, in order, and what was done to it. `name` is the file's, without ending; `path` as it was given."""
+    """The records of one file, in order, and what was done to it. `path` as it was given; `unnamed`: the file's names of the columns whose unit it does not name, by the record's."""
 
     path: Path
     records: tuple[MotionRecord, ...]
     remarks: tuple[TableRemark, ...]
+    unnamed: Mapping[str, str]
 
 
 def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Converted:
@@ -63,8 +65,12 @@ def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Convert
         raise InputError(
             f"{table.file}: no rows in which time and all columns hold numbers: name other columns in {mapped.file}, or leave out a column that is empty"
         )
+    unnamed = {name: column.name for name, column in raw.items() if not is_named(column, known)}
     for piece in pieces:
         _check_period(piece.period_s, table, mapped)
+        if "time_s" in unnamed:
+            rows = next(iter(piece.columns.values())).size
+            check_step(piece.period_s, rows, raw["time_s"], mapped.columns["time_s"], table.file, mapped.file)
     stem = path.name[: -len(path.suffix)] if path.suffix else path.name
     ends = [""] if len(pieces) == 1 else [f"_{number}" for number in range(1, len(pieces) + 1)]
     ordered = [name for name in COLUMNS if name in columns]
@@ -74,7 +80,9 @@ def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Convert
         )
         for piece, end in zip(pieces, ends, strict=True)
     )
-    return Converted(path, records, tuple(remarks))
+    return Converted(
+        path, records, tuple(remarks), {name: column for name, column in unnamed.items() if mapped.columns[name].unit != MOMENTS}
+    )
 
 
 def found_column(table: RawTable, name: str, column: ColumnMap, map_file: str) -> RawColumn:
@@ -195,6 +203,8 @@ def _signal(
         raw, wrapped = _unwrapped(raw, (turn, *_WRAPS) if name == "motor_angle_rad" else _WRAPS)
         if wrapped:
             told.append(TableRemark("unwrapped", None, {"count": float(wrapped)}, name))
+        elif name == "motor_angle_rad" and not is_named(column, units):
+            check_turn(raw, column, entry, name, table.file, mapped.file)
     if entry.unit.strip().lower() in RMS:
         told.append(TableRemark("rms", None, None, name))
     values = units.converted(entry.scale * raw + entry.offset, entry.unit, name, where)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,18 +12,18 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.data.motion_records import DRIVES, MOTIONS, MotionRecord
 from ema_tools.data.motion_signals import Train, drive_torque, integrated, motor_speed
+from ema_tools.data.tables.motions_agree import check_motions
+from ema_tools.data.tables.plausible_units import check_speeds
 from ema_tools.data.tables.rate import TableRemark
 from ema_tools.data.tables.table_map import TableMap
 from ema_tools.data.tables.units import EXAMPLES, suffix_of
 
-_FOLLOWS = 0.8  # correlation above which two signals are taken for the same motion or the same drive [judgement]
-_SAME = (0.8, 1.25)  # between these one signal is as large as the other, with room for a gear that is not known well [judgement]
-# What is so much like another motion, and so much smaller or larger, is no poor sensor of it but another column: a torque goes with the speed, too [judgement]
-_LIKE, _FAR = 0.4, (1.0 / 3.0, 3.0)
+_FOLLOWS = 0.8  # correlation above which two signals are taken for the same drive [judgement]
 _EXPLAINS = 0.3  # share of the drive's variance that a term must explain before its sign is believed [judgement]
 _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the direction [judgement]
 _CHANGES_SHARE = 0.2  # of the largest speed: where it varies by less it is held and not changed [judgement]
 _INERTIA_TIMES = 5.0  # times the stated inertia, or its inverse, that is still a load that nobody counted: minutes for seconds are 9.5, percent 100 [judgement]
+_INERTIA_WITHIN = 0.3  # of the stated inertia: data sheets and a first look at records are off by less together [judgement]
 _MEAN_S = (
     0.02  # over which drive and speed are averaged before they are compared: shorter than what moves a machine with its load [judgement]
 )
@@ -40,17 +40,21 @@ _LARGEST = {
 }
 
 
-def check(records: Sequence[MotionRecord], mapped: TableMap) -> tuple[TableRemark, ...]:
-    """Looks at all records of an import together. Raises InputError for what cannot be right; answers what is only odd."""
+def check(records: Sequence[MotionRecord], mapped: TableMap, unnamed: Mapping[str, str]) -> tuple[TableRemark, ...]:
+    """Looks at all records of an import together. Raises InputError for what cannot be right; answers what is only odd, and by which factor signals of one motion agree.
+
+    `unnamed`: the file's names of the columns whose unit no file names, by the record's.
+    """
     train = Train(mapped.mm_per_rad)
     for name in dict.fromkeys(name for record in records for name in record.present):
         if not mapped.columns[name].sure:
             _sizes(name, records, mapped)
     _standing(records, mapped)
+    told = check_motions(records, mapped)
     for record in records:
-        _motions_agree(record, mapped, train)
         _drives_agree(record, mapped, train)
-    return _power(records, mapped, train)
+    check_speeds(records, mapped, unnamed)
+    return (*told, *_power(records, mapped, train))
 
 
 def _all_of(records: Sequence[MotionRecord]) -> str:
@@ -91,44 +95,6 @@ def _standing(records: Sequence[MotionRecord], mapped: TableMap) -> None:
             raise InputError(
                 f"{_all_of(records)}: {name}: is {values[0][0]:g} in all rows: correct from in [columns.{name}] of {mapped.file}, or write sure = true there"
             )
-
-
-def _motions_agree(record: MotionRecord, mapped: TableMap, train: Train) -> None:
-    """Every pair of motion signals, as position at the shaft."""
-    to_angle = 1.0 / train.mm_per_rad if train.mm_per_rad else math.nan
-    ways: dict[str, Reals] = {}
-    for name in MOTIONS:
-        values = record.channel(name)
-        if values is None or mapped.columns[name].sure:
-            continue
-        travel = integrated(values, record.period_s) if "speed" in name else values
-        ways[name] = travel * (1.0 if name.startswith("motor_angle") or name == "motor_speed_rad_s" else to_angle)
-    names = [name for name, values in ways.items() if np.isfinite(values).all()]
-    if not names and len(ways) > 1:  # a bare motor has no lead, two signals of its rod are compared without
-        ways = {name: values / to_angle for name, values in ways.items()}
-    for place, first in enumerate(names):
-        for second in names[place + 1 :]:
-            _agree(record, first, second, ways[first], ways[second], mapped)
-
-
-def _agree(record: MotionRecord, first: str, second: str, one: Reals, other: Reals, mapped: TableMap) -> None:
-    one, other = one - np.mean(one), other - np.mean(other)
-    size = float(np.linalg.norm(one) * np.linalg.norm(other))
-    if size == 0.0:
-        return
-    alike = float(one @ other) / size
-    if alike < -_FOLLOWS:
-        raise InputError(
-            f"{record.file}: {first} and {second} run against each other: change sign in [columns.{first}] or [columns.{second}] of {mapped.file},"
-            " whichever is against the machine's positive direction"
-        )
-    times = float(np.linalg.norm(one) / np.linalg.norm(other))
-    if (alike > _FOLLOWS and not _SAME[0] <= times <= _SAME[1]) or (alike > _LIKE and not _FAR[0] <= times <= _FAR[1]):
-        across = first.startswith("motor_") != second.startswith("motor_") or ("_mm" in first) != ("_mm" in second)
-        more = ", lead or ratio in [machine]" if across else ""
-        raise InputError(
-            f"{record.file}: {first} moves {times:.3g} times as far as {second} says: correct from, unit or scale in [columns.{first}] or [columns.{second}]{more} of {mapped.file}"
-        )
 
 
 def _drives_agree(record: MotionRecord, mapped: TableMap, train: Train) -> None:
@@ -203,16 +169,17 @@ def _power(records: Sequence[MotionRecord], mapped: TableMap, train: Train) -> t
     every, drive_name, motion_name = found
     _one_sign(records, mapped, train, (drive_name, motion_name))
     rows, columns, along, against = _ways(every)
+    told: list[TableRemark] = []
     if against and not along:
         raise InputError(
             f"{_all_of(records)}: {drive_name} {_reversed(against)}, as {motion_name} has it: write sign = {-mapped.columns[drive_name].sign:g} in [columns.{drive_name}] of {mapped.file},"
             f" or the other sign in [columns.{motion_name}]"
         )
     if "inertia" in along and mapped.inertia_kgm2 > 0.0 and (drive_name != "current_A" or "torque_constant" in mapped.machine):
-        _inertia(columns, rows.drive, records, mapped, (drive_name, motion_name))
+        told += _inertia(columns, rows.drive, records, mapped, (drive_name, motion_name))
     if "friction" not in columns and not along and float(np.mean(rows.drive * rows.speed)) < 0.0:
-        return (TableRemark("one_way", None, None, drive_name),)
-    return ()
+        told.append(TableRemark("one_way", None, None, drive_name))
+    return tuple(told)
 
 
 def _one_sign(records: Sequence[MotionRecord], mapped: TableMap, train: Train, names: tuple[str, str]) -> None:
@@ -251,8 +218,10 @@ def _reversed(against: Sequence[str]) -> str:
     return " and ".join("brakes in both directions" if name == "friction" else "slows down while the speed rises" for name in against)
 
 
-def _inertia(columns: dict[str, Reals], drive: Reals, records: Sequence[MotionRecord], mapped: TableMap, names: tuple[str, str]) -> None:
-    """Raises InputError when what the records show of the inertia is far from what the map states: a unit of either signal is then wrong, or the inertia."""
+def _inertia(
+    columns: dict[str, Reals], drive: Reals, records: Sequence[MotionRecord], mapped: TableMap, names: tuple[str, str]
+) -> list[TableRemark]:
+    """What the records show of the inertia where it is not what the map states. Raises InputError where it is far from that: a unit of either signal is then wrong, or the inertia."""
     matrix = np.column_stack(list(columns.values()))
     scale = np.maximum(np.linalg.norm(matrix, axis=0), np.finfo(np.float64).tiny)
     times = float(np.linalg.lstsq(matrix / scale, drive, rcond=None)[0][0] / scale[0]) / mapped.inertia_kgm2
@@ -261,6 +230,8 @@ def _inertia(columns: dict[str, Reals], drive: Reals, records: Sequence[MotionRe
             f"{_all_of(records)}: {names[0]} speeds up {times:.3g} times the inertia of [machine]: correct unit or scale in [columns.{names[0]}] or [columns.{names[1]}]"
             f" of {mapped.file}, or inertia and mass{', lead or ratio' if mapped.mm_per_rad else ''} in [machine]"
         )
+    differs = not 1.0 / (1.0 + _INERTIA_WITHIN) <= times <= 1.0 + _INERTIA_WITHIN
+    return [TableRemark("inertia", None, {"times": times}, *names)] if differs else []
 
 
 def _signed_share(columns: dict[str, Reals], name: str, drive: Reals) -> float:

@@ -30,6 +30,11 @@ RemarkKind = Literal[
     "rms",
     "one_way",
     "copy",
+    "agree",
+    "apart",
+    "travel",
+    "inertia",
+    "assumed",
 ]
 GAP_STEPS = 3.5  # a step longer than so many usual ones is a gap that straight lines may not cross: three lost rows are still few of the motion [judgement]
 _EVEN_SHARE = 0.01  # of a step: rows that are off an even rate by less are on it, the error is below a percent of the speed [precision]
@@ -40,12 +45,13 @@ _DIGITS = 9  # most digits behind the point of a time in seconds: clocks of reco
 
 @dataclass(frozen=True)
 class TableRemark:
-    """One thing that was done to a file or is odd about it: its row where it has one, and its numbers by name."""
+    """One thing that was done to a file or is odd about it: its row where it has one, its numbers by name, its column, and the other one that it is held against."""
 
     kind: RemarkKind
     row: int | None = None
     numbers: Mapping[str, float] | None = None
     column: str = ""
+    other: str = ""
 
 
 @dataclass(frozen=True)

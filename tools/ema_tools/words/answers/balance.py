@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +13,7 @@ from ema_tools.balances.effects import adjusted
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.balances.motion import Motion, at_points
 from ema_tools.base.interval import interval95
+from ema_tools.compare.validity import RecordRemark, RecordValidity
 from ema_tools.data.actuator import Actuator, row_of, shown
 from ema_tools.fit.division import By
 from ema_tools.library.definitions import load_definitions
@@ -20,6 +23,7 @@ from ema_tools.results import diagnosis as result
 from ema_tools.results.localisation import Localisation, Pictures
 from ema_tools.results.parts import ComparedErrors, CurvesEntry, EffectEntry, ErrorsEntry, Provenance, StepEntry
 from ema_tools.select.balance_bench import FoldErrors
+from ema_tools.select.base_values import BaseValue
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Refusal
 from ema_tools.select.healthy_balance import HealthyByBalance
 from ema_tools.select.value_changes import Change
@@ -28,6 +32,8 @@ from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.balance import next_step, sentence
+from ema_tools.words.sentences.base_values import contradiction
+from ema_tools.words.sentences.machine_units import units_of
 
 _SPEEDS = 200  # that friction is worked out at [layout]
 _MODES: dict[By, Literal["laps of one record", "stretches of one record", "several records"]] = {
@@ -64,9 +70,11 @@ def diagnosis_by_balance(
         unexplained=found.unexplained,
         steps=_steps(way),
         forces=forces_of(way, found.compared),
+        base={shown(row_of(one.name)): _base(one) for one in found.base},
+        rod_m_per_rad=units_of(found.known, found.records).m_per_rad,
         friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
         drive_lag_s=way.actuator.drive_lag_s or None,
-        gate=validity(found.gates[0]),
+        gate=validity(_with_contradiction(found)),
         where=localisation(found.where) if found.where is not None else Localisation(pictures=found.pictures or Pictures()),
         provenance=provenance,
         curves=curves,
@@ -96,6 +104,29 @@ def _healthy(found: BalanceAnswer, machine: HealthyByBalance) -> result.HealthyE
         found.healthy_percent,
         machine.times,
     )
+
+
+def _base(one: BaseValue) -> result.BaseEntry:
+    return result.BaseEntry(
+        one.value,
+        one.std if math.isfinite(one.std) else None,
+        one.interval95,
+        row_of(one.name).unit,
+        one.stated,
+        "import" if one.by_import else "file",
+        one.times if math.isfinite(one.times) else None,
+        one.contradicts,
+        one.kept or None,
+        one.at_end,
+        one.hardly_seen,
+        one.error_as_stated_percent if math.isfinite(one.error_as_stated_percent) else None,
+    )
+
+
+def _with_contradiction(found: BalanceAnswer) -> RecordValidity:
+    """The judgement of the first record, with what the fit says against the actuator's file: a scale that is wrong passes every other look."""
+    gate, text = found.gates[0], contradiction(found.base, found.record, units_of(found.known, found.records))
+    return replace(gate, remarks=(RecordRemark("scale", "weakens", text), *gate.remarks)) if text else gate
 
 
 def _change(one: Change) -> result.ChangeEntry:

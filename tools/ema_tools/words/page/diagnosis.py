@@ -14,7 +14,7 @@ import numpy as np
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
-from ema_tools.words.page import diagnosis_figures, figures
+from ema_tools.words.page import base_values, diagnosis_figures, figures
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Picture, ShownSuspect, Value
 from ema_tools.words.page.recorded import Curves
@@ -385,6 +385,10 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
     if result.forward_sentence:
         page.add(f"<p>{escape(result.forward_sentence)}</p>")
     _changed(page, result)
+    if result.base:
+        heads = _heads(*base_values.HEADS)
+        page.add("<h3>Base values</h3>", _table("base values", base_values.CAPTION, heads, base_values.rows(result.base, result.units)))
+        page.add(*base_values.notes(result.base, result.units))
     if result.curves is not None:
         names = " and ".join(result.steps[-1].effects) if result.steps else result.added
         titles = {"before": "Before: the first model", "after": f"After: with {names}" if names else "After: the new model"}

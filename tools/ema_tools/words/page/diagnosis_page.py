@@ -12,7 +12,7 @@ from importlib import resources
 from ema_tools.library.registry import separating
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.words.page import charts, heat, names, rest, where_pictures, workbench
+from ema_tools.words.page import base_values, charts, heat, names, rest, where_pictures, workbench
 from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Value
@@ -387,6 +387,9 @@ def _records(result: Diagnosed) -> str:
                 changed,
             )
         )
+    if result.base:
+        parts.append(_table("base values", base_values.CAPTION, base_values.HEADS, base_values.rows(result.base, result.units)))
+        parts += base_values.notes(result.base, result.units)
     if result.gate_sentence:
         parts.append(f"<p>{escape(result.gate_sentence)}</p>")
     looked = [

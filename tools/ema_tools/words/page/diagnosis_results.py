@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
-from ema_tools.results.diagnosis import ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.results.diagnosis import BaseEntry, ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BinPicture, BinsEntry, BlockEntry, Localisation, Pictures, Points, SignalErrorEntry
 from ema_tools.results.parts import EffectEntry, Place
 from ema_tools.results.unexplained import Unexplained
@@ -18,6 +18,7 @@ from ema_tools.results.validity import Remark, Validity
 from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.recorded import Curves, curves_of
 from ema_tools.words.sentences.balance import forward_sentence, lag_sentence
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 
 _ERRORS = ("before", "after", "floor", "holdout_before", "holdout_after")
 
@@ -92,6 +93,14 @@ class ShownChange:
 
 
 @dataclass(frozen=True)
+class ShownBase:
+    """One base value as fitted, beside what is stated."""
+
+    name: str
+    entry: BaseEntry
+
+
+@dataclass(frozen=True)
 class Diagnosed:
     """A result of `ema diagnose` or, with `added`, of `ema add`. `errors` by their names, those that are known; what the result does not hold is empty. `found`: the result itself."""
 
@@ -117,6 +126,8 @@ class Diagnosed:
     curves: Curves | None
     forward_sentence: str = ""
     changes: tuple[ShownChange, ...] = ()
+    base: tuple[ShownBase, ...] = ()
+    units: MachineUnits = TURNING
     records: int = 1
     by_forces: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
@@ -168,6 +179,8 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
         curves=None if found.curves is None else curves_of(found.curves, source),
         forward_sentence="" if isinstance(found, DiagnosisResult) else _of_forward(found),
         changes=tuple(ShownChange(*one) for one in found.changes.items()) if isinstance(found, DiagnosisByBalanceResult) else (),
+        base=tuple(ShownBase(*one) for one in (found.base or {}).items()) if isinstance(found, DiagnosisByBalanceResult) else (),
+        units=_units(found),
         records=count,
         by_forces=not isinstance(found, DiagnosisResult) and found.method == "balance",
         provenance=found.provenance,
@@ -176,11 +189,16 @@ def diagnosed(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, sour
     )
 
 
+def _units(found: DiagnosisResult | DiagnosisByBalanceResult | Addition) -> MachineUnits:
+    """How the numbers of the machine are told."""
+    return MachineUnits(m_per_rad=found.rod_m_per_rad) if isinstance(found, DiagnosisByBalanceResult) else TURNING
+
+
 def _of_forward(found: DiagnosisByBalanceResult | Addition) -> str:
     """What is said of the forward solution, and of a drive that records late."""
     lag_s = found.drive_lag_s
     told = [lag_sentence(lag_s)] if lag_s else []
-    return " ".join([*told, *([forward_sentence(found.forward)] if found.forward is not None else [])])
+    return " ".join([*told, *([forward_sentence(found.forward, _units(found))] if found.forward is not None else [])])
 
 
 def _suspect(one: EffectEntry) -> ShownSuspect:

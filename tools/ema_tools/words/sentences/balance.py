@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 
-from ema_tools.data.actuator import row_of, shown
+from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import By
 from ema_tools.fit.temperature import COPPER_PER_DEGC
 from ema_tools.library.registry import called, record_of
@@ -16,12 +16,12 @@ from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
 from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits, units_of
 
 # What is fitted and held out, in the plural.
 PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
 
 
-_SAME = 1e-3  # relative, of numbers of periods that are told as one [layout]
 _TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
 _FLOORS: dict[FloorFrom | None, str] = {
     "laps": "the laps repeat to {:.2f} %",
@@ -52,7 +52,7 @@ def sentence(found: BalanceAnswer) -> str:
         refitted = f", {found.last.training:.2f} % with the base values refitted" if math.isfinite(found.last.training) else ""
         return f"{found.names}: {said} (force error {given.training:.2f} %{refitted}; {floor})."
     last = found.forces.steps[-1].errors
-    names = _named(found.accepted)
+    names = _named(found)
     verb = "are" if len(found.accepted) > 1 else "is"
     left = found.unexplained
     stays = f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained" if left is not None and left > _TOLD else ""
@@ -62,31 +62,34 @@ def sentence(found: BalanceAnswer) -> str:
     )
 
 
-def _named(steps: Sequence[ForceStep]) -> str:
+def _named(found: BalanceAnswer) -> str:
     """The effects, a swing with how often it comes, each with those that these records do not tell from it."""
-    return ", ".join(f"{called(step.effect)}{_told_of(step)}" for step in steps)
+    units = units_of(found.known, found.records)
+    return ", ".join(f"{called(step.effect)}{_told_of(step, units)}" for step in found.accepted)
 
 
-def _told_of(step: ForceStep) -> str:
+def _told_of(step: ForceStep, units: MachineUnits) -> str:
     """What a name alone does not say, in brackets; empty where that is nothing."""
     periods = step.values.get(f"{step.effect}.periods")
-    told = [swing_text(periods)] if periods is not None else []
+    told = [units.swing(periods)] if periods is not None else []
     local = record_of(step.effect).local
     if local is not None and local.spot:
         place, width = (step.values[f"{step.effect}.{field}"] for field in ("place_mm", local.spot))
         told.append(f"at {place:.4g} mm, {2.0 * width:.2g} mm wide")
+    if record_of(step.effect).along is not None:
+        told.append(
+            along_text({name.partition(".")[2]: value for name, value in step.values.items() if name.startswith(f"{step.effect}.")}, units)
+        )
     if step.alike:
         told.append(f"looks like {', '.join(map(called, step.alike))}")
-    return f" ({', '.join(told)})" if told else ""
+    return f" ({'; '.join(told)})" if told else ""
 
 
-def swing_text(periods: float) -> str:
-    """How often something comes, per turn of the motor."""
-    if math.isclose(periods, 1.0, rel_tol=_SAME):
-        return "once per motor turn"
-    if periods < 1.0:
-        return f"once every {1.0 / periods:.3g} motor turns"
-    return f"{periods:.3g} times per motor turn"
+def along_text(table: Mapping[str, float], units: MachineUnits) -> str:
+    """Between which ends friction differs along the stroke, by the table's values by field; `gain` is the largest change and the nodes are shares of it."""
+    nodes = [value * table["gain"] for field, value in table.items() if field.startswith("node_")]
+    (least, unit), (most, _) = units.told(min(nodes), "Nm"), units.told(max(nodes), "Nm")
+    return f"{least:+.3g} to {most:+.3g} {unit} over {table['first']:.4g} .. {table['last']:.4g} mm"
 
 
 def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
@@ -96,8 +99,8 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     against = f"against {count} healthy record{'s' if count > 1 else ''}"
     errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
     verb = "are" if len(found.accepted) > 1 else "is"
-    told = [f"missing {verb} {_named(found.accepted)}"] if found.accepted else []
-    told += [_changed(one) for one in found.changed]
+    told = [f"missing {verb} {_named(found)}"] if found.accepted else []
+    told += [_changed(one, units_of(found.known, found.records)) for one in found.changed]
     if not told:
         told.append(_nothing_told(found, machine))
     doubt = "" if machine.sure else f" How much healthy records differ is uncertain with {count}: give {SURE_RECORDS} or more."
@@ -115,25 +118,28 @@ def _nothing_told(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     return "nothing has changed by more than healthy records differ"
 
 
-def _changed(one: Change) -> str:
+def _changed(one: Change, units: MachineUnits) -> str:
     """One value that has changed."""
     row = row_of(one.name)
-    share = f" ({100.0 * (one.today - one.healthy) / abs(one.healthy):+.2g} %)" if one.healthy else ""
-    text = f"{shown(row)} has changed from {one.healthy:.4g} to {one.today:.4g} {row.unit}".rstrip() + share
+    (healthy, unit), (today, _) = units.told(one.healthy, row.unit), units.told(one.today, row.unit)
+    share = f" ({100.0 * (today - healthy) / abs(healthy):+.2g} %)" if healthy else ""
+    text = f"{units.title(one.name)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
         text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"
     return text
 
 
-def friction_sentence(found: FrictionShape) -> str:
+def friction_sentence(found: FrictionShape, units: MachineUnits = TURNING) -> str:
     """Where steady friction is least, and how far above that it is at standstill."""
-    turns = found.minimum_at_rad_s * 60.0 / (2.0 * math.pi)
-    return f"Friction at standstill is {found.above_minimum_percent:.2g} % above its minimum, which lies at {found.minimum_at_rad_s:.3g} rad/s ({turns:.3g} rpm) of the motor."
+    speed, unit = units.told(found.minimum_at_rad_s, "rad/s")
+    turns = f" ({found.minimum_at_rad_s * 60.0 / (2.0 * math.pi):.3g} rpm) of the motor" if units.m_per_rad is None else ""
+    return f"Friction at standstill is {found.above_minimum_percent:.2g} % above its minimum, which lies at {speed:.3g} {unit}{turns}."
 
 
-def forward_sentence(found: ForwardErrors) -> str:
+def forward_sentence(found: ForwardErrors, units: MachineUnits = TURNING) -> str:
     """The forward solution beside the balance, and why it is looked at."""
     told = []
+    whose = "the motor's speed" if units.m_per_rad is None else "the speed"
     if found.before is not None and found.after is not None:
         held = (
             f" (held out {found.holdout_before:.3g} % and {found.holdout_after:.3g} %)"
@@ -141,7 +147,7 @@ def forward_sentence(found: ForwardErrors) -> str:
             else ""
         )
         told.append(
-            f"Solved forward over half a second under the measured drive, the motor's speed is off by {found.before:.3g} % before and {found.after:.3g} % after{held}."
+            f"Solved forward over half a second under the measured drive, {whose} is off by {found.before:.3g} % before and {found.after:.3g} % after{held}."
         )
     if found.reads_drive and found.drive_before is not None and found.drive_after is not None:
         names = " and ".join(found.reads_drive)
@@ -150,6 +156,13 @@ def forward_sentence(found: ForwardErrors) -> str:
             f"{names} {verb} the measured drive; foretold from the motion alone, the drive is off by {found.drive_before:.3g} % before and {found.drive_after:.3g} % after."
         )
     return " ".join(told)
+
+
+def held_out_sentence(what: str) -> str:
+    """What the errors of the last column are of."""
+    return (
+        f"Held out: {what}, to which nothing of the line was fitted; it is no part of those fitted, so read down a column and not across."
+    )
 
 
 def lag_sentence(lag_s: float) -> str:

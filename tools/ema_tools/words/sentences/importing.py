@@ -23,6 +23,12 @@ _SAID: Mapping[RemarkKind, str] = {
     "footer": "{count:g} rows of text below the numbers: left out",
     "rms": "{column} is recorded as an effective value: taken as it is, so a torque constant must be per effective ampere",
     "one_way": "the machine moves one way only and {column} holds it back: right for a load that is lowered; otherwise write sign = -1 in [columns.{column}]",
+    "agree": "{column} and {other} agree: the first moves {times:.4g} times as far as the second says",
+    "apart": "{column} moves {times:.3g} times as far as {other} says: they should be one, so look at counts, unit, lead or ratio of the two",
+    "travel": "{column} moves {lead_mm:.4g} mm in one turn of {other}: state lead and ratio in [machine] that make it so, lead over ratio is the travel per turn of the motor",
+    "inertia": "{column} speeds up {times:.3g} times the inertia of [machine]: a load that was not counted, or counts per turn, lead, torque constant or nominal value are off by so much;"
+    " ema diagnose fits it, with its interval",
+    "assumed": "no unit is named in the file for {column}: taken so because {other} says so",
     "copy": "the same samples came as {column}, too: one of the two is enough, and a diagnosis refuses both together",
 }
 _MADE: Mapping[Origin, str] = {
@@ -35,7 +41,7 @@ _MADE: Mapping[Origin, str] = {
 
 def remark_text(remark: TableRemark) -> str:
     """One remark about a file."""
-    return _SAID[remark.kind].format(row=remark.row, column=remark.column, **(remark.numbers or {}))
+    return _SAID[remark.kind].format(row=remark.row, column=remark.column, other=remark.other, **(remark.numbers or {}))
 
 
 def origin_text(origin: Origin, column: str) -> str:

@@ -6,6 +6,7 @@ import math
 
 from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import row_of
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 
 _DECIMALS = 6  # of a number that is written without a power of ten [layout]
 
@@ -24,8 +25,9 @@ def ends_text(low: float | None, high: float | None) -> str:
     return f"{low:.{digits}g} .. {high:.{digits}g}"
 
 
-def size_text(name: str, value: float, std: float | None) -> str:
+def size_text(name: str, value: float, std: float | None, units: MachineUnits = TURNING) -> str:
     """A value with its 95 % interval and unit, as in `0.31 Nm [95 %: 0.27 .. 0.35]`."""
-    unit = row_of(name).unit
+    value, unit = units.told(value, row_of(name).unit)
+    std = units.told(std, row_of(name).unit)[0] if std is not None else None
     doubt = f" [95 %: {ends_text(*interval95(value, std))}]" if std is not None and math.isfinite(std) else ""
     return f"{value:.4g}{' ' + unit if unit else ''}{doubt}"

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
 
+from ema_tools.data.actuator import row_of
 from ema_tools.results.files import DraftResult, TableImportResult
 from ema_tools.words.sentences.importing import origin_text
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.terminal.console import number, table
 from ema_tools.words.terminal.show import say
 
-_VALUES = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm")
+_MOTIONS = ("motor_angle_rad", "motor_speed_rad_s", "position_mm", "speed_mm_s")
+LOAD = "screw.load_torque_Nm"
+_VALUES = ("screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", LOAD)
 
 
 def print_draft(console: Console, found: DraftResult) -> None:
@@ -56,5 +61,23 @@ def print_tables(console: Console, found: TableImportResult) -> None:
     say(console, f"{found.actuator}, to start from")
     values = table("", "value", "number", "from", text_columns=1)
     for name in _VALUES:
-        values.add_row(name, number(found.values[name]), "the records" if name in found.estimated else Text(found.map))
+        values.add_row(
+            name,
+            number(found.values[name]),
+            "the records" if name in found.estimated else "nothing: none is taken" if name == LOAD else Text(found.map),
+        )
     console.print(values)
+    units = units_along(found)
+    if units.m_per_rad is not None:
+        told = (units.told(found.values[name], row_of(name).unit) for name in _VALUES[:-1])
+        parts = (f"{units.title(name)} {number(value)} {unit}" for name, (value, unit) in zip(_VALUES, told, strict=False))
+        say(console, f"along the line: {', '.join(parts)}")
+
+
+def units_along(found: TableImportResult) -> MachineUnits:
+    """How the numbers of an imported machine are told: along a line where force and motion are recorded there alone."""
+    drive, motions = found.signals.get("torque_Nm"), {found.signals[name].column for name in _MOTIONS if name in found.signals}
+    if drive is None or drive.column != "force_N" or not motions <= {"position_mm", "speed_mm_s"}:
+        return TURNING
+    ratio = found.values["gearbox.ratio"]
+    return MachineUnits(ratio, 1e-3 * found.values["screw.lead_mm"] / (2.0 * math.pi * ratio))

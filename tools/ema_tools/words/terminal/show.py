@@ -11,8 +11,8 @@ from rich.text import Text
 from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.detection import rate_text
-from ema_tools.fit.division import PARTS
-from ema_tools.library.registry import record_of
+from ema_tools.fit.division import PARTS, By
+from ema_tools.library.registry import effect_called, record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, ForceCalibration, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
@@ -21,8 +21,10 @@ from ema_tools.results.identification import IdentificationResult, ValueEntry, V
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.words.sentences.balance import forward_sentence, friction_sentence, lag_sentence
+from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, held_out_sentence, lag_sentence
+from ema_tools.words.sentences.base_values import note
 from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
+from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text, size_text
 from ema_tools.words.terminal.console import number, table
 
@@ -36,6 +38,8 @@ _FLOORS: dict[FloorFrom | None, str] = {
     None: "floor: lap to lap",
 }
 FAULTS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
+# What is held out in turn.
+GROUPS: dict[By, str] = {"lap": "parts of the laps", "block": "stretches of time", "record": "parts of the records"}
 # The share of the limit below which an effect is not worth a look.
 _WORTH_SHOWING = 0.1
 
@@ -253,6 +257,7 @@ def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByBalanceResul
 
 def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> None:
     """What `ema diagnose` found, in the order in which a user asks; `searched` ranks effects and faults together."""
+    say(console, f"Verdict: {found.verdict}.")
     say(console, found.sentence)
     console.print()
     say(console, f"By simulation: {found.method_reason}.")
@@ -289,6 +294,7 @@ def _candidates(console: Console, found: Searched) -> None:
 
 def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     """What `ema diagnose` found by the balance of forces."""
+    say(console, f"Verdict: {found.verdict}.")
     say(console, found.sentence)
     console.print()
     say(console, f"By the balance of forces: {found.method_reason}.")
@@ -312,7 +318,7 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         rows.add_row(
             f"+ {step.added}",
             ", ".join(step.alike[1:]),
-            _size_of(step, forces.steps[-1]),
+            _size_of(step, forces.steps[-1], MachineUnits(m_per_rad=found.rod_m_per_rad)),
             number(step.training_percent, 3),
             number(step.holdout_percent, 3),
         )
@@ -321,6 +327,8 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     if found.floor_from != "healthy records":
         rows.add_row(_FLOORS[found.floor_from], "", "", number(found.error.floor, 3), "")
     console.print(rows)
+    say(console, held_out_sentence(", ".join(found.holdout) or f"the last of {forces.laps.parts} {GROUPS[forces.laps.by]}"))
+    _base(console, found)
     if found.unexplained is not None and found.verdict != "adequate":
         estimated = ", by that estimate" if found.floor_from in ("estimate", "noise") else ""
         say(
@@ -329,13 +337,14 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         )
     if found.drive_lag_s:
         say(console, lag_sentence(found.drive_lag_s))
-    _forward(console, found.forward)
+    units = MachineUnits(m_per_rad=found.rod_m_per_rad)
+    _forward(console, found.forward, units)
     if found.standing:
         say(console, f"What the healthy machine has anyhow: {', '.join(found.standing)}.")
     if found.changes:
         _changes(console, found)
     if found.friction is not None:
-        say(console, friction_sentence(found.friction))
+        say(console, friction_sentence(found.friction, units))
     refused = table("Refused", "effect", "why", text_columns=2)
     refused.columns[-1].no_wrap = False
     reasons: dict[str, list[str]] = {}
@@ -349,30 +358,65 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     say(console, found.next_experiment)
 
 
+def _base(console: Console, found: DiagnosisByBalanceResult) -> None:
+    """Base values as fitted beside what the file states."""
+    if not found.base:
+        return
+    console.print()
+    units = MachineUnits(m_per_rad=found.rod_m_per_rad)
+    title = "Base values of the healthy machine" if found.healthy is not None else "Base values beside what was found"
+    rows = table(title, "value", "unit", "stated", "fitted", "95 % interval", "of the stated", text_columns=0)
+    for column in rows.columns[:2]:
+        column.justify = "left"
+    for name, one in found.base.items():
+        (given, unit), (value, _) = units.told(one.stated, one.unit), units.told(one.value, one.unit)
+        low, high = (None if end is None else units.told(end, one.unit)[0] for end in one.interval95)
+        stated = number(given, 4) if one.stated_from == "file" else "not stated"
+        known = one.std is not None or one.at_bound
+        fitted = number(value, 4) + (" (at its bound)" if one.at_bound else "") if known else "-"
+        times = "" if one.times is None else f"{one.times:.3g} times"
+        rows.add_row(units.title(name), unit, stated, fitted, ends_text(low, high), times)
+    console.print(rows)
+    for name, one in found.base.items():
+        if text := note(name, one, units):
+            say(console, text)
+    console.print()
+
+
 def _changes(console: Console, found: DiagnosisByBalanceResult) -> None:
     """Values of the healthy machine beside those of today."""
     console.print()
     rows = table("Values of the healthy machine", "value", "unit", "healthy", "today", "change, 95 %", "must exceed", "", text_columns=2)
+    units = MachineUnits(m_per_rad=found.rod_m_per_rad)
     for name, one in found.changes.items():
         state = "changed" if one.counts else ""
-        rows.add_row(name, one.unit, number(one.healthy, 4), number(one.today, 4), ends_text(*one.interval95), number(one.limit, 2), state)
+        healthy, today, low, high, limit = (
+            None if value is None else units.told(value, one.unit)[0] for value in (one.healthy, one.today, *one.interval95, one.limit)
+        )
+        unit = units.told(0.0, one.unit)[1]
+        rows.add_row(units.title(name), unit, number(healthy, 4), number(today, 4), ends_text(low, high), number(limit, 2), state)
     console.print(rows)
     console.print()
 
 
-def _forward(console: Console, found: ForwardErrors | None) -> None:
+def _forward(console: Console, found: ForwardErrors | None, units: MachineUnits = TURNING) -> None:
     """The forward solution beside the balance, where there is one."""
-    sentence = forward_sentence(found) if found is not None else ""
+    sentence = forward_sentence(found, units) if found is not None else ""
     if sentence:
         say(console, sentence)
 
 
-def _size_of(step: ForceStepEntry, last: ForceStepEntry) -> str:
-    """The size of a step's effect as the last fit has it, with its 95 % interval."""
-    own = [name for name in last.parameters if name.startswith(f"{step.added}.")] or [record_of(step.added).base_value]
+def _size_of(step: ForceStepEntry, last: ForceStepEntry, units: MachineUnits) -> str:
+    """The size of a step's effect as the last fit has it, with its 95 % interval; of friction along the stroke between which ends it lies."""
+    effect = effect_called(step.added)
+    values = {name.partition(".")[2]: one.value for name, one in last.parameters.items() if name.startswith(f"{effect}.")}
+    if record_of(effect).along is not None and values:
+        return along_text(values, units)
+    own = [name for name in last.parameters if name.startswith(f"{effect}.")] or [record_of(effect).base_value]
     if own[0] in last.parameters:
         size = last.parameters[own[0]]
-        return f"{row_of(own[0]).field} {size_text(own[0], size.value, size.std)}"
+        field = row_of(own[0]).field if units.m_per_rad is None else row_of(own[0]).field.partition("_")[0].replace("torque", "force")
+        return f"{field} {size_text(own[0], size.value, size.std, units)}"
     return ""
 
 
@@ -406,6 +450,8 @@ def added(console: Console, found: Addition) -> None:
         found.error.floor,
         "Force error, in % of the drive's force" if found.method == "balance" else "Weighted error",
     )
+    if found.method == "balance":
+        say(console, held_out_sentence(", ".join(found.holdout or ()) or "the last part of the records"))
     if found.drive_lag_s:
         say(console, lag_sentence(found.drive_lag_s))
     _forward(console, found.forward)
