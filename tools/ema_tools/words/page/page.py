@@ -11,7 +11,7 @@ from importlib import resources
 from typing import Any
 
 from ema_tools.results.over_dates import UnitOverDates
-from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, over_dates, workbench
+from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, identification_page, over_dates, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
@@ -45,9 +45,11 @@ class Page:
 
 
 def render(results: list[Result], command: str, units: Sequence[UnitOverDates] = ()) -> str:
-    """The page as text. `command` made it and stands in its provenance; `units`: results of one unit over dates. One diagnosis, or one addition, has a page of its own."""
+    """The page as text. `command` made it and stands in its provenance; `units`: results of one unit over dates. One diagnosis, addition or identification has a page of its own."""
     if len(results) == 1 and isinstance(results[0], Diagnosed):
         return diagnosis_page.render(results[0], command)
+    if len(results) == 1 and isinstance(results[0], ShownIdentification):
+        return identification_page.render(results[0], command)
     page = Page()
     identified = [result for result in results if isinstance(result, ShownIdentification)]
     compared = [result for result in results if isinstance(result, ShownComparison)]
