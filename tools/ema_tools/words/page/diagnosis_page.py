@@ -127,7 +127,7 @@ def _which(result: Diagnosed) -> str:
             rows_.append(
                 f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
             )
-        parts.append(table("effects", "Size ± half of its 95 % interval.", ("Effect", "<", "<Size", "<Looks alike"), rows_))
+        parts.append(table("effects", "Size ± half of its 95 % interval.", ("Effect", "<Named", "<Size", "<Looks alike"), rows_))
     parts += _separates(result)
     parts += _not_tried(result, {one.entry.name for one in tried})
     parts += _unknown(result)
@@ -318,7 +318,7 @@ def _records(result: Diagnosed) -> str:
             table(
                 "values of the healthy machine",
                 "What has changed? Values of the healthy machine beside today's.",
-                ("Value", "Healthy", "Today", "Must differ by", ""),
+                ("Value", "Healthy", "Today", "Must differ by", "State"),
                 changed,
             )
         )
@@ -334,7 +334,7 @@ def _records(result: Diagnosed) -> str:
             table(
                 "what was looked at",
                 "What was looked at in the record before anything was concluded.",
-                ("Looked at", "<", "<Found", "<What to do"),
+                ("Looked at", "<State", "<Found", "<What to do"),
                 looked,
             )
         )

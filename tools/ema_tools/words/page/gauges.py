@@ -83,8 +83,9 @@ def _gauge(result: ShownIdentification, name: str, one: ShownEstimate) -> str:
         marks.append(f'<i class="mark {kind}" style="left:{_percent(line.at(value))}" title="{escape(text)}"></i>')
         said += f"; {text}"
     marks.append(f'<i class="mark dot" style="left:{_percent(line.at(one.shift_percent))}"></i>')
-    bound = ", at a bound of the search" if one.at_bound else ""
-    told = "; ".join([f"{value_words(name, one)}{bound}", *(text for _, _, text in others)])
+    bound = ["at a bound of the search"] if one.at_bound else []
+    open_ = ["not determined by this record"] if ends and name in result.undetermined else []
+    told = "; ".join([value_words(name, one), *bound, *open_, *(text for _, _, text in others)])
     doubt = f"95 % {ends}" if ends else "not determined by this record"
     return (
         f'<div class="gauge {tone}" data-fault="{name}"><p class="gauge-head"><span>{escape(title)}</span> <b>{kept(shift)}</b> <span>{kept(doubt)}</span></p>'

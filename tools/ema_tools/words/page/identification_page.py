@@ -148,7 +148,7 @@ def _row(result: ShownIdentification, name: str) -> str:
     day = guard.open_std_percent.get(name) if guard is not None else None
     every = guard.shift_percent.get(name) if guard is not None else None
     cells = (
-        f"<td>{kept(f'{shift} ({ends})' if ends else f'{shift}, not determined by this record')}</td>",
+        f"<td>{kept(f'{shift} ({ends})' if ends else shift)}{', not determined by this record' if not ends or name in result.undetermined else ''}</td>",
         f'<td class="words">{kept(value_words(name, one))}{", at a bound of the search" if one.at_bound else ""}</td>',
         f"<td>{kept(noise)}</td>",
         f"<td>{kept('–' if day is None else f'± {words.number(day, 2)} %')}</td>",
@@ -188,7 +188,7 @@ def _shape(result: ShownIdentification) -> str:
             "the bar counts what differs from day to day, too."
         )
         keys = (_KEYS["estimate"], _KEYS["healthy"], limit)
-        drawn.append(_figure("profiles", "The error along each value", keys, figures.profiles(result), caption))
+        drawn.append(_figure("profiles", "The error along each parameter", keys, figures.profiles(result), caption))
     if result.map is not None:
         caption = "Logarithmic; dark is small. Candidates beyond the map are not drawn."
         keys = (_KEYS["candidate"], _KEYS["best"], _KEYS["healthy"])

@@ -55,8 +55,7 @@ def headline(result: ShownIdentification) -> str:
         sound = f"; {names.listed(within)} {'are' if len(within) > 1 else 'is'} within {_its(within)}" if within else ""
         return f"The machine has a fault: {names.listed(shifts(result, beyond))}{sound}."
     if result.verdict == "healthy":
-        both = "both within their thresholds" if len(result.faults) > 1 else "within its threshold"
-        return f"The machine is healthy: {names.listed(shifts(result))}, {both}."
+        return f"The machine is healthy: {names.listed(shifts(result))}."
     return f"No verdict: {_why(result)}."
 
 
