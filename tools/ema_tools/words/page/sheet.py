@@ -146,8 +146,10 @@ def kept(text: str) -> str:
 def _reply(one: Reply) -> str:
     copied = ""
     if one.command:
+        # a line ends between words of the command, not at the dash of an option
+        parts = " ".join(f"<span>{escape(part)}</span>" for part in one.command.split(" "))
         copied = (
-            f'<div class="copy"><code id="command" tabindex="0">{escape(one.command)}</code>'
+            f'<div class="copy"><code id="command" tabindex="0">{parts}</code>'
             '<button type="button" data-copy="command">copy<span class="spoken"> the next command</span></button></div>'
         )
     more = f"<small>{kept(one.more)}</small>" if one.more else ""
