@@ -288,8 +288,9 @@ def test_command_is_copied(opened: Any) -> None:
     assert page.page.evaluate("navigator.clipboard.readText()").startswith("ema add mine.toml stribeck_friction --fit today.csv")
 
 
-def test_it_prints_on_few_sheets(opened: Any) -> None:
-    page = opened("missing", color_scheme="dark")
+@pytest.mark.parametrize("kind", ["missing", JUDGED[2]])
+def test_it_prints_on_few_sheets(kind: str, opened: Any) -> None:
+    page = opened(kind, color_scheme="dark")
     printed = page.page.pdf(format="A4", print_background=True)
     assert printed.startswith(b"%PDF") and 2 <= printed.count(b"/Type /Page\n") + printed.count(b"/Type /Page ") <= 6
     # afterwards the screen is dark again

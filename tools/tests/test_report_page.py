@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from ema_tools.base.errors import InputError
-from ema_tools.data.cases import CASES
 from ema_tools.words.page import figures, write_report
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.figure_svg import figure_svg
+from ema_tools.words.page.gauges import gauges
 from ema_tools.words.page.recorded import SLOPE_ROWS, slope
 from ema_tools.words.page.results import ShownComparison, ShownIdentification, parse_result
 from report_results import ROWS, compared, identified
@@ -139,7 +139,7 @@ def test_result_without_curves_and_search_is_shown(tmp_path: Path) -> None:
     assert "The result holds no curves" in page and 'class="gauge ' in page and "Run by run" not in page
     both = _page(tmp_path, bare, bare)
     assert "data-curves=" not in _without_scripts(both)
-    assert "Diagnostic scalars" in both and "The search</h3>" not in both
+    assert both.count('class="gauge bad"') == 4 and "The search</h3>" not in both
 
 
 def _broken(path: str, value: Any) -> dict[str, Any]:
@@ -269,19 +269,20 @@ def test_figures_are_drawn() -> None:
     result = _made(identified(case="A"))
     comparison = parse_result(compared(), "c.json", "c")
     assert isinstance(comparison, ShownComparison)
-    for figure in (figures.scalars(result), figures.search(result), figures.accuracy([result]), figures.shares(comparison.where)):
+    for figure in (figures.search(result), figures.accuracy([result]), figures.shares(comparison.where)):
         drawn = ElementTree.fromstring(figure_svg(figure, "f"))
         assert drawn.attrib["aria-label"] == figure["label"]
         assert figure["label"] and all("role" in trace["meta"] for trace in figure["data"])
 
 
-def test_scalars_show_estimate_truth_and_paper() -> None:
-    traces = {trace.get("name"): trace for trace in figures.scalars(_made(identified(case="A")))["data"]}
-    assert traces["Actual"]["x"] == pytest.approx([117.3913, 25.0], abs=1e-3)
-    assert traces["Estimated here"]["x"] == pytest.approx([117.3913, 25.0])
-    assert traces["Found in the paper"]["x"] == pytest.approx([CASES[0].paper_shift_percent(name) for name in ("csj_Nm", "blk_mm")])
-    noisy = [trace.get("name") for trace in figures.scalars(_made(identified(case="A", noise="5 µm")))["data"]]
-    assert "Found in the paper" not in noisy and "Actual" in noisy
+def test_sizes_stand_beside_truth_and_paper() -> None:
+    shown = gauges(_made(identified(case="A")))
+    assert (
+        "○ true +117.4\u00a0%; ◇ paper +115.2\u00a0%" in shown
+        and shown.count('class="mark ring"') == shown.count('class="mark diamond"') == 2
+    )
+    noisy = gauges(_made(identified(case="A", noise="5 µm")))
+    assert "paper" not in noisy and noisy.count('class="mark ring"') == 2
 
 
 def test_search_shows_every_candidate_and_the_best() -> None:
@@ -315,7 +316,7 @@ def test_what_was_not_identified_is_shown_with_its_reason(tmp_path: Path) -> Non
     assert "<h1>The machine has a fault: friction (CSJ) +117.4\u00a0%.</h1>" in page
     both = _page(tmp_path, data, compared())
     assert f"<small>not identified: {why}</small>" in both and "carries CSJ +117.4\u00a0%." in both
-    assert [len(trace["x"]) for trace in figures.scalars(result)["data"][1:]] == [1]
+    assert gauges(result).count("data-fault=") == 1
     with pytest.raises(InputError, match=r"today.json: field blk_mm.estimate is missing"):
         parse_result(identified(blk_mm={"estimate": None, "std": None}), "today.json", "today")
     with pytest.raises(InputError, match=r"today.json: field csj_Nm.estimate is null for every parameter"):
@@ -324,8 +325,9 @@ def test_what_was_not_identified_is_shown_with_its_reason(tmp_path: Path) -> Non
 
 def test_value_without_a_standard_error_is_shown_without_an_interval(tmp_path: Path) -> None:
     data = identified(csj_Nm={"estimate": 0.3, "std": None, "shift_percent": 117.3913, "healthy": 0.138}, verdict="undecided")
-    figure = figures.scalars(_made(data))
-    assert figure["data"][-1]["error_x"]["array"][0] == 0.0 < figure["data"][-1]["error_x"]["array"][1]
-    assert not any("\u00b1" in note["text"] for note in figure["layout"]["annotations"] if "117" in note["text"])
+    assert (
+        'class="interval"' in gauges(_made(data)).split('data-fault="blk_mm"')[1]
+        and 'class="interval"' not in gauges(_made(data)).split('data-fault="blk_mm"')[0]
+    )
     assert "not determined by this record, healthy 0.138 Nm" in _page(tmp_path, data, data)
     assert "not determined by this record" in _page(tmp_path, data)

@@ -62,7 +62,9 @@ def _objections(result: ShownIdentification) -> str:
         "fault": "Nothing: a shift exceeds its threshold with the stated confidence.",
         "healthy": "Nothing: every shift stays below the threshold at which it is called a fault.",
     }.get(result.verdict, "The search finds values that fit best, and they do not stand:" if parts else "No reason was given.")
-    html = [f"<p>{said}</p>", f'<ul class="told">{"".join(parts)}</ul>' if parts else ""]
+    # what a verdict says besides, as of today's temperature and of few healthy records
+    besides = f"<p>{kept(found.sentence)}</p>" if found.sentence and result.verdict != "undecided" else ""
+    html = [f"<p>{said}</p>", besides, f'<ul class="told">{"".join(parts)}</ul>' if parts else ""]
     html.append(_effect(result))
     guard = found.guard
     if guard is not None and guard.signals:
@@ -272,7 +274,7 @@ def _next(result: ShownIdentification) -> str:
 
 
 def _provenance(result: ShownIdentification, command: str) -> str:
-    said = result.found.sentence
+    said = result.found.sentence if result.verdict == "undecided" else ""
     return (f'<p class="full">{kept(said)}</p>' if said else "") + origin(command, result.provenance)
 
 

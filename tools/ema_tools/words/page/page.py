@@ -16,6 +16,7 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.figure_svg import figure_svg
+from ema_tools.words.page.gauges import gauges
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.results import Mapped, Result, ShownComparison, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
@@ -191,7 +192,7 @@ def identified_section(page: Page, result: ShownIdentification, identity: str) -
     """Everything about one identification."""
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     page.add(f'<p><span class="verdict {result.verdict}">{result.verdict.capitalize()}:</span> {escape(verdict(result))}</p>')
-    page.add('<dl class="facts">')
+    page.add(gauges(result), '<dl class="facts">')
     for name in result.faults:
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
@@ -215,16 +216,6 @@ def identified_section(page: Page, result: ShownIdentification, identity: str) -
     if result.curves is not None:
         _curves(page, result.curves, identity, {"before": "Before: healthy values", "after": "After: identified values"})
     page.add('<div class="pair">')
-    page.add('<figure><div class="figure-head"><h3>Diagnostic scalars</h3><ul class="legend">')
-    if result.case is not None:
-        page.add('<li><span class="key ring"></span>actual</li>')
-    page.add('<li><span class="key dot"></span>estimated</li>')
-    if result.paper is not None:
-        page.add('<li><span class="key diamond"></span>paper</li>')
-    page.add("</ul></div>", page.figure(f"{identity}-scalars", figures.scalars(result)))
-    page.add(
-        "<figcaption>Estimated shift of each fault parameter, with its 95 % interval where that is wider than the dot.</figcaption></figure>"
-    )
     if result.search is not None:
         page.add('<figure><div class="figure-head"><h3>The search</h3><ul class="legend">')
         page.add('<li><span class="key dot candidate"></span>candidate</li><li><span class="key after"></span>best so far</li></ul></div>')
@@ -403,7 +394,7 @@ def _shared(tables: Iterable[dict[str, str]]) -> dict[str, str]:
 def document(title: str, page: Page) -> str:
     """The whole file."""
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "charts.css", "curves.css"))
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "gauges.css", "charts.css", "curves.css"))
     names = ["curves.js", *(["lines.js"] if page.lines else [])]
     script = "\n".join((assets / name).read_text(encoding="utf-8") for name in names)
     loaded = library()

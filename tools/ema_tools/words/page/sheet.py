@@ -93,7 +93,7 @@ def line_of(command: str) -> CommandLine | None:
 def document(name: str, first: FirstScreen, beside: str, chapters: Sequence[Chapter], data: Mapping[str, Any], computes: bool) -> str:
     """The whole file. `beside`: markup between the answers and the sections; `data`: what the script draws; `computes`: whether a workbench stands in it."""
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / one).read_text(encoding="utf-8") for one in ("sheet.css", "charts.css"))
+    style = "\n".join((assets / one).read_text(encoding="utf-8") for one in ("sheet.css", "gauges.css", "charts.css"))
     script = (assets / "sheet.js").read_text(encoding="utf-8")
     loaded = library()
     there = [one for one in chapters if one.html]
@@ -124,7 +124,7 @@ def document(name: str, first: FirstScreen, beside: str, chapters: Sequence[Chap
 <main id="main">
 <header>
 <h1>{kept(first.sentence)}</h1>
-<dl class="replies">{"".join(map(_reply, first.replies))}</dl>
+<dl class="replies answers">{"".join(map(_reply, first.replies))}</dl>
 {beside}</header>
 {body}
 </main>
