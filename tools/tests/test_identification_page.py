@@ -74,6 +74,9 @@ def test_one_fault_of_two_is_said_to_be_one() -> None:
     found = said(data)
     assert found.sentence == "The machine has a fault: friction (CSJ) +117.4 %; backlash (BLK) is within its threshold."
     assert found.replies[1].short == "Friction" and found.replies[1].more == "CSJ beyond +5 %"
+    # beyond, but not surely
+    data["blk_mm"] |= {"estimate": 0.0367, "shift_percent": 11.2, "interval95": [0.036, 0.0374]}
+    assert said(data).sentence == "The machine has a fault: friction (CSJ) +117.4 %; backlash (BLK) is near its threshold."
 
 
 @pytest.mark.parametrize(

@@ -257,7 +257,7 @@ def test_everything_is_reached_without_a_mouse(kind: str, opened: Any) -> None:
     assert not_reached(opened(kind).page) == []
 
 
-def test_sizes_of_an_identification_zoom_as_those_of_a_diagnosis(opened: Any) -> None:
+def test_signals_of_an_identification_zoom_as_those_of_a_diagnosis(opened: Any) -> None:
     page = opened(JUDGED[0])
     whole = page.view
     page.drag("position_mm", 0.2, 0.7)

@@ -7,7 +7,7 @@ from html import escape
 
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
-from ema_tools.words.page.identification_screen import SHORT, shift_words
+from ema_tools.words.page.identification_screen import SHORT, faults_of, shift_words
 from ema_tools.words.page.results import ShownEstimate, ShownIdentification
 from ema_tools.words.page.sheet import kept
 
@@ -61,7 +61,11 @@ def _gauge(result: ShownIdentification, name: str, one: ShownEstimate) -> str:
     others = _others(result, name)
     line = gauge_of(one, *(value for _, value, _ in others))
     shift, ends = shift_words(one)
-    tone = "unsure" if result.verdict == "undecided" else "bad" if result.verdict == "fault" and one.beyond else "good"
+    tone = "good" if result.verdict == "healthy" or not one.beyond else "unsure"
+    if result.verdict == "undecided":
+        tone = "unsure"
+    elif result.verdict == "fault" and name in faults_of(result):
+        tone = "bad"
     title = names.FAULT_TITLES[name.partition("_")[0]]
     said = f"{SHORT[name]} {shift}" + (f", 95 %: {ends}" if ends else ", not determined by this record")
     marks = [f'<i class="zero" style="left:{_percent(line.at(0.0))}"></i>']

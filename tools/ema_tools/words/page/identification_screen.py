@@ -50,17 +50,22 @@ def shifts(result: ShownIdentification, wanted: tuple[str, ...] | None = None) -
 def headline(result: ShownIdentification) -> str:
     """The answer in one sentence."""
     if result.verdict == "fault":
-        beyond = tuple(name for name, one in result.faults.items() if one.beyond) or tuple(result.faults)
-        within = [PLAIN[name] for name in result.faults if name not in beyond]
-        sound = f"; {names.listed(within)} {'are' if len(within) > 1 else 'is'} within {_its(within)}" if within else ""
-        return f"The machine has a fault: {names.listed(shifts(result, beyond))}{sound}."
+        faulty = faults_of(result)
+        others = [
+            f"{PLAIN[name]} is {'near' if one.beyond else 'within'} its threshold"
+            for name, one in result.faults.items()
+            if name not in faulty
+        ]
+        return f"The machine has a fault: {'; '.join([names.listed(shifts(result, faulty)), *others])}."
     if result.verdict == "healthy":
         return f"The machine is healthy: {names.listed(shifts(result))}."
     return f"No verdict: {_why(result)}."
 
 
-def _its(within: list[str]) -> str:
-    return "their thresholds" if len(within) > 1 else "its threshold"
+def faults_of(result: ShownIdentification) -> tuple[str, ...]:
+    """Of a faulty machine, the values that make it so: those surely beyond their thresholds, else those beyond, else all."""
+    sure = tuple(name for name, one in result.faults.items() if one.surely_beyond)
+    return sure or tuple(name for name, one in result.faults.items() if one.beyond) or tuple(result.faults)
 
 
 def _why(result: ShownIdentification) -> str:
@@ -97,9 +102,9 @@ def _where(result: ShownIdentification) -> Reply:
         told = ", ".join(f"{SHORT[name]} a fault from +{limit:g} % on" for name, limit in limits.items())
         return Reply(question, "Nowhere", told, "good")
     if result.verdict == "fault":
-        beyond = [name for name, one in result.faults.items() if one.beyond] or list(result.faults)
-        place = names.listed([_PLACE[name] for name in beyond])
-        told = "; ".join(f"{SHORT[name]} beyond +{limits[name]:g} %" for name in beyond if name in limits)
+        faulty = faults_of(result)
+        place = names.listed([_PLACE[name] for name in faulty])
+        told = "; ".join(f"{SHORT[name]} beyond +{limits[name]:g} %" for name in faulty if name in limits)
         return Reply(question, place[:1].upper() + place[1:], told, "bad")
     return Reply(question, "Cannot be told", f"{names.listed(shifts(result))} is what fits best, and does not stand", "unsure")
 

@@ -49,6 +49,11 @@ class ShownEstimate:
         return self.threshold_percent is None or self.shift_percent > self.threshold_percent
 
     @property
+    def surely_beyond(self) -> bool:
+        """Whether the whole interval is."""
+        return self.beyond and (self.threshold_percent is None or self.shift_percent - self.reach_percent[0] > self.threshold_percent)
+
+    @property
     def reach_percent(self) -> tuple[float, float]:
         """How far the interval reaches below and above the estimate, in % of the healthy value; zero, which draws nothing, where there is none."""
         if self.interval is None:
