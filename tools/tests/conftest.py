@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import os
 
+# As the commands do it: two workers on two cores, each with threads inside its small matrix products, wait for each other. Read when NumPy is imported.
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
 import pytest
 from hypothesis import settings
 

@@ -14,6 +14,7 @@ from ema_tools.data.actuator import Row, row_of
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
+from ema_tools.fit.misfit import misfit, whole_std
 from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
@@ -24,11 +25,7 @@ _RUNS = 8  # points of one fit at most, each of which costs a simulation for eve
 # deviations of noise [precision]
 _JACOBIAN_STEPS = (0.05, 0.2, 0.6)
 _PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
-# What is left unexplained may hide behind a value: a share of it, in units of cost, as if it lay along the value's signature [judgement]
-_BENT = 0.5
 _DETERMINED = 2.0  # standard errors by which a size differs from the machine's own [chance]
-_NOTICED = 3.0  # standard deviations of the cost from which on it is misfit [chance]
-_TRUSTED = 0.006  # share of a change to which the model and the machine's known values are trusted [judgement]
 _AT_BOUND = 1e-6  # of its range: so near to an end a value lies on it [precision]
 _JOINT_ROUNDS = 8  # of steps together with what scatters [effort]
 # Shares of a value over which a slope is taken to both sides: the first, or the second where that one does not show [precision]
@@ -67,13 +64,12 @@ class Fit:
         """Standard errors by name: of noise and scatter, larger by what the misfit may have bent, and no smaller than the share to which the model is trusted."""
         known = self.view.evidence.actuator
         evidence = self.view.evidence
-        chance = _NOTICED * np.sqrt(2.0 * evidence.numbers) + evidence.counting
-        misfit = max(self.cost - evidence.expected_cost() - chance, 0.0)
+        left = misfit(self.cost, evidence.expected_cost(), evidence.numbers, evidence.counting)
         found = {}
         for k, name in enumerate(self.fitted):
-            trusted = 0.0 if name.endswith("phase_rad") else _TRUSTED * abs(self.values[name] - known[row_of(name).name])
-            std = np.hypot(np.sqrt(max(self.covariance[k, k], 0.0) * (1.0 + _BENT * misfit)), trusted)
-            found[name] = float(max(std, _least_std(evidence, name)))
+            by_noise = float(np.sqrt(max(self.covariance[k, k], 0.0)))
+            std = whole_std(by_noise, left, name, self.values[name] - known[row_of(name).name])
+            found[name] = max(std, _least_std(evidence, name))
         return found
 
     def shown(self, effect: str) -> float:

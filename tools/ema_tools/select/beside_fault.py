@@ -91,7 +91,11 @@ def rivals(known: KnownMachine, base: MachineFit, fault: str, least: float) -> l
         return known.fit(one.effect, {**without.values, **one.values}, (sizes[one.effect], *known.free), _FIRST_STEPS, ends)
 
     near = [one for one in _best_of_each(each(first, starts)) if one.cost - base.cost < _RIVAL_SHARE * shown][:_SECOND]
-    return [one for one in _with_all_values(known, near, ends) if one.cost + penalty([one.effect]) < base.cost + _ALIKE * unit]
+    return [
+        known.with_whole_std(one)
+        for one in _with_all_values(known, near, ends)
+        if one.cost + penalty([one.effect]) < base.cost + _ALIKE * unit
+    ]
 
 
 def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None, tuple[str, ...]]:
@@ -114,7 +118,7 @@ def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None
         return "unknown", None, ()
     alike = [one.effect for one in fits[1:] if one.cost - best.cost < _ALIKE * unit]
     alike += record_of(best.effect).inseparable
-    return "missing", best, tuple(dict.fromkeys(alike))
+    return "missing", known.with_whole_std(best), tuple(dict.fromkeys(alike))
 
 
 def _without_needless(fits: Sequence[MachineFit], least: float) -> list[MachineFit]:

@@ -6,8 +6,9 @@ was recorded is held against it, over the whole record and in every part of it, 
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -18,6 +19,9 @@ from ema_tools.data.records import Record
 from ema_tools.select.beside_fault import named, on_unit, rivals
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocked
 from ema_tools.select.open_state import OpenStd, open_state
+from ema_tools.select.sensors import Suspect, suspect
+from ema_tools.select.strategies.strategy import LEAST_LIMIT
+from ema_tools.select.whole_search import Searched, searched
 
 # What was found: the known machine with another CSJ and BLK explains everything; an effect is missing; something is missing that no effect explains; an effect
 # explains the record as well as a fault does.
@@ -36,6 +40,8 @@ class _Said:
     std: Mapping[str, float] = field(default_factory=dict)
     there: bool = False
     as_given: bool = False
+    withheld: bool = False
+    sensor: Suspect | None = None
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,8 @@ class CrossCheck(_Said):
     """What all signals say. `effects`: the missing one or the rival, then those that look like it; `values`, `std`: of that effect; `faults`: CSJ and BLK by name, beside it
     where one is missing; `shift`: of these from the machine that is known, relative; `open`: how far they may be off for how machines differ from day to day; `against`: healthy
     repeats that the record was compared with; `signals`: that were compared; `skipped`: why nothing was sought; `there`: the model holds the effect, at another size;
-    `as_given`: the actuator's file holds it at this very size, which the healthy repeats do not show."""
+    `as_given`: the actuator's file holds it at this very size, which the healthy repeats do not show; `withheld`: it takes the search of all effects to name it, and what it leaves beside CSJ and
+    BLK keeps the answer open; `sensor`: whose own error what is unknown looks like."""
 
     kind: Kind = "adequate"
     against: int = 0
@@ -95,11 +102,24 @@ def cross_check(
         return said("adequate", replace(plain, open=stands), why)
     verdict, best, alike = named(known, base)
     if verdict == "unknown" or best is None:
-        return said("unknown")
+        return said("unknown") if repeats == 0 else _by_search(said, known, searched(beside.unit), actuator)
+    sensor = suspect(beside.unit) if repeats > 0 else None
+    if sensor is not None and sensor.cost < best.cost - LEAST_LIMIT:
+        return said("unknown", _Said(sensor=sensor))
     # what the effect leaves beyond noise says that the machine is not as its file says
     as_filed = repeats > 0 or best.cost - known.floor < 6.0 * np.sqrt(2.0 * known.evidence.numbers)
     best = best if as_filed else on_unit(beside.unit, best)
     return said("missing", _with_effect(_faults(known, best), best, alike, actuator))
+
+
+def _by_search(said: Callable[[Kind, _Said], CrossCheck], known: KnownMachine, found: Searched, actuator: Actuator) -> CrossCheck:
+    """What the whole search says of a record that no effect beside CSJ and BLK alone explains."""
+    if found.effect is None:
+        return said("unknown", _Said(sensor=found.sensor))
+    one = found.effect
+    machine = {name: known.actuator[name] for name in known.faults}
+    fit = MachineFit(one.name, {**machine, **found.faults, **one.values}, one.std, math.nan)
+    return said("missing", replace(_with_effect(_faults(known, fit), fit, one.alike[1:], actuator), withheld=True))
 
 
 def _beside_all(known: KnownMachine, rivalling: Sequence[MachineFit], fault: str, least: float) -> bool:

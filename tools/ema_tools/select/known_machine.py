@@ -23,6 +23,7 @@ from ema_tools.fit import bounded
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import Evidence, simulate_channels, simulate_side_by_side, view
+from ema_tools.fit.misfit import misfit, whole_std
 from ema_tools.fit.nuisance import Spread
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.baseline import common_channels, gather, same_command
@@ -163,6 +164,13 @@ class KnownMachine:
         )
         std = dict(zip(found.values, np.sqrt(np.maximum(np.diag(found.covariance), 0.0)).tolist(), strict=True))
         return MachineFit(effect, {**first, **found.values}, std, found.cost)
+
+    def with_whole_std(self, fit: MachineFit) -> MachineFit:
+        """The fit with standard errors that hold what it leaves unexplained, beside those of noise and scatter."""
+        evidence = self.evidence
+        left = misfit(fit.cost, self.floor, evidence.numbers, evidence.counting)
+        own = {name: whole_std(std, left, name, fit.values[name] - self.actuator[row_of(name).name]) for name, std in fit.std.items()}
+        return replace(fit, std=own)
 
     def _unknown(self, name: str, first: float, ends: tuple[float, float] | None) -> FreeValue:
         lower, upper = ends or self._ends(name)

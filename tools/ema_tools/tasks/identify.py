@@ -133,7 +133,7 @@ class Identified:
         if checked.kind in ("unknown", "rival"):
             return checked.kind
         if checked.kind == "missing":
-            return "missing" if not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
+            return "missing" if checked.withheld or not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
         if self.answer.verdict == "undecided":
             return "open" if self.answer.reasons == (_NEAR_THRESHOLD,) and self.within_scatter() else None
         if self.doubt:

@@ -19,7 +19,7 @@ from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import errors, field_of, steps
 from ema_tools.words.answers.unexplained import unexplained
 from ema_tools.words.answers.validity import validity
-from ema_tools.words.sentences.diagnosis import hidden, next_step, sensor_next, sensor_sentence, sentence
+from ema_tools.words.sentences.diagnosis import hidden, next_step, sentence
 
 # Effects that are listed.
 _LISTED = 12

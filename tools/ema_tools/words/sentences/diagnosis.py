@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of, separating
 from ema_tools.select.outcome import Named
-from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
 from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
+from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import size_text
 
 
@@ -119,23 +118,3 @@ def _fault_words(one: Named, known: Actuator) -> str:
     name = FAULTS[one.name]
     value, healthy = one.values[name], known[name]
     return f"{one.name.upper()} changed by {100.0 * (value / healthy - 1.0):+.1f} % to {size_text(name, value, one.std.get(name))}"
-
-
-def sensor_sentence(found: Suspect) -> str:
-    """What the sensor reads that the unknown looks like."""
-    parts = []
-    if found.factor != 1.0:
-        parts.append(f"{found.factor:.3g} times the signal")
-    if found.offset != 0.0:
-        parts.append(f"{found.offset:+.3g} {UNITS[found.channel]} beside it")
-    if found.late_s != 0.0:
-        parts.append(f"{1e3 * abs(found.late_s):.2g} ms {'late' if found.late_s > 0.0 else 'early'}")
-    return (
-        f"what is there looks like the sensor of the {TITLES[found.channel]}, not like the machine: {found.channel} reads {' and '.join(parts)} "
-        f"({100.0 * found.share:.0f} % of the excess), while the other signals are as they should be"
-    )
-
-
-def sensor_next(found: Suspect) -> str:
-    """What to do about it."""
-    return f"check the sensor of the {TITLES[found.channel]} (scale, zero, delay) and record again"

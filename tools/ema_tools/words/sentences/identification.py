@@ -14,6 +14,7 @@ from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
+from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import size_text
 
 _TELLING = ("motor_position_mm", "current_A", "voltage_V")
@@ -27,6 +28,8 @@ def missing_words(checked: CrossCheck) -> str:
     """The missing effect in words, for a list of reasons."""
     if checked.unusable:
         return f"nothing can be told from this record: {checked.skipped}"
+    if checked.kind == "unknown" and checked.sensor is not None:
+        return f"{sensor_sentence(checked.sensor)}: {sensor_next(checked.sensor)}"
     if checked.kind == "unknown":
         what = "something is missing from the model that no effect of the library explains: ema diagnose draws it"
         return what if checked.against else f"{what}; healthy records of this unit and command, with --healthy, take off what it always has"
