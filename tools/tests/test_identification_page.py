@@ -116,6 +116,15 @@ def test_a_record_that_cannot_tell_is_recorded_again() -> None:
     assert found.sentence == "No verdict: nothing can be told from this record." and "hardly moves" in found.replies[-1].more
 
 
+def test_a_sensor_that_errs_is_named() -> None:
+    data = judged(MISSING)
+    why = "what is there looks like the sensor of the current, not like the machine: current_A reads 1.1 times the signal"
+    data |= {"missing_effect": None, "reasons": [why], "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"}}
+    found = said(data)
+    assert found.sentence == "No verdict: it looks as if the sensor of the current reads wrong."
+    assert (found.replies[2].short, found.replies[-1].short) == ("Nothing in the machine", "Check the sensor")
+
+
 def test_a_size_stands_where_it_belongs() -> None:
     line = gauge_of(ShownEstimate(0.1598, (0.1581, 0.1615), 22.2, 0.1307, 5.0))
     assert line.low == pytest.approx(-6.75) and line.interval is not None

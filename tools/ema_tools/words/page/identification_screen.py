@@ -18,6 +18,8 @@ _WIDE, _NARROW = 10.0, 0.05  # %: half of an interval that leaves no decimals, a
 _UM = 1000.0  # um in a mm [physics]
 # Beginning of a reason that says nothing of the model.
 _UNUSABLE = "nothing can be told from this record"
+# How a reason says that a sensor errs.
+_SENSOR = re.compile(r"looks like the sensor of the (.+?), not like the machine")
 # Why there is no verdict, by what objects to the module's answer.
 _WHY = {
     "unknown": "something is missing from the model that the library of effects does not know",
@@ -68,6 +70,11 @@ def faults_of(result: ShownIdentification) -> tuple[str, ...]:
     return sure or tuple(name for name, one in result.faults.items() if one.beyond) or tuple(result.faults)
 
 
+def _sensor(result: ShownIdentification) -> str:
+    """The sensor that the reasons suspect, in words; empty where they do not."""
+    return next((found[1] for reason in result.reasons if (found := _SENSOR.search(reason))), "")
+
+
 def _why(result: ShownIdentification) -> str:
     """Why it is undecided, in plain words."""
     guard, effect = result.found.guard, result.found.missing_effect
@@ -81,6 +88,8 @@ def _why(result: ShownIdentification) -> str:
         if any(effect.name in reason and "is missing from the model" in reason for reason in result.reasons):
             return f"{shown} is missing from the model"
         return f"{shown} stands behind what the search reads"
+    if _sensor(result):
+        return f"it looks as if the sensor of the {_sensor(result)} reads wrong"
     if objection in _WHY:
         return _WHY[objection]
     return result.reasons[0].rstrip(".") if result.reasons else "no reason was given"
@@ -123,6 +132,8 @@ def _missing(result: ShownIdentification) -> Reply:
             more.append(f"beside it {beside}")
         shown = names.display(effect.name)
         return Reply(question, f"Perhaps {names.within(effect.name)}" if rival else shown, "; ".join(more), "unsure" if rival else "bad")
+    if _sensor(result):
+        return Reply(question, "Nothing in the machine", "a sensor explains it", "unsure")
     if effect is not None or (guard is not None and guard.objection == "unknown"):
         return Reply(question, "Not in the library", "no effect explains what is left", "bad")
     if found.table is not None:
@@ -196,6 +207,8 @@ def _next(result: ShownIdentification) -> Reply:
             return Reply(question, "Put it into the model", "then identify again with the new file", "", told)
         bare = shlex.join(["ema", "identify", line.actuator, *record])
         return Reply(question, "Ask without the healthy records", "they are of the machine without the effect", "unsure", bare)
+    if _sensor(result):
+        return Reply(question, "Check the sensor", "scale, zero and delay; then record again", "unsure", diagnose)
     if objection in ("unknown", "signals") or (guard is None and not result.adequate):
         return Reply(question, "Ask what is missing", "it looks at every signal", "", diagnose)
     if objection in ("open", "healthy"):
