@@ -13,6 +13,7 @@ from ema_tools.words.page import uplot
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 LAPTOP, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
+SMALL = {"width": 1280, "height": 720}
 
 
 @contextmanager
@@ -28,3 +29,39 @@ def launched() -> Iterator[Any]:
         opened = driver.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
         yield opened
         opened.close()
+
+
+def hindrances(page: Any) -> list[Any]:
+    """What axe-core finds serious or critical on a page as it stands, with every part that can be opened open."""
+    script = uplot.packages() / "axe-core" / "axe.min.js"
+    if not script.is_file():
+        pytest.skip("axe-core is not in the build folder: build with tests, nodejs and npm")
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    page.evaluate(script.read_text(encoding="utf-8"))
+    found = page.evaluate("axe.run().then((one) => one.violations.map((v) => [v.impact, v.id, v.nodes.length, v.nodes[0].html]))")
+    return [one for one in found if one[0] in ("serious", "critical")]
+
+
+def not_reached(page: Any) -> list[str]:
+    """What can be used with a mouse and is not reached by the tab key, or is reached and does not show it."""
+    page.evaluate(
+        """() => {
+          const all = [...document.querySelectorAll("a[href], button, input, select, summary, [tabindex]")].filter((one) => one.tabIndex >= 0 && !one.disabled && one.getClientRects().length);
+          all.forEach((one, place) => { one.dataset.stop = place; });
+          document.activeElement.blur();
+        }"""
+    )
+    waiting = dict(
+        page.evaluate("[...document.querySelectorAll('[data-stop]')].map((one) => [one.dataset.stop, one.outerHTML.slice(0, 120)])")
+    )
+    for _ in range(len(waiting) + 2):
+        page.keyboard.press("Tab")
+        place, seen = page.evaluate(
+            """() => {
+              const one = document.activeElement, look = getComputedStyle(one);
+              return [one.dataset.stop ?? "", look.outlineStyle !== "none" && parseFloat(look.outlineWidth) > 0];
+            }"""
+        )
+        if seen:
+            waiting.pop(place, None)
+    return list(waiting.values())

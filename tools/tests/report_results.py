@@ -37,6 +37,54 @@ def identified(**changes: Any) -> dict[str, Any]:
     return {**result, **changes}
 
 
+# What `ema identify` may say.
+JUDGED = ("identified as faulty", "identified as healthy", "identified beside a missing effect", "identified beside a rival")
+
+
+def judged(kind: str) -> dict[str, Any]:
+    """A result of `ema identify` of one of JUDGED, with thresholds, intervals, every signal and what was held against it."""
+    plain = identified()
+    curves = plain["curves"]
+    for table in (curves["measured"], curves["before"], curves["after"]):
+        table["motor_position_mm"] = [1.01 * value for value in table["position_mm"]]
+        table["voltage_V"] = [5.0 * value for value in table["position_mm"]]
+    sizes = {"identified as healthy": (0.1395, 0.0334), "identified beside a missing effect": (0.205, 0.0816)}.get(kind, (0.3, 0.0412))
+    values = {}
+    for name, size, healthy, half, limit in zip(("csj_Nm", "blk_mm"), sizes, (0.138, 0.033), (0.0026, 0.0024), (5.0, 10.0), strict=True):
+        wide = half if kind != "identified beside a missing effect" else 25.0 * half
+        values[name] = {
+            "estimate": size, "std": 0.1 * half, "shift_percent": 100.0 * (size / healthy - 1.0), "healthy": healthy,
+            "interval95": [size - wide, size + wide], "threshold_percent": limit, "at_bound": False, "bias": 0.0,
+        }  # fmt: skip
+    signals = ["position_mm", "motor_position_mm", "current_A", "voltage_V"]
+    shift = {name: one["shift_percent"] for name, one in values.items()}
+    guard: dict[str, Any] = {
+        "verdict": "adequate", "objection": None, "signals": signals, "shift_percent": shift, "open_std_percent": {"csj_Nm": 0.03, "blk_mm": 0.4},
+        "skipped": "every residual is as small as its sensor's noise", "wall_s": 1.0,
+    }  # fmt: skip
+    found: dict[str, Any] = {"verdict": "healthy" if kind == "identified as healthy" else "fault", "adequate": True, "guard": guard}
+    if kind in JUDGED[2:]:
+        rival = kind == JUDGED[3]
+        reason = (
+            "stribeck_friction (rise 0.30) explains the record as well as a fault: record current too, or ema next ACTUATOR --between csj stribeck_friction finds a command that tells them apart"
+            if rival
+            else "stribeck_friction (rise 0.30) is missing from the model, beside which all signals say CSJ +39.7 %, BLK +100.3 %: "
+            "ema add mine.toml stribeck_friction --fit today.csv --known -o NEW.toml puts it in"
+        )
+        found = {
+            "verdict": "undecided", "adequate": rival, "reasons": [reason],
+            "guard": {**guard, "verdict": "rival" if rival else "missing", "objection": "rival" if rival else "missing", "shift_percent": {"csj_Nm": 39.7, "blk_mm": 100.3}, "skipped": None},
+            "missing_effect": {
+                "name": "stribeck_friction", "class": ["stribeck_friction"], "parameters": {"rise": 0.3}, "std": {"rise": 0.005},
+                "beside_it": {"screw.csj_Nm": 0.1928, "screw.blk_mm": 0.0661}, "against_healthy_records": 0,
+            },
+        }  # fmt: skip
+    return {
+        **plain, **values, **found, "name": "today.csv", "residual_rms_mm": 0.0023, "residual_correlation": -0.002, "outcome": "tolerance",
+        "provenance": {"command": "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv' --json i.json", "record": "today.csv"},
+    }  # fmt: skip
+
+
 def compared(**changes: Any) -> dict[str, Any]:
     """A result of `ema compare`; `changes` replace keys."""
     curves = identified()["curves"]

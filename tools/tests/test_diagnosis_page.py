@@ -16,7 +16,7 @@ from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
 from ema_tools.tasks.workbench import bench
-from ema_tools.words.page import charts, first_screen, heat, names, signals, uplot
+from ema_tools.words.page import charts, first_screen, heat, names, sheet, signals, uplot
 from ema_tools.words.page import diagnosis_page as page_of
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.results import parse_result
@@ -30,7 +30,7 @@ def parsed(data: dict[str, Any]) -> Diagnosed:
     return found
 
 
-def said(data: dict[str, Any]) -> first_screen.FirstScreen:
+def said(data: dict[str, Any]) -> sheet.FirstScreen:
     return first_screen.first_screen(parsed(data))
 
 
@@ -72,9 +72,9 @@ def test_next_command_has_the_paths_that_were_given() -> None:
         == "ema add mine.toml stribeck_friction --fit today.csv --healthy 'runs/healthy *.csv' --holdout other.csv -o better.toml"
     )
     assert said(diagnosis("healthy")).replies[-1].command == "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"
-    line = first_screen.line_of(COMMAND)
+    line = sheet.line_of(COMMAND)
     assert line is not None and line.options["--json"] == ("d.json",)
-    assert first_screen.line_of("ema report x.json -o y.html") is None and first_screen.line_of("ema 'unclosed") is None
+    assert sheet.line_of("ema report x.json -o y.html") is None and sheet.line_of("ema 'unclosed") is None
 
 
 def test_a_record_that_cannot_answer_is_no_verdict() -> None:
@@ -108,7 +108,7 @@ def test_error_left_is_what_the_ladder_has_and_what_the_score_takes_off() -> Non
 
 def test_heat_map_counts_in_noise_and_is_empty_when_healthy(tmp_path: Path) -> None:
     result = parsed(diagnosis("missing"))
-    time = next(one for one in heat.maps(result, signals.traces(result)) if one.by == "time")
+    time = next(one for one in heat.maps(result, signals.traces(result.curves, result.found.curves)) if one.by == "time")
     mechanical = next(row for row in time.rows if row.name == "mechanical")
     assert mechanical.multiples.size == BINS
     # the mean square over the record is that of the equation: 30 times the noise
@@ -121,7 +121,7 @@ def test_heat_map_counts_in_noise_and_is_empty_when_healthy(tmp_path: Path) -> N
 
 def test_a_cell_knows_its_moments() -> None:
     result = parsed(diagnosis("missing"))
-    found = signals.traces(result)
+    found = signals.traces(result.curves, result.found.curves)
     assert found is not None
     bins = heat.bins_of_rows(result, found)
     assert set(bins) == {"time", "speed", "position"}

@@ -1,4 +1,5 @@
-"""The page of a diagnosis in real Chromium, headless, with the network off: it draws without complaint, zooms and comes back, says what the result says, and can be used without a mouse."""
+"""The pages of a diagnosis and of an identification in real Chromium, headless, with the network off: they draw without complaint, zoom and come back, say what the result says,
+and can be used without a mouse."""
 
 from __future__ import annotations
 
@@ -12,10 +13,12 @@ import numpy as np
 import pytest
 
 from diagnosis_results import BINS, KINDS, diagnosis, diagnosis_page
-from ema_tools.words.page import uplot
 from ema_tools.words.page.first_screen import first_screen
-from ema_tools.words.page.results import parse_result
-from in_browser import LAPTOP, PHONE, launched
+from ema_tools.words.page.identification_screen import first_screen_of
+from ema_tools.words.page.results import ShownIdentification, parse_result
+from ema_tools.words.page.sheet import FirstScreen
+from in_browser import LAPTOP, PHONE, SMALL, hindrances, launched, not_reached
+from report_results import JUDGED, judged
 
 # Whole record of the made-up results, s.
 _END = 9.999
@@ -76,12 +79,23 @@ class Opened:
         mouse.up()
 
 
+def made(kind: str) -> dict[str, Any]:
+    """A result of KINDS or JUDGED."""
+    return judged(kind) if kind in JUDGED else diagnosis(kind)
+
+
+def said(data: dict[str, Any]) -> FirstScreen:
+    """What the first screen of a result says."""
+    found = parse_result(data, "x", "x")
+    return first_screen_of(found) if isinstance(found, ShownIdentification) else first_screen(found)  # type: ignore[arg-type]
+
+
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
     contexts = []
 
     def open_(kind: str, **options: Any) -> Opened:
-        found = Opened(browser, diagnosis_page(tmp_path, diagnosis(kind)), **options)
+        found = Opened(browser, diagnosis_page(tmp_path, made(kind)), **options)
         contexts.append(found.context)
         return found
 
@@ -95,11 +109,11 @@ def residual_rms(data: dict[str, Any], channel: str, model: str, scale: float, f
     return scale * float(np.sqrt(np.mean((here - simulated)[first:last] ** 2)))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [*KINDS, *JUDGED])
 def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: str, opened: Any) -> None:
-    page, data = opened(kind), diagnosis(kind)
+    page, data = opened(kind), made(kind)
     assert page.complaints == []
-    expected = first_screen(parse_result(data, "x", "x"))  # type: ignore[arg-type]
+    expected = said(data)
     assert page.text("h1") == expected.sentence
     assert [" ".join(text.split()) for text in page.page.locator(".reply b").all_inner_texts()] == [one.short for one in expected.replies]
     models = [key for key in ("before", "after") if key in data["curves"]]
@@ -111,6 +125,30 @@ def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: 
         "[...document.querySelectorAll('.plot canvas')].map((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v, i) => i % 4 === 3 && v > 0))"
     )
     assert len(inked) == 10 and all(inked)
+
+
+@pytest.mark.parametrize("viewport", [SMALL, PHONE], ids=["laptop", "phone"])
+@pytest.mark.parametrize("kind", [*KINDS, *JUDGED])
+def test_ten_seconds_are_enough(kind: str, viewport: dict[str, int], opened: Any) -> None:
+    """What a technician sees before anything is touched: the sentence, the five answers, the command, the sizes, and one whole curve, nothing of them cut."""
+    touched = {"is_mobile": True, "has_touch": True} if viewport is PHONE else {}
+    page, expected = opened(kind, viewport=viewport, **touched), said(made(kind))
+    seen = page.page.evaluate(
+        """(selectors) => Object.fromEntries(selectors.map((selector) => [selector, [...document.querySelectorAll(selector)].filter((one) => {
+          const box = one.getBoundingClientRect();
+          const inside = box.width > 0 && box.left >= 0 && box.top >= 0 && box.right <= innerWidth && box.bottom <= innerHeight;
+          const above = document.elementFromPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2);
+          return inside && one.scrollWidth <= one.clientWidth + 1 && (one.contains(above) || above.contains(one));
+        }).length]))""",
+        ["h1", ".reply dt", ".reply b", ".reply code", ".reply button", ".gauge b", ".gauge .line", ".gauge .scale", ".plot.main"],
+    )
+    commands = sum(bool(one.command) for one in expected.replies)
+    sizes = 2 if kind in JUDGED else 0
+    assert page.text("h1") == expected.sentence and seen["h1"] == 1
+    assert seen[".reply dt"] == seen[".reply b"] == 5 and seen[".reply code"] == seen[".reply button"] == commands
+    assert seen[".gauge b"] == seen[".gauge .line"] == seen[".gauge .scale"] == sizes
+    assert seen[".plot.main"] >= 1, seen
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
 
 
 def test_first_screen_is_there_within_a_second(opened: Any) -> None:
@@ -208,19 +246,39 @@ def test_maps_and_plots_answer_to_keys(opened: Any) -> None:
 
 
 @pytest.mark.parametrize("look", ["laptop", "dark", "phone"])
-def test_nothing_serious_stands_in_the_way_of_any_reader(look: str, opened: Any) -> None:
-    script = uplot.packages() / "axe-core" / "axe.min.js"
-    if not script.is_file():
-        pytest.skip("axe-core is not in the build folder: build with tests, nodejs and npm")
-    page = opened("missing", viewport=PHONE if look == "phone" else LAPTOP, color_scheme="dark" if look == "dark" else "light")
-    page.page.evaluate(script.read_text(encoding="utf-8"))
-    found = page.page.evaluate("axe.run().then((one) => one.violations.map((v) => [v.impact, v.id, v.nodes.length, v.nodes[0].html]))")
-    assert [one for one in found if one[0] in ("serious", "critical")] == []
+@pytest.mark.parametrize("kind", ["missing", JUDGED[0], JUDGED[2]])
+def test_nothing_serious_stands_in_the_way_of_any_reader(kind: str, look: str, opened: Any) -> None:
+    page = opened(kind, viewport=PHONE if look == "phone" else LAPTOP, color_scheme="dark" if look == "dark" else "light")
+    assert hindrances(page.page) == []
 
 
-def test_phone_has_no_sideways_scroll(opened: Any) -> None:
-    page = opened("missing", viewport=PHONE, is_mobile=True, has_touch=True)
+@pytest.mark.parametrize("kind", ["missing", JUDGED[2]])
+def test_everything_is_reached_without_a_mouse(kind: str, opened: Any) -> None:
+    assert not_reached(opened(kind).page) == []
+
+
+def test_signals_of_an_identification_zoom_as_those_of_a_diagnosis(opened: Any) -> None:
+    page = opened(JUDGED[0])
+    whole = page.view
+    page.drag("position_mm", 0.2, 0.7)
+    once = page.view
+    assert page.zoomed and whole[0] < once[0] < once[1] < whole[1]
+    assert "measured" in page.read("position_mm") and "measured" in page.text('[data-channel="voltage_V"] [data-values]')
+    page.page.focus("#plots")
+    page.page.keyboard.press("Home")
+    assert not page.zoomed and page.view == whole
+
+
+@pytest.mark.parametrize(("kind", "longest"), [("missing", 13_000), *((kind, 6_500) for kind in JUDGED)])
+def test_phone_has_no_sideways_scroll_and_no_more_length_than_needed(kind: str, longest: int, opened: Any) -> None:
+    page = opened(kind, viewport=PHONE, is_mobile=True, has_touch=True)
     assert page.page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    assert page.page.evaluate("document.documentElement.scrollHeight") <= longest
+    # what an answer leaves out there is shown at a touch
+    more = page.page.locator(".reply small").first
+    assert not more.is_visible()
+    page.page.locator(".reply").first.tap()
+    assert more.is_visible()
 
 
 def test_command_is_copied(opened: Any) -> None:
@@ -230,8 +288,9 @@ def test_command_is_copied(opened: Any) -> None:
     assert page.page.evaluate("navigator.clipboard.readText()").startswith("ema add mine.toml stribeck_friction --fit today.csv")
 
 
-def test_it_prints_on_few_sheets(opened: Any) -> None:
-    page = opened("missing", color_scheme="dark")
+@pytest.mark.parametrize("kind", ["missing", JUDGED[2]])
+def test_it_prints_on_few_sheets(kind: str, opened: Any) -> None:
+    page = opened(kind, color_scheme="dark")
     printed = page.page.pdf(format="A4", print_background=True)
     assert printed.startswith(b"%PDF") and 2 <= printed.count(b"/Type /Page\n") + printed.count(b"/Type /Page ") <= 6
     # afterwards the screen is dark again

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from ema_tools.base.errors import InputError
-from ema_tools.data.cases import CASES
 from ema_tools.words.page import figures, write_report
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.figure_svg import figure_svg
+from ema_tools.words.page.gauges import gauges
 from ema_tools.words.page.recorded import SLOPE_ROWS, slope
 from ema_tools.words.page.results import ShownComparison, ShownIdentification, parse_result
 from report_results import ROWS, compared, identified
@@ -99,9 +99,10 @@ def test_page_is_well_formed_and_loads_nothing(tmp_path: Path) -> None:
 def test_page_says_what_was_found(tmp_path: Path) -> None:
     texts = _structure(_without_scripts(_page(tmp_path, identified(case="A")))).texts
     text = " ".join("".join(texts).replace("\u00a0", " ").split())
-    assert "This recorded chirp of the reference actuator carries CSJ +117.4 % and BLK +25.0 %." in text
+    assert "The machine has a fault: friction (CSJ) +117.4 % and backlash (BLK) +25.0 %." in text
     assert "7 model runs in 0.070 s" in text
     assert "0.674 → 2.50×10⁻⁴ mm² s (−99.962 %)" in text
+    assert "○ true +117.4 %; ◇ paper +115.2 %" in text and "2535" in text
     assert "ema report result_0.json -o page.html" in text
     assert "ema identify reference.toml today.csv" in text
 
@@ -121,20 +122,24 @@ def test_names_cannot_break_the_page(tmp_path: Path) -> None:
 def test_undecided_verdict_gets_advice(tmp_path: Path) -> None:
     reason = "an estimate lies on a bound of its search"
     page = _page(tmp_path, identified(verdict="undecided", reasons=[reason]))
-    assert f"{reason}." in page and "Widen the bounds" in page
-    assert "<h1>No verdict on the record result_0: the search reads CSJ" in page and f"Because {reason}." in page
+    assert f"<li>{reason[0].upper()}{reason[1:]}. Widen the bounds" in page
+    assert f"<h1>No verdict: {reason}.</h1>" in page and "is what fits best, and does not stand" in page
 
 
 def test_healthy_verdict_is_not_called_a_fault(tmp_path: Path) -> None:
     page = _page(tmp_path, identified(verdict="healthy"))
-    assert "<h1>The record result_0 is of a healthy actuator: CSJ" in page and "carries" not in _without_scripts(page)
+    assert "<h1>The machine is healthy: friction (CSJ) " in page and "has a fault" not in _without_scripts(page)
+    both = _page(tmp_path, identified(verdict="healthy"), compared())
+    assert "<h1>The record result_0 is of a healthy actuator: CSJ" in both and "carries" not in _without_scripts(both)
 
 
 def test_result_without_curves_and_search_is_shown(tmp_path: Path) -> None:
     bare = {key: value for key, value in identified().items() if key not in ("curves", "search", "wall_s", "provenance")}
     page = _page(tmp_path, bare)
-    assert "data-curves=" not in _without_scripts(page)
-    assert "Diagnostic scalars" in page and "The search" not in page
+    assert "The result holds no curves" in page and 'class="gauge ' in page and "Run by run" not in page
+    both = _page(tmp_path, bare, bare)
+    assert "data-curves=" not in _without_scripts(both)
+    assert both.count('class="gauge bad"') == 4 and "The search</h3>" not in both
 
 
 def _broken(path: str, value: Any) -> dict[str, Any]:
@@ -178,7 +183,7 @@ def test_bad_field_is_named(path: str, value: Any, expected: str) -> None:
 def test_one_fault_alone_is_shown(tmp_path: Path) -> None:
     alone = {key: value for key, value in identified().items() if key != "blk_mm"}
     page = _page(tmp_path, alone)
-    assert "carries CSJ +117.4" in page and "BLK" not in _without_scripts(page)
+    assert "has a fault: friction (CSJ) +117.4" in page and "BLK</th>" not in page and 'data-fault="blk_mm"' not in page
     with pytest.raises(InputError, match="field blk_mm is missing"):
         parse_result({**alone, "case": "A"}, "today.json", "today")
 
@@ -264,19 +269,20 @@ def test_figures_are_drawn() -> None:
     result = _made(identified(case="A"))
     comparison = parse_result(compared(), "c.json", "c")
     assert isinstance(comparison, ShownComparison)
-    for figure in (figures.scalars(result), figures.search(result), figures.accuracy([result]), figures.shares(comparison.where)):
+    for figure in (figures.search(result), figures.accuracy([result]), figures.shares(comparison.where)):
         drawn = ElementTree.fromstring(figure_svg(figure, "f"))
         assert drawn.attrib["aria-label"] == figure["label"]
         assert figure["label"] and all("role" in trace["meta"] for trace in figure["data"])
 
 
-def test_scalars_show_estimate_truth_and_paper() -> None:
-    traces = {trace.get("name"): trace for trace in figures.scalars(_made(identified(case="A")))["data"]}
-    assert traces["Actual"]["x"] == pytest.approx([117.3913, 25.0], abs=1e-3)
-    assert traces["Estimated here"]["x"] == pytest.approx([117.3913, 25.0])
-    assert traces["Found in the paper"]["x"] == pytest.approx([CASES[0].paper_shift_percent(name) for name in ("csj_Nm", "blk_mm")])
-    noisy = [trace.get("name") for trace in figures.scalars(_made(identified(case="A", noise="5 µm")))["data"]]
-    assert "Found in the paper" not in noisy and "Actual" in noisy
+def test_sizes_stand_beside_truth_and_paper() -> None:
+    shown = gauges(_made(identified(case="A")))
+    assert (
+        "○ true +117.4\u00a0%; ◇ paper +115.2\u00a0%" in shown
+        and shown.count('class="mark ring"') == shown.count('class="mark diamond"') == 2
+    )
+    noisy = gauges(_made(identified(case="A", noise="5 µm")))
+    assert "paper" not in noisy and noisy.count('class="mark ring"') == 2
 
 
 def test_search_shows_every_candidate_and_the_best() -> None:
@@ -306,9 +312,11 @@ def test_what_was_not_identified_is_shown_with_its_reason(tmp_path: Path) -> Non
     result = _made(data)
     assert set(result.faults) == {"csj_Nm"} and result.left_out == {"blk_mm": why}
     page = _page(tmp_path, data)
-    assert f"<small>not identified: {why}</small>" in page
-    assert "carries CSJ +117.4\u00a0%." in page
-    assert [len(trace["x"]) for trace in figures.scalars(result)["data"][1:]] == [1]
+    assert f"not identified: {why}</td>" in page and 'data-fault="blk_mm"' not in page
+    assert "<h1>The machine has a fault: friction (CSJ) +117.4\u00a0%.</h1>" in page
+    both = _page(tmp_path, data, compared())
+    assert f"<small>not identified: {why}</small>" in both and "carries CSJ +117.4\u00a0%." in both
+    assert gauges(result).count("data-fault=") == 1
     with pytest.raises(InputError, match=r"today.json: field blk_mm.estimate is missing"):
         parse_result(identified(blk_mm={"estimate": None, "std": None}), "today.json", "today")
     with pytest.raises(InputError, match=r"today.json: field csj_Nm.estimate is null for every parameter"):
@@ -317,7 +325,9 @@ def test_what_was_not_identified_is_shown_with_its_reason(tmp_path: Path) -> Non
 
 def test_value_without_a_standard_error_is_shown_without_an_interval(tmp_path: Path) -> None:
     data = identified(csj_Nm={"estimate": 0.3, "std": None, "shift_percent": 117.3913, "healthy": 0.138}, verdict="undecided")
-    figure = figures.scalars(_made(data))
-    assert figure["data"][-1]["error_x"]["array"][0] == 0.0 < figure["data"][-1]["error_x"]["array"][1]
-    assert not any("\u00b1" in note["text"] for note in figure["layout"]["annotations"] if "117" in note["text"])
-    assert "not determined by this record, healthy 0.138 Nm" in _page(tmp_path, data)
+    assert (
+        'class="interval"' in gauges(_made(data)).split('data-fault="blk_mm"')[1]
+        and 'class="interval"' not in gauges(_made(data)).split('data-fault="blk_mm"')[0]
+    )
+    assert "not determined by this record, healthy 0.138 Nm" in _page(tmp_path, data, data)
+    assert "not determined by this record" in _page(tmp_path, data)

@@ -17,6 +17,7 @@ from ema_tools.data.records import Record, read_record, start_of, write_record
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import CHANNELS, SearchSettings, library
 from ema_tools.tasks.export import header_text
+from in_browser import LAPTOP, PHONE, hindrances, not_reached
 from support import RECORDINGS, REFERENCE, run_ema
 from workbench_support import needs_module
 
@@ -302,3 +303,52 @@ def test_zoom_and_back(opened: Bench) -> None:
     assert title.inner_text() != whole
     canvas.dblclick(position={"x": 200, "y": 60})
     assert title.inner_text() == whole
+
+
+def test_zoom_without_a_mouse(opened: Bench) -> None:
+    whole = opened.state()["view"]
+    opened.page.locator(".bench-plots").focus()
+    opened.page.keyboard.press("+")
+    opened.page.keyboard.press("ArrowRight")
+    first, last = opened.state()["view"]
+    assert last - first == pytest.approx(0.5 * whole[1], abs=2) and first > 0.3 * whole[1]
+    opened.page.keyboard.press("-")
+    opened.page.keyboard.press("-")
+    assert opened.state()["view"] == whole
+    opened.page.keyboard.press("+")
+    opened.page.keyboard.press("Home")
+    assert opened.state()["view"] == whole
+
+
+def test_a_slider_moves_by_its_keys(opened: Bench) -> None:
+    before = opened.state()
+    opened.page.locator("#bench-screw-csj_Nm").focus()
+    opened.page.keyboard.press("ArrowRight")
+    assert opened.redrawn(before["redraws"])["error"] != before["error"]
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of an identification, workbench and all."""
+    folder = tmp_path_factory.mktemp("told")
+    assert run_ema("identify", REFERENCE, _TODAY, "--no-guard", "--json", folder / "identify.json").code == 0
+    assert run_ema("report", folder / "identify.json", "-o", folder / "page.html").code == 0
+    return folder / "page.html"
+
+
+@pytest.mark.parametrize("look", ["laptop", "dark", "phone"])
+def test_the_page_of_an_identification_with_its_workbench_hinders_no_reader(look: str, told: Path, chromium: Any) -> None:
+    context = chromium.new_context(
+        offline=True, viewport=PHONE if look == "phone" else LAPTOP, color_scheme="dark" if look == "dark" else "light"
+    )
+    bench = Bench(context.new_page()).open(told)
+    bench.page.get_by_label("Stribeck friction").first.check()
+    bench.press("Rank all effects")
+    bench.until("document.querySelectorAll('.bench-rank tbody tr').length > 1")
+    bench.press("Stop")
+    bench.settled()
+    assert hindrances(bench.page) == [] and bench.complaints == []
+    assert bench.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
+    if look == "laptop":
+        assert not_reached(bench.page) == []
+    context.close()

@@ -261,6 +261,7 @@ def calibrate(
     metavar="FILE.h",
     help="Guard the answer by this table alone, as firmware does with it: written by `ema export --signatures`.",
 )
+@click.option("--report", "page", metavar="FILE.html", help="Write the page there: verdict, both sizes, signals and what objects.")
 @precision_option("32")
 @exit_code_option
 @pictures_option
@@ -276,6 +277,7 @@ def identify(
     fitted: str | None,
     no_guard: bool,
     table: str | None,
+    page: str | None,
     precision: str,
     by_verdict: bool,
     pictures: str | None,
@@ -306,7 +308,8 @@ def identify(
 
     healthy = record_files(healthy)
     drawn_to = picture_files(pictures, "identify", record)
-    writable(fitted, *drawn_to, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
+    writable(fitted, page, *drawn_to, json_path=json_path, force=force, inputs=(actuator, record, *healthy, *filter(None, [table])))
+    shown = bool(json_path or page or pictures)
     model = read_actuator(actuator)
     measured = read_record(record, model)
     # what the onboard module alone would say knows of no other record
@@ -330,7 +333,7 @@ def identify(
             bar.note,
         )
         bar.note("looking round")
-        shape = shape_of(found, mapped=bool(json_path or pictures))
+        shape = shape_of(found, mapped=shown)
         several = None
         if value_names is not None:
             several = several_values(
@@ -341,7 +344,7 @@ def identify(
     held = {"healthy": ", ".join(one.file for one in references)} if references else {}
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit", **held)
     drawn = None
-    if json_path or pictures:
+    if shown:
         drawn = curves(measured, before=simulated(found.healthy, measured), after=simulated(found.actuator, measured))
     # behind a table the search begins as the table says
     warned = () if signatures else search_warnings(found.healthy, SearchSettings(seed=seed, weight=weight))
@@ -352,15 +355,17 @@ def identify(
         result,
         sentence=with_paths(result.sentence, actuator, [record], given),
         reasons=tuple(with_paths(reason, actuator, [record], given) for reason in result.reasons),
-        workbench=bench(found.healthy, measured) if json_path else None,
+        workbench=bench(found.healthy, measured) if json_path or page else None,
     )
     save(json_path, result, force)
+    _page(page, result, force)
     show.identification(output(), result)
     if references and not asked:
         show.say(output(), f"held against {_few([one.file for one in references])}, on which {model.file} was calibrated")
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
+    _written(page)
     draw(pictures, result, record, force)
     if by_verdict:
         leave(of_identification(result))

@@ -12,7 +12,7 @@ POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inli
 
 def page(actuator: str, file: str) -> str:
     """The page that follows `file` beside the model of `actuator`."""
-    styles = resources.files("ema_tools.words.page") / "assets" / "diagnosis.css"
+    styles = resources.files("ema_tools.words.page") / "assets" / "sheet.css"
     own = resources.files("ema_tools.words.live") / "assets"
     loaded = library()
     draws = f"<script>{loaded.script}</script>" if loaded.there else ""

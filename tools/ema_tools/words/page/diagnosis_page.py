@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
-import json
-import re
 import shlex
 from html import escape
-from importlib import resources
 
 from ema_tools.library.registry import separating
 from ema_tools.results.addition import Addition
@@ -17,126 +13,41 @@ from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Value
 from ema_tools.words.page.first_screen import (
-    Reply,
+    NEAR,
     TriedEffect,
     accepted,
     candidates,
     faults,
     first_screen,
-    line_of,
+    model_titles,
     next_best,
     rungs,
     telling,
 )
+from ema_tools.words.page.sheet import Chapter, document, line_of, origin, table
 from ema_tools.words.page.uplot import ABSENT, library
 
-_POLICY = "default-src 'none'; {scripts}; style-src 'unsafe-inline'; img-src data:"
-_SCRIPTS = "script-src 'unsafe-inline'"
-# A head that begins with this stands over words, not over numbers.
-_LEFT = "<"
-_WORDS = ' class="words"'
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
 
 
 def render(result: Diagnosed, command: str) -> str:
     """The page as text. `command` made it and stands in its provenance."""
-    found = signal_section.traces(result)
+    found = signal_section.traces(result.curves, result.found.curves)
     drawn = heat.maps(result, found)
     bins = heat.bins_of_rows(result, found) if found is not None else {}
-    loaded = library()
-    sections = [
-        ("signals", "Signals", signal_section.section(result, found, "" if loaded.there else ABSENT)),
-        ("where", "Where", _where(result, drawn)),
-        ("which", "Which", _which(result)),
-        ("ladder", "Ladder", _ladder(result)),
-        ("rest", "Is the rest noise?", rest.section(result, found)),
-        ("workbench", "Workbench", workbench.markup(result.workbench) if result.workbench is not None else ""),
-        ("records", "Records", _records(result)),
-        ("provenance", "Provenance", _provenance(result, command)),
+    titles = model_titles(result, found.curves) if found is not None else {}
+    chapters = [
+        Chapter("signals", "Signals", signal_section.section(found, titles, "" if library().there else ABSENT)),
+        Chapter("where", "Where", _where(result, drawn)),
+        Chapter("which", "Which", _which(result)),
+        Chapter("ladder", "Ladder", _ladder(result)),
+        Chapter("rest", "Is the rest noise?", _rest(result, found, titles)),
+        Chapter("workbench", "Workbench", workbench.markup(result.workbench) if result.workbench is not None else ""),
+        Chapter("records", "Records", _records(result)),
+        Chapter("provenance", "Provenance", _provenance(result, command)),
     ]
-    there = [one for one in sections if one[2]]
-    data = signal_section.packed_signals(result, found, bins) if found is not None else {}
-    policy = _POLICY.format(scripts=_SCRIPTS if result.workbench is None else workbench.POLICY)
-    return _document(result, there, json.dumps(data, separators=(",", ":"), allow_nan=False), policy)
-
-
-def _document(result: Diagnosed, sections: list[tuple[str, str, str]], data: str, policy: str) -> str:
-    assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("diagnosis.css", "charts.css"))
-    script = (assets / "diagnosis.js").read_text(encoding="utf-8")
-    loaded = library()
-    first = first_screen(result)
-    menu = "".join(f'<li><a href="#{identity}">{escape(title)}</a></li>' for identity, title, _ in sections)
-    replies = "".join(map(_reply, first.replies))
-    body = "".join(
-        f'<section id="{identity}" aria-labelledby="{identity}-title"><h2 id="{identity}-title">{escape(title)}</h2>{html}</section>'
-        for identity, title, html in sections
-    )
-    draws = f"<script>{loaded.script}</script>" if loaded.there else ""
-    # `<` would let a text in the data end the script element.
-    shown = data.replace("<", "\\u003c")
-    return f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="color-scheme" content="light dark">
-<link rel="icon" href="data:,">
-<title>{escape(result.name)}: {escape(first.sentence)}</title>
-<style>
-{loaded.style}
-{style}</style>
-</head>
-<body>
-<a class="skip" href="#main">Skip to the answer</a>
-<nav aria-label="Sections"><span class="name">{escape(result.name)}</span><ul>{menu}</ul></nav>
-<main id="main">
-<header>
-<h1>{_kept(first.sentence)}</h1>
-<dl class="replies">{replies}</dl>
-</header>
-{body}
-</main>
-<noscript><p class="absent">The curves need JavaScript; sentences, maps and tables do not.</p></noscript>
-<script id="page-data" type="application/json">{shown}</script>
-{draws}
-<script>
-{script}</script>
-</body>
-</html>
-"""
-
-
-def _kept(text: str) -> str:
-    """Escaped text in which a number stays on one line with its per cent."""
-    return escape(re.sub(r"(?<=\d) (?=%)", "\u00a0", text))
-
-
-def _reply(one: Reply) -> str:
-    copied = ""
-    if one.command:
-        copied = (
-            f'<div class="copy"><code id="command">{escape(one.command)}</code>'
-            '<button type="button" data-copy="command">copy<span class="spoken"> the next command</span></button></div>'
-        )
-    more = f"<small>{escape(one.more)}</small>" if one.more else ""
-    return f'<div class="reply {one.tone}"><dt>{escape(one.question)}</dt><dd><b>{escape(one.short)}</b>{more}{copied}</dd></div>'
-
-
-def _table(label: str, caption: str, heads: tuple[str, ...], rows: list[str]) -> str:
-    titles = [head.removeprefix(_LEFT) for head in heads[1:]]
-
-    def titled(row: str) -> str:
-        """Each cell with the head of its column, which stands beside it where the page is narrow."""
-        left = itertools.chain(titles, itertools.repeat(""))
-        return re.sub(r"<td\b", lambda _: f'<td data-head="{next(left)}"', row)
-
-    shown = "".join(f'<th scope="col"{_WORDS if head.startswith(_LEFT) else ""}>{head.removeprefix(_LEFT)}</th>' for head in heads)
-    return (
-        f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="plain"><caption>{caption}</caption>'
-        f"<thead><tr>{shown}</tr></thead><tbody>{''.join(map(titled, rows))}</tbody></table></div>"
-    )
+    data = signal_section.packed_signals(found, titles, bins) if found is not None else {}
+    return document(result.name, first_screen(result), "", chapters, data, result.workbench is not None)
 
 
 def _effect(name: str) -> str:
@@ -173,7 +84,7 @@ def _where(result: Diagnosed, drawn: list[heat.Map]) -> str:
         caption = "Equation residual: measured signals against one group of blocks" + (
             ", less what baseline runs have." if result.relative else "."
         )
-        parts.append(_table("equation residuals", caption, ("Equation", "Residual, rms", "Noise level", "Times", "<Described as"), rows))
+        parts.append(table("equation residuals", caption, ("Equation", "Residual, rms", "Noise level", "Times", "<Described as"), rows))
     figures = where_pictures.figures(result)
     if figures:
         parts.append(f'<div class="thirds">{"".join(figures)}</div>')
@@ -216,7 +127,7 @@ def _which(result: Diagnosed) -> str:
             rows_.append(
                 f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
             )
-        parts.append(_table("effects", "Size ± half of its 95 % interval.", ("Effect", "<", "<Size", "<Looks alike"), rows_))
+        parts.append(table("effects", "Size ± half of its 95 % interval.", ("Effect", "<Named", "<Size", "<Looks alike"), rows_))
     parts += _separates(result)
     parts += _not_tried(result, {one.entry.name for one in tried})
     parts += _unknown(result)
@@ -351,6 +262,30 @@ def _ladder(result: Diagnosed) -> str:
     return "".join(parts)
 
 
+def _rest(result: Diagnosed, found: signal_section.Traces | None, titles: dict[str, str]) -> str:
+    """What the last model leaves: its size beside the noise level, and its spectra."""
+    parts = [f"<p>{escape(_noise_verdict(result))}</p>"]
+    share = getattr(result.found, "unexplained", None)
+    if share is not None and result.verdict != "adequate":
+        parts.append(f"<p>{100.0 * share:.0f} % of the excess over the noise level stays unexplained.</p>")
+    parts.append(rest.spectra(found, titles, {one.name: one.floor_rms for one in result.signals}))
+    return "".join(parts)
+
+
+def _noise_verdict(result: Diagnosed) -> str:
+    after = result.errors.get("after", result.errors.get("before"))
+    floor = result.errors.get("floor")
+    if after is None or floor is None or not floor > 0.0:
+        return "The result states no noise level for what is left."
+    unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
+    said = f"The last model leaves {words.number(after)} {unit}; the noise level is {words.number(floor)}"
+    if result.relative:
+        said += ", which baseline runs have among each other"
+    if after <= NEAR * floor:
+        return f"Yes: {said[0].lower()}{said[1:]}."
+    return f"No: {said[0].lower()}{said[1:]}: {words.number(after / floor, 2)} times as much."
+
+
 def _records(result: Diagnosed) -> str:
     parts = []
     rows = []
@@ -366,7 +301,7 @@ def _records(result: Diagnosed) -> str:
             )
     if rows:
         parts.append(
-            _table(
+            table(
                 "faults",
                 "What has changed? CSJ and BLK against the healthy machine; ± half of the 95 % interval.",
                 ("Fault", "Today", "Change"),
@@ -380,10 +315,10 @@ def _records(result: Diagnosed) -> str:
     ]
     if changed:
         parts.append(
-            _table(
+            table(
                 "values of the healthy machine",
                 "What has changed? Values of the healthy machine beside today's.",
-                ("Value", "Healthy", "Today", "Must differ by", ""),
+                ("Value", "Healthy", "Today", "Must differ by", "State"),
                 changed,
             )
         )
@@ -399,10 +334,10 @@ def _records(result: Diagnosed) -> str:
     ]
     if looked:
         parts.append(
-            _table(
+            table(
                 "what was looked at",
                 "What was looked at in the record before anything was concluded.",
-                ("Looked at", "<", "<Found", "<What to do"),
+                ("Looked at", "<State", "<Found", "<What to do"),
                 looked,
             )
         )
@@ -410,15 +345,10 @@ def _records(result: Diagnosed) -> str:
 
 
 def _provenance(result: Diagnosed, command: str) -> str:
-    entries = {"page": command, **result.provenance}
-    told = "".join(
-        f"<dt>{escape(key)}</dt><dd>{f'<code>{escape(value)}</code>' if key in ('page', 'command') else escape(value)}</dd>"
-        for key, value in entries.items()
-    )
     hidden = result.found.cannot_see if isinstance(result.found, DiagnosisResult) else None
     method = result.found.method_reason if isinstance(result.found, DiagnosisResult | DiagnosisByBalanceResult | Addition) else ""
     parts = [f'<p class="full">{escape(result.sentence)}</p>' if result.sentence else ""]
     parts.append(f"<p>{escape(hidden)}</p>" if hidden else "")
     parts.append(f"<p>By {result.found.method}: {escape(method)}.</p>" if method else "")
-    parts.append(f'<dl class="origin">{told}</dl>')
+    parts.append(origin(command, result.provenance))
     return "".join(parts)

@@ -1,6 +1,6 @@
 """Draws a figure (see `figures`) as SVG that stands in the page as it is: it follows the page's colours by its roles, needs no script, and prints.
 
-What a figure may hold: scatter traces (lines, markers, steps, bands, bars of error), bars and contours over linear, logarithmic and named axes, several x axes beside each other, notes.
+What a figure may hold: scatter traces (lines, markers, steps, bands, bars of error), bars and contours over linear, logarithmic and named axes, several x axes beside each other.
 """
 
 from __future__ import annotations
@@ -9,8 +9,6 @@ import re
 from collections.abc import Sequence
 from html import escape
 from typing import Any
-
-import numpy as np
 
 from ema_tools.words.page.figure_axes import HEIGHT_SHARE, WIDTH, FigureAxis, Frame, frame_of
 from ema_tools.words.page.figure_contour import contour
@@ -40,7 +38,6 @@ def figure_svg(figure: Figure, identity: str) -> str:
                 parts.append(f'<polygon class="band r-{trace["meta"]["role"]}" points="{_joined(points)}"/>')
             parts += _scatter(trace, frame, axis)
             band = (trace["x"], trace["y"])
-    parts += [_note(note, frame) for note in figure["layout"].get("annotations", ())]
     zooms = f' data-zooms="{figure["zooms"]}" data-half="{figure["half"]:.6g}"' if "zooms" in figure else ""
     height = HEIGHT_SHARE * figure["height"]
     return f'<svg class="picture" id="{identity}" viewBox="0 0 {WIDTH:g} {height:g}" role="img" aria-label="{escape(figure["label"])}"{zooms}>{"".join(parts)}</svg>'
@@ -147,9 +144,3 @@ def _told(trace: Figure, place: int, x: Any, y: Any) -> str:
 
     said = _FIELD.sub(value, re.sub(r"<extra>.*?</extra>", "", str(trace.get("hovertemplate") or trace.get("name", ""))))
     return re.sub(r"<[^>]+>", " ", said)
-
-
-def _note(note: Figure, frame: Frame) -> str:
-    """A note at the left edge; `<b>` is kept."""
-    text = escape(note["text"]).replace("&lt;b&gt;", '<tspan class="told">').replace("&lt;/b&gt;", "</tspan>")
-    return f'<text x="{frame.left + note.get("xshift", 0):.1f}" y="{frame.y.at(np.float64(note["y"])) + 4.0:.1f}">{text}</text>'

@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_tools.results.parts import Place
 from ema_tools.words.page.results import FAULTS, ShownEstimate, ShownIdentification
-from ema_tools.words.page.text import number, shift
+from ema_tools.words.page.text import number
 
 LABELS = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
 
@@ -27,70 +27,6 @@ _PROFILE_ROOM, _LEAST_PROFILE_ROOM = 0.4, 0.1
 Figure = dict[str, Any]
 
 
-def scalars(result: ShownIdentification) -> Figure:
-    """Diagnostic scalars: estimated against actual shift in % of the healthy value, one row per fault parameter."""
-    names = [LABELS[name] for name in result.faults]
-    estimates = [result.faults[name].shift_percent for name in result.faults]
-    below, above = ([result.faults[name].reach_percent[side] for name in result.faults] for side in (0, 1))
-    stems: Figure = {
-        "type": "scatter",
-        "mode": "lines",
-        "x": [value for estimate in estimates for value in (0.0, estimate, None)],
-        "y": [value for name in names for value in (name, name, None)],
-        "meta": {"role": "after"},
-        "line": {"width": 2},
-        "hoverinfo": "skip",
-    }
-    traces = [stems]
-    values = [estimate + reach for estimate, low, high in zip(estimates, below, above, strict=True) for reach in (-low, high)]
-    if result.case is not None:
-        actual = [result.case.shift_percent(name) for name in result.faults]
-        values += actual
-        traces.append(_marker(actual, names, "Actual", "measured", "circle-open", 17, 2.5))
-    if result.paper is not None:
-        paper = [result.paper.paper_shift_percent(name) for name in result.faults]
-        values += paper
-        traces.append(_marker(paper, names, "Found in the paper", "paper", "diamond-open", 10, 1.5))
-    estimated = _marker(estimates, names, "Estimated here", "after", "circle", 8, 0)
-    estimated["error_x"] = {"type": "data", "symmetric": False, "array": above, "arrayminus": below, "thickness": 1.5, "width": 4}
-    traces.append(estimated)
-    low, high = min(0.0, *values), max(0.0, *values)
-    margin = 0.1 * (high - low or 1.0)
-    layout = {
-        "xaxis": {"title": {"text": "Shift, % of the healthy value"}, "range": [low - margin, high + margin], "zeroline": True},
-        "yaxis": {"categoryorder": "array", "categoryarray": names[::-1], "range": [-0.5, len(names) - 0.25], "showgrid": False},
-        "margin": {"l": 46, "r": 14, "t": 8, "b": 44},
-        "annotations": [_reading(result, name, place) for place, name in enumerate(reversed(result.faults))],
-    }
-    return {"data": traces, "layout": layout, "height": 260, "label": _scalars_label(result)}
-
-
-def _reading(result: ShownIdentification, name: str, place: int) -> Figure:
-    """The numbers of one row, above it at the left."""
-    below, above = result.faults[name].reach_percent
-    spread = 0.5 * (below + above)
-    text = f"<b>{shift(result.faults[name].shift_percent, 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2)}</b>"
-    if spread >= 0.005:
-        decimals = 0 if spread >= 10.0 else 1 if spread >= 1.0 else 2
-        ends = (result.faults[name].shift_percent - below, result.faults[name].shift_percent + above)
-        text += f"   95 %: {shift(ends[0], decimals).removesuffix(' %')} .. {shift(ends[1], decimals)}"
-    if result.case is not None:
-        text += f"   actual {shift(result.case.shift_percent(name), 2)}".removesuffix(" %")
-    if result.paper is not None:
-        text += f"   paper {shift(result.paper.paper_shift_percent(name), 2)}".removesuffix(" %")
-    return {
-        "text": text,
-        "x": 0.0,
-        "xref": "paper",
-        "xanchor": "left",
-        "xshift": 4,
-        "y": place + 0.3,
-        "yref": "y",
-        "yanchor": "bottom",
-        "showarrow": False,
-    }
-
-
 def _marker(x: list[float], y: list[str], name: str, role: str, symbol: str, size: int, line: float) -> Figure:
     return {
         "type": "scatter",
@@ -103,18 +39,6 @@ def _marker(x: list[float], y: list[str], name: str, role: str, symbol: str, siz
         "marker": {"symbol": symbol, "size": size, "line": {"width": line}},
         "hovertemplate": f"{name}: %{{y}} %{{x:+.3f}} %<extra></extra>",
     }
-
-
-def _scalars_label(result: ShownIdentification) -> str:
-    parts = []
-    for name in result.faults:
-        text = f"{LABELS[name]} estimated {shift(result.faults[name].shift_percent, 2)}"
-        if result.case is not None:
-            text += f", actual {shift(result.case.shift_percent(name), 2)}"
-        if result.paper is not None:
-            text += f", paper {shift(result.paper.paper_shift_percent(name), 2)}"
-        parts.append(text)
-    return "Shift of the fault parameters. " + "; ".join(parts)
 
 
 def search(result: ShownIdentification) -> Figure:

@@ -14,30 +14,12 @@ from ema_tools.results.parts import EffectEntry
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.recorded import Curves
+from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of
 
-# Of `ema diagnose` and `ema add`: options that stand for themselves.
-_FLAGS = {"--force", "--known"}
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
+_MODELS = {"before": "model as given", "after": "with what was found"}
 NEAR = 1.1  # an error this close to the noise level is at it [judgement]
-
-
-@dataclass(frozen=True)
-class Reply:
-    """One of the five answers. `tone`: good, bad, unsure or nothing; `command` to copy, where there is one."""
-
-    question: str
-    short: str
-    more: str
-    tone: str = ""
-    command: str = ""
-
-
-@dataclass(frozen=True)
-class FirstScreen:
-    """The sentence and the answers, in their order."""
-
-    sentence: str
-    replies: tuple[Reply, ...]
 
 
 @dataclass(frozen=True)
@@ -290,44 +272,6 @@ def _error(result: Diagnosed) -> Reply:
     return Reply(question, short, "; ".join(parts), "good" if near else "")
 
 
-@dataclass(frozen=True)
-class CommandLine:
-    """A command line of `ema diagnose` or `ema add` taken apart: actuator, records, and options by name."""
-
-    actuator: str
-    records: tuple[str, ...]
-    options: dict[str, tuple[str, ...]]
-
-    def again(self, *wanted: str) -> list[str]:
-        """Options as they were given."""
-        return [part for name in wanted for value in self.options.get(name, ()) for part in (name, value)]
-
-
-def line_of(command: str) -> CommandLine | None:
-    """The parts of a command line; None where it is none of these."""
-    try:
-        tokens = shlex.split(command)
-    except ValueError:
-        return None
-    if len(tokens) < 3 or tokens[0] != "ema" or tokens[1] not in ("diagnose", "add"):
-        return None
-    places: list[str] = []
-    options: dict[str, list[str]] = {}
-    rest = iter(tokens[2:])
-    for token in rest:
-        if token in _FLAGS:
-            continue
-        if token.startswith("-") and len(token) > 1:
-            name, has, value = token.partition("=")
-            options.setdefault(name, []).append(value if has else next(rest, ""))
-        else:
-            places.append(token)
-    if not places:
-        return None
-    records = tuple(places[1:]) if tokens[1] == "diagnose" else (*places[2:], *options.get("--fit", ()))
-    return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
-
-
 def _next(result: Diagnosed) -> Reply:
     question = "What next?"
     line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
@@ -387,3 +331,16 @@ def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
     found = [("as given", result.errors["before"], result.errors.get("holdout_before"))]
     found += [(step.added or " + ".join(step.effects), step.training, step.holdout) for step in result.steps]
     return found
+
+
+def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
+    """What each model is called."""
+    added = [result.added] if result.added else [one.name for one in result.suspects if one.accepted]
+    titles = dict(_MODELS)
+    if added:
+        titles["after"] = "with " + names.listed([names.within(name) for name in added])
+    elif result.verdict == "adequate":
+        titles["after"] = "with today's values"
+    elif result.verdict == "unknown":
+        titles["after"] = "best attempt, not recommended"
+    return {key: titles.get(key, key) for key in curves.models}

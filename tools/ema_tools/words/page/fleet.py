@@ -102,7 +102,7 @@ def _table(label: str, heads: Sequence[str], rows: str) -> str:
 
 def _document(title: str, sentence: str, body: str) -> str:
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("diagnosis.css", "charts.css", "fleet.css"))
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("sheet.css", "charts.css", "fleet.css"))
     return f"""<!doctype html>
 <html lang="en">
 <head>

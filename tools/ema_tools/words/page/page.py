@@ -11,11 +11,12 @@ from importlib import resources
 from typing import Any
 
 from ema_tools.results.over_dates import UnitOverDates
-from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, over_dates, workbench
+from ema_tools.words.page import diagnosis, diagnosis_page, figures, friction_map, identification_page, over_dates, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.figure_svg import figure_svg
+from ema_tools.words.page.gauges import gauges
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.results import Mapped, Result, ShownComparison, ShownIdentification
 from ema_tools.words.page.tables import beside_paper, compared_tables
@@ -45,9 +46,11 @@ class Page:
 
 
 def render(results: list[Result], command: str, units: Sequence[UnitOverDates] = ()) -> str:
-    """The page as text. `command` made it and stands in its provenance; `units`: results of one unit over dates. One diagnosis, or one addition, has a page of its own."""
+    """The page as text. `command` made it and stands in its provenance; `units`: results of one unit over dates. One diagnosis, addition or identification has a page of its own."""
     if len(results) == 1 and isinstance(results[0], Diagnosed):
         return diagnosis_page.render(results[0], command)
+    if len(results) == 1 and isinstance(results[0], ShownIdentification):
+        return identification_page.render(results[0], command)
     page = Page()
     identified = [result for result in results if isinstance(result, ShownIdentification)]
     compared = [result for result in results if isinstance(result, ShownComparison)]
@@ -189,7 +192,7 @@ def identified_section(page: Page, result: ShownIdentification, identity: str) -
     """Everything about one identification."""
     page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
     page.add(f'<p><span class="verdict {result.verdict}">{result.verdict.capitalize()}:</span> {escape(verdict(result))}</p>')
-    page.add('<dl class="facts">')
+    page.add(gauges(result), '<dl class="facts">')
     for name in result.faults:
         short, long, unit = _NAMES[name]
         fault = result.faults[name]
@@ -213,16 +216,6 @@ def identified_section(page: Page, result: ShownIdentification, identity: str) -
     if result.curves is not None:
         _curves(page, result.curves, identity, {"before": "Before: healthy values", "after": "After: identified values"})
     page.add('<div class="pair">')
-    page.add('<figure><div class="figure-head"><h3>Diagnostic scalars</h3><ul class="legend">')
-    if result.case is not None:
-        page.add('<li><span class="key ring"></span>actual</li>')
-    page.add('<li><span class="key dot"></span>estimated</li>')
-    if result.paper is not None:
-        page.add('<li><span class="key diamond"></span>paper</li>')
-    page.add("</ul></div>", page.figure(f"{identity}-scalars", figures.scalars(result)))
-    page.add(
-        "<figcaption>Estimated shift of each fault parameter, with its 95 % interval where that is wider than the dot.</figcaption></figure>"
-    )
     if result.search is not None:
         page.add('<figure><div class="figure-head"><h3>The search</h3><ul class="legend">')
         page.add('<li><span class="key dot candidate"></span>candidate</li><li><span class="key after"></span>best so far</li></ul></div>')
@@ -401,7 +394,7 @@ def _shared(tables: Iterable[dict[str, str]]) -> dict[str, str]:
 def document(title: str, page: Page) -> str:
     """The whole file."""
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "charts.css", "curves.css"))
+    style = "\n".join((assets / name).read_text(encoding="utf-8") for name in ("page.css", "gauges.css", "charts.css", "curves.css"))
     names = ["curves.js", *(["lines.js"] if page.lines else [])]
     script = "\n".join((assets / name).read_text(encoding="utf-8") for name in names)
     loaded = library()

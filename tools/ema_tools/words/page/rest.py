@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 
@@ -12,9 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.charts import Drawing, decades
-from ema_tools.words.page.diagnosis_results import Diagnosed
-from ema_tools.words.page.first_screen import NEAR
-from ema_tools.words.page.signals import Traces, model_titles
+from ema_tools.words.page.signals import Traces
 
 _BANDS = 60  # of a spectrum
 _TOP_SHARE = 0.75  # of half the sample rate: above it sensors make noise alone
@@ -65,33 +64,12 @@ def left_of(found: Traces) -> list[Left]:
     return drawn
 
 
-def verdict(result: Diagnosed) -> str:
-    """The answer in a sentence."""
-    after = result.errors.get("after", result.errors.get("before"))
-    floor = result.errors.get("floor")
-    if after is None or floor is None or not floor > 0.0:
-        return "The result states no noise level for what is left."
-    unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
-    said = f"The last model leaves {words.number(after)} {unit}; the noise level is {words.number(floor)}"
-    if result.relative:
-        said += ", which baseline runs have among each other"
-    if after <= NEAR * floor:
-        return f"Yes: {said[0].lower()}{said[1:]}."
-    return f"No: {said[0].lower()}{said[1:]}: {words.number(after / floor, 2)} times as much."
-
-
-def section(result: Diagnosed, found: Traces | None) -> str:
-    """Sentence, table and spectra."""
-    parts = [f"<p>{escape(verdict(result))}</p>"]
-    share = getattr(result.found, "unexplained", None)
-    if share is not None and result.verdict != "adequate":
-        parts.append(f"<p>{100.0 * share:.0f} % of the excess over the noise level stays unexplained.</p>")
+def spectra(found: Traces | None, titles: Mapping[str, str], floors: Mapping[str, float | None]) -> str:
+    """A spectrum of every signal with what is left of it in words, and the legend. `titles`: what each model is called; `floors`: what baseline runs differ by, in the channel's unit."""
     drawn = left_of(found) if found is not None else []
-    if not drawn or found is None:
-        return "".join(parts)
-    titles = model_titles(result, found.curves)
-    floors = {one.name: one.floor_rms for one in result.signals}
-    parts.append('<div class="thirds">')
+    if not drawn:
+        return ""
+    parts = ['<div class="thirds">']
     for one in drawn:
         title, _, unit, scale = names.SIGNALS[one.name]
         between = floors.get(one.name)

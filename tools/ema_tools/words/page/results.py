@@ -33,12 +33,25 @@ BALANCES = ("mechanical", "electrical", "kinematic", "controller")
 
 @dataclass(frozen=True)
 class ShownEstimate:
-    """One identified parameter, in its own unit; shift in % of the healthy value. `interval`: the 95 % interval, None when the record does not determine it."""
+    """One identified parameter, in its own unit; shift in % of the healthy value. `interval`: the 95 % interval, None when the record does not determine it; `threshold_percent`: the shift
+    that is called a fault, None in older files."""
 
     estimate: float
     interval: tuple[float, float] | None
     shift_percent: float
     healthy: float
+    threshold_percent: float | None = None
+    at_bound: bool = False
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the shift is called a fault; any is where the file states no threshold."""
+        return self.threshold_percent is None or self.shift_percent > self.threshold_percent
+
+    @property
+    def surely_beyond(self) -> bool:
+        """Whether the whole interval is."""
+        return self.beyond and (self.threshold_percent is None or self.shift_percent - self.reach_percent[0] > self.threshold_percent)
 
     @property
     def reach_percent(self) -> tuple[float, float]:
@@ -80,10 +93,11 @@ class ShownMap:
 
 @dataclass(frozen=True)
 class ShownIdentification:
-    """A result of `ema identify`. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known,
+    """A result of `ema identify`, `found` itself. `faults` by FAULTS holds what was identified, `left_out` why another was not; `case` is set where the truth is known,
     `noise` names the sensor noise in the record, `undetermined` says what the record does not determine."""
 
     name: str
+    found: IdentificationResult
     faults: dict[str, ShownEstimate]
     before_mm2s: float
     after_mm2s: float
@@ -204,6 +218,7 @@ def identified(found: IdentificationResult, source: str, stem: str) -> ShownIden
         raise fault(source, "case", f"names no case ({letter!r}; known: {', '.join(cases)})")
     return ShownIdentification(
         name=found.name or stem,
+        found=found,
         faults={name: _estimate(one, source, name) for name, one in found.estimates.items()},
         before_mm2s=found.objective_before_mm2s,
         after_mm2s=found.objective_after_mm2s,
@@ -231,13 +246,11 @@ def _estimate(one: ResultEstimate, source: str, name: str) -> ShownEstimate:
         raise fault(source, f"{name}.shift_percent", "is not above -100")
     healthy = one.healthy if one.healthy is not None else one.estimate / (1.0 + one.shift_percent / 100.0)
     low, high = one.interval95
-    if low is not None and high is not None:
-        return ShownEstimate(one.estimate, (low, high), one.shift_percent, healthy)
-    # an older file states a standard error alone
-    ends = interval95(one.estimate, one.std) if one.std is not None else (None, None)
-    return ShownEstimate(
-        one.estimate, (ends[0], ends[1]) if ends[0] is not None and ends[1] is not None else None, one.shift_percent, healthy
-    )
+    if (low is None or high is None) and one.std is not None:
+        # an older file states a standard error alone
+        low, high = interval95(one.estimate, one.std)
+    ends = (low, high) if low is not None and high is not None else None
+    return ShownEstimate(one.estimate, ends, one.shift_percent, healthy, one.threshold_percent, one.at_bound)
 
 
 def _profiles(shape: ShapeEntry, source: str) -> dict[str, ShownProfile]:

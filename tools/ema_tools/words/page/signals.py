@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from html import escape
 from typing import Any
@@ -14,13 +15,11 @@ from ema_tools.results import parts
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import kept_rows, packed
-from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves, Series
 
 # Rows of a record that the page keeps: 24 000 of five channels and two models are less than a megabyte.
 ROWS_MAX = 24_000
 _FIT = '<label class="fit"><input type="checkbox" data-fit> scale to view</label>'
-_MODELS = {"before": "model as given", "after": "with what was found"}
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,8 @@ class Traces:
         return np.asarray(self.curves.measured[name] - self.curves.models[model][name])
 
 
-def traces(result: Diagnosed) -> Traces | None:
-    """What there is to draw; None without curves."""
-    curves, found = result.curves, result.found.curves
+def traces(curves: Curves | None, found: parts.CurvesEntry | None) -> Traces | None:
+    """What there is to draw; None without curves. `found`: the result's own, which has the motor's position besides."""
     if curves is None or found is None or not curves.models:
         return None
     motor: dict[str, Series] = {}
@@ -53,28 +51,13 @@ def traces(result: Diagnosed) -> Traces | None:
     return Traces(curves, there)
 
 
-def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
-    """What each model is called."""
-    added = [result.added] if result.added else [one.name for one in result.suspects if one.accepted]
-    titles = dict(_MODELS)
-    if added:
-        titles["after"] = "with " + names.listed([names.within(name) for name in added])
-    elif result.verdict == "adequate":
-        titles["after"] = "with today's values"
-    elif result.verdict == "unknown":
-        titles["after"] = "best attempt, not recommended"
-    return {key: titles.get(key, key) for key in curves.models}
-
-
-def packed_signals(result: Diagnosed, found: Traces, bins: dict[str, Reals]) -> dict[str, Any]:
-    """What the page's script draws: times in s, channels as measured and residuals, and for every axis of the heat map the bin of each row."""
+def packed_signals(found: Traces, titles: Mapping[str, str], bins: Mapping[str, Reals]) -> dict[str, Any]:
+    """What the page's script draws: times in s, channels as measured and residuals, and for every axis of a heat map the bin of each row. `titles`: what each model is called."""
     curves = found.curves
     keep = kept_rows(curves, found.names, ROWS_MAX)
-    noise = {one.name: one.floor_rms for one in result.signals}
     channels = []
     for name in found.names:
         title, unit, residual_unit, scale = names.SIGNALS[name]
-        level = noise.get(name)
         channels.append(
             {
                 "name": name,
@@ -82,7 +65,6 @@ def packed_signals(result: Diagnosed, found: Traces, bins: dict[str, Reals]) -> 
                 "unit": unit,
                 "residual_unit": residual_unit,
                 "residual_scale": scale,
-                "noise": level * scale if level is not None else None,
                 "measured": packed(curves.measured[name][keep]),
                 "residual": {key: packed(found.residual(name, key)[keep] * scale) for key in curves.models},
             }
@@ -92,18 +74,17 @@ def packed_signals(result: Diagnosed, found: Traces, bins: dict[str, Reals]) -> 
         times["kept"] = base64.b64encode(keep.astype("<u4").tobytes()).decode("ascii")
     return {
         "time": times,
-        "models": model_titles(result, curves),
+        "models": dict(titles),
         "channels": channels,
         "bins": {by: base64.b64encode(rows[keep].astype(np.uint8).tobytes()).decode("ascii") for by, rows in bins.items()},
     }
 
 
-def section(result: Diagnosed, found: Traces | None, absent: str) -> str:
-    """Markup of the section; `absent`: why nothing can be drawn, empty where it can."""
+def section(found: Traces | None, titles: Mapping[str, str], absent: str) -> str:
+    """Markup of the section; `titles`: what each model is called, `absent`: why nothing can be drawn, empty where it can."""
     if found is None:
         return '<p class="note">The result holds no curves: the record is longer than the page shows, or its controller is not known, so that nothing is simulated.</p>'
     curves = found.curves
-    titles = model_titles(result, curves)
     toggles = '<label><input type="checkbox" data-series="measured" checked><span class="key measured"></span>measured</label>'
     for key, title in titles.items():
         toggles += f'<label><input type="checkbox" data-series="{key}" checked><span class="key {key}"></span>{escape(title)}</label>'
@@ -130,7 +111,7 @@ def section(result: Diagnosed, found: Traces | None, absent: str) -> str:
     return "".join(shown)
 
 
-def _channel(found: Traces, name: str, titles: dict[str, str], bare: bool) -> str:
+def _channel(found: Traces, name: str, titles: Mapping[str, str], bare: bool) -> str:
     """One channel: head with what the crosshair reads, plots, and in a table what stays of it without a script."""
     title, unit, residual_unit, scale = names.SIGNALS[name]
     rms = {key: float(np.sqrt(np.mean(found.residual(name, key) ** 2))) * scale for key in titles}

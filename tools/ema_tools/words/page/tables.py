@@ -56,7 +56,7 @@ def beside_paper(results: list[ShownIdentification]) -> str:
                 ]
             rows.append(f'<tr{_SUB if index else ""}>{head}<th scope="row">{label}</th>{"".join(cells)}</tr>')
     return (
-        '<div class="scroll" role="region" aria-label="Table: estimates here and in the paper" tabindex="0"><table>'
+        '<div class="scroll" role="region" aria-label="Table: estimates here and in the paper" tabindex="0"><table class="grouped">'
         "<caption>Error: estimate minus truth, in % of the healthy value. Reduction: of the integrated squared position error.</caption>"
         '<colgroup><col><col><col></colgroup><colgroup span="2"></colgroup><colgroup span="2"></colgroup><colgroup span="2"></colgroup><colgroup span="2"></colgroup>'
         '<thead><tr class="groups"><th rowspan="2" class="left" scope="col">Case</th><th rowspan="2" class="left" scope="col">Fault</th><th rowspan="2" scope="col">Truth</th>'

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import write_bytes
 from ema_tools.words.page.diagnosis_results import Diagnosed
-from ema_tools.words.page.first_screen import first_screen
+from ema_tools.words.page.first_screen import first_screen, model_titles
 from ema_tools.words.page.page import sentence
 from ema_tools.words.page.results import Mapped, Result, ShownIdentification
-from ema_tools.words.page.signals import model_titles, traces
+from ema_tools.words.page.signals import traces
 from ema_tools.words.plots.friction import map_picture, torque_picture
 from ema_tools.words.plots.ladder import candidates_picture, ladder_picture
 from ema_tools.words.plots.objective import objective_picture, search_picture
@@ -75,7 +75,7 @@ def _pictures(result: Result) -> Iterator[tuple[str, _Draw]]:
 
 
 def _diagnosed_signals(result: Diagnosed) -> Figure | None:
-    found = traces(result)
+    found = traces(result.curves, result.found.curves)
     if found is None or not found.names:
         return None
     return signals_picture(found.curves, found.names, model_titles(result, found.curves), f"{result.name}: {first_screen(result).sentence}")

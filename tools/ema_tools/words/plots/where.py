@@ -26,7 +26,7 @@ def where_picture(result: Diagnosed) -> Figure | None:
     """None where no equation was localised."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    drawn = heat.maps(result, traces(result))
+    drawn = heat.maps(result, traces(result.curves, result.found.curves))
     if not any(one.lights for one in drawn):
         return None
     scale = heat.levels(drawn)

@@ -180,7 +180,7 @@
     if (value < Number(slider.min)) slider.min = value;
     if (value > Number(slider.max)) slider.max = value;
     slider.value = value;
-    if (document.activeElement !== number) number.value = Number(value.toPrecision(7));
+    if (document.activeElement !== number) number.value = Number(value.toPrecision(5));
     if (!silent) redraw();
   }
   function valueRow(row, ticked) {
@@ -406,6 +406,19 @@
     view = [0, record.command_mm.length - 1];
     draw();
   }
+  // The same without a mouse: plus and minus zoom, arrows move, Home shows the whole record.
+  function byKey(event) {
+    const end = record.command_mm.length - 1;
+    const [first, last] = view;
+    const span = last - first;
+    const [from, size] = { "+": [first + span / 4, span / 2], "=": [first + span / 4, span / 2], "-": [first - span / 2, 2 * span], ArrowLeft: [first - span / 4, span], ArrowRight: [first + span / 4, span], Home: [0, end] }[event.key] ?? [];
+    if (from === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    const kept = Math.min(Math.max(Math.round(size), 8), end);
+    const start = Math.min(Math.max(Math.round(from), 0), end - kept);
+    view = [start, start + kept];
+    draw();
+  }
   async function take(file) {
     const before = record;
     try {
@@ -434,7 +447,7 @@
   // ---- the page's part
 
   const plots = {};
-  const plotPart = make("div", { class: "bench-plots" });
+  const plotPart = make("div", { class: "bench-plots", tabindex: "0", role: "group", "aria-label": "Signals of the workbench over time. Plus and minus zoom, arrow keys move, Home shows the whole record.", onkeydown: byKey });
   const errorOut = make("output", { "aria-label": "error" });
   const errorOf1 = make("span");
   const timing = make("p", { class: "note" });
@@ -449,7 +462,7 @@
   const rankBody = make("tbody");
   const rankPart = make("div", { class: "bench-rank scroll", role: "region", "aria-label": "Table: effects ranked", tabindex: "0", hidden: true },
     make("table", {}, make("caption", {}, "Error left, in times the sensor noise, after each effect was fitted beside CSJ and BLK by the module's annealer: its size and one value of its shape, the others as usual. No verdict: effects that look alike fit alike."),
-      make("thead", {}, make("tr", {}, ...["Effect", "Error left", "CSJ, Nm", "BLK, mm", "Values", ""].map((text, k) => make("th", { scope: "col", ...(k === 0 || k === 4 ? { class: "left" } : {}) }, text)))), rankBody));
+      make("thead", {}, make("tr", {}, ...["Effect", "Error left", "CSJ, Nm", "BLK, mm", "Values", "Load"].map((text, k) => make("th", { scope: "col", ...(k === 0 || k === 4 ? { class: "left" } : {}) }, text)))), rankBody));
   const panel = make("form", { class: "bench-panel", "aria-label": "Model", onsubmit: (event) => event.preventDefault() },
     make("div", { class: "bench-tools" }, fitButton, rankButton, stopButton, resetButton), fall,
     make("p", { class: "note" }, `A tick beside a value: it is fitted, up to ${FITTED_MAX} at once.`),
@@ -465,7 +478,7 @@
   try {
     root.append(
       make("div", { class: "bench-head" }, make("p", { class: "bench-error" }, "Error ", errorOut, " ", errorOf1), timing),
-      make("div", { class: "bench-body" }, make("div", {}, legend, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them; double click for the whole record."))), panel),
+      make("div", { class: "bench-body" }, make("div", {}, legend, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them, or press + and \u2212 on them; double click for the whole record."))), panel),
       rankPart);
     useRecord(given);
     for (const row of rows) setValue(row, row.value, true);
@@ -507,6 +520,7 @@
       weight: weights(),
       start_mm: startMm,
       file: record.file,
+      view: [...view],
       rows: record.command_mm.length,
       redraws: times.length,
       median_ms: medianTime(),

@@ -1,0 +1,180 @@
+"""The page of one result as a sheet: a sentence and five answers on its first screen, and sections that a menu leads to. One file that opens from disk and asks nothing of any network."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib import resources
+from typing import Any
+
+from ema_tools.words.page import workbench
+from ema_tools.words.page.uplot import library
+
+_POLICY = "default-src 'none'; {scripts}; style-src 'unsafe-inline'; img-src data:"
+_SCRIPTS = "script-src 'unsafe-inline'"
+# A head that begins with this stands over words, not over numbers.
+_LEFT = "<"
+_WORDS = ' class="words"'
+# Of `ema diagnose`, `ema add` and `ema identify`: options that stand for themselves.
+_FLAGS = {"--force", "--known", "--no-guard", "--exit-code"}
+
+
+@dataclass(frozen=True)
+class Reply:
+    """One of the five answers. `tone`: good, bad, unsure or nothing; `command` to copy, where there is one."""
+
+    question: str
+    short: str
+    more: str
+    tone: str = ""
+    command: str = ""
+
+
+@dataclass(frozen=True)
+class FirstScreen:
+    """The sentence and the answers, in their order."""
+
+    sentence: str
+    replies: tuple[Reply, ...]
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One section of the sheet; one without markup is left out."""
+
+    identity: str
+    title: str
+    html: str
+
+
+@dataclass(frozen=True)
+class CommandLine:
+    """A command line taken apart: actuator, records, and options by name."""
+
+    actuator: str
+    records: tuple[str, ...]
+    options: dict[str, tuple[str, ...]]
+
+    def again(self, *wanted: str) -> list[str]:
+        """Options as they were given."""
+        return [part for name in wanted for value in self.options.get(name, ()) for part in (name, value)]
+
+
+def line_of(command: str) -> CommandLine | None:
+    """The parts of a command line of `ema diagnose`, `ema add` or `ema identify`; None where it is none of these."""
+    try:
+        tokens = shlex.split(command)
+    except ValueError:
+        return None
+    if len(tokens) < 3 or tokens[0] != "ema" or tokens[1] not in ("diagnose", "add", "identify"):
+        return None
+    places: list[str] = []
+    options: dict[str, list[str]] = {}
+    rest = iter(tokens[2:])
+    for token in rest:
+        if token in _FLAGS:
+            continue
+        if token.startswith("-") and len(token) > 1:
+            name, has, value = token.partition("=")
+            options.setdefault(name, []).append(value if has else next(rest, ""))
+        else:
+            places.append(token)
+    if not places:
+        return None
+    records = (*places[2:], *options.get("--fit", ())) if tokens[1] == "add" else tuple(places[1:])
+    return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
+
+
+def document(name: str, first: FirstScreen, beside: str, chapters: Sequence[Chapter], data: Mapping[str, Any], computes: bool) -> str:
+    """The whole file. `beside`: markup between the answers and the sections; `data`: what the script draws; `computes`: whether a workbench stands in it."""
+    assets = resources.files("ema_tools.words.page") / "assets"
+    style = "\n".join((assets / one).read_text(encoding="utf-8") for one in ("sheet.css", "gauges.css", "charts.css"))
+    script = (assets / "sheet.js").read_text(encoding="utf-8")
+    loaded = library()
+    there = [one for one in chapters if one.html]
+    menu = "".join(f'<li><a href="#{one.identity}">{escape(one.title)}</a></li>' for one in there)
+    body = "".join(
+        f'<section id="{one.identity}" aria-labelledby="{one.identity}-title"><h2 id="{one.identity}-title">{escape(one.title)}</h2>{one.html}</section>'
+        for one in there
+    )
+    draws = f"<script>{loaded.script}</script>" if loaded.there else ""
+    # `<` would let a text in the data end the script element.
+    shown = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{_POLICY.format(scripts=workbench.POLICY if computes else _SCRIPTS)}">
+<meta name="color-scheme" content="light dark">
+<link rel="icon" href="data:,">
+<title>{escape(name)}: {escape(first.sentence)}</title>
+<style>
+{loaded.style}
+{style}</style>
+</head>
+<body>
+<a class="skip" href="#main">Skip to the answer</a>
+<nav aria-label="Sections"><span class="name">{escape(name)}</span><ul>{menu}</ul></nav>
+<main id="main">
+<header>
+<h1>{kept(first.sentence)}</h1>
+<dl class="replies answers">{"".join(map(_reply, first.replies))}</dl>
+{beside}</header>
+{body}
+</main>
+<noscript><p class="absent">The curves need JavaScript; sentences, maps and tables do not.</p></noscript>
+<script id="page-data" type="application/json">{shown}</script>
+{draws}
+<script>
+{script}</script>
+</body>
+</html>
+"""
+
+
+def kept(text: str) -> str:
+    """Escaped text in which a number stays on one line with its unit."""
+    return escape(re.sub(r"(?<=\d) (?=%|mm|Nm|µm|s\b)|(?<=mm²) (?=s\b)", "\u00a0", text))
+
+
+def _reply(one: Reply) -> str:
+    copied = ""
+    if one.command:
+        # a line ends between words of the command, not at the dash of an option
+        parts = " ".join(f"<span>{escape(part)}</span>" for part in one.command.split(" "))
+        copied = (
+            f'<div class="copy"><code id="command" tabindex="0">{parts}</code>'
+            '<button type="button" data-copy="command">copy<span class="spoken"> the next command</span></button></div>'
+        )
+    more = f"<small>{kept(one.more)}</small>" if one.more else ""
+    return f'<div class="reply {one.tone}"><dt>{escape(one.question)}</dt><dd><b>{kept(one.short)}</b>{more}{copied}</dd></div>'
+
+
+def table(label: str, caption: str, heads: tuple[str, ...], rows: Sequence[str]) -> str:
+    """Rows of markup under heads, of which one that begins with `<` stands over words; on a narrow page each cell has its head beside it."""
+    titles = [head.removeprefix(_LEFT) for head in heads[1:]]
+
+    def titled(row: str) -> str:
+        left = itertools.chain(titles, itertools.repeat(""))
+        return re.sub(r"<td\b", lambda _: f'<td data-head="{next(left)}"', row)
+
+    shown = "".join(f'<th scope="col"{_WORDS if head.startswith(_LEFT) else ""}>{head.removeprefix(_LEFT)}</th>' for head in heads)
+    return (
+        f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="plain"><caption>{caption}</caption>'
+        f"<thead><tr>{shown}</tr></thead><tbody>{''.join(map(titled, rows))}</tbody></table></div>"
+    )
+
+
+def origin(command: str, provenance: Mapping[str, str]) -> str:
+    """What made the page and its result; `command` made the page."""
+    told = "".join(
+        f"<dt>{escape(key)}</dt><dd>{f'<code>{escape(value)}</code>' if key in ('page', 'command') else escape(value)}</dd>"
+        for key, value in {"page": command, **provenance}.items()
+    )
+    return f'<dl class="origin">{told}</dl>'
