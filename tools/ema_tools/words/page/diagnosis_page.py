@@ -323,7 +323,7 @@ def _records(result: Diagnosed) -> str:
             )
         )
     if result.base:
-        parts.append(_table("base values", base_values.CAPTION, base_values.HEADS, base_values.rows(result.base, result.units)))
+        parts.append(table("base values", base_values.CAPTION, base_values.HEADS, base_values.rows(result.base, result.units)))
         parts += base_values.notes(result.base, result.units)
     if result.gate_sentence:
         parts.append(f"<p>{escape(result.gate_sentence)}</p>")
