@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "ema/ema_work.h"
+#include "ema_choice.h"
 #include "ema_effect_rows.h"
 #include "ema_site.h"
 
@@ -81,6 +82,12 @@ static inline bool ema_acts_on_motion(const ema_plant_t* plant)
              & ~(((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING)))
             != 0U)
            && plant->active.any;
+}
+
+/* Whether a model step is tried in one: for an effect, or for a drive that is late. */
+static inline bool ema_tries_whole(const ema_plant_t* plant)
+{
+    return ((EMA_SITES_HELD != 0) || (EMA_ONLY_VOLTAGE == 0)) && plant->tries_whole_step;
 }
 
 /* Whether any keeps a temperature. */

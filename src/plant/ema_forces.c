@@ -75,7 +75,7 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
                        point->angle_rad,
                        plant->gearbox.lead_mm_per_rad * point->angle_rad,
                        point->current_A,
-                       applied->current_loop ? applied->voltage_V : applied->input,
+                       ema_drive_follows(applied) ? applied->voltage_V : applied->input,
                        EMA_R(0.0),
                        EMA_R(0.0)};
     const uint32_t sites = plant->active.sites;
@@ -84,10 +84,10 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
     work->spent += EMA_WORK_FORCES;
     ema_real load_Nm = plant->screw.load_torque_Nm;
     if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_INPUT) != 0U) {
-        if (!applied->current_loop && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
+        if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
             input += ema_site_voltage(plant, &site);
         }
-        if (!applied->current_loop && ema_acts_among(sites, EMA_SITE_WINDING)) {
+        if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_WINDING)) {
             /* it warms between steps alone */
             if (starts) {
                 work->winding_ohm = ema_site_winding(plant, state->effect_memory) * plant->motor.resistance_ohm;
@@ -112,8 +112,8 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
             const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
             /* the limit holds for the torque with its change */
             torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
-            input -=
-                applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+            input -= ema_drive_follows(applied) ? EMA_R(0.0)
+                                                : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
         }
     }
     /* a shaft at rest breaks away by the levels at the start */
