@@ -252,8 +252,7 @@ static ema_real ema_quarter_rad(uint64_t turned)
         unit_rad *= EMA_R(0.015625);
         upper = (uint32_t)(left >> 32U);
     }
-    const uint32_t rest = ((left & UINT32_MAX) != 0U) ? 1U : 0U;
-    return (ema_real)ema_signed(upper | rest) * unit_rad;
+    return (ema_real)ema_signed(upper | (((left & UINT32_MAX) != 0U) ? 1U : 0U)) * unit_rad;
 }
 #endif
 

@@ -54,12 +54,18 @@ static ema_real ema_dry_friction(const ema_plant_t* plant, uint32_t sites, const
         site->direction = (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0);
     }
     ema_real level_Nm = EMA_R(0.0);
-    for (uint32_t k = rests ? 0U : 1U; k < 2U; ++k) {
+    /* forward, then backward, or the one way that it slides */
+    uint32_t k = 1U;
+    if (rests) {
+        k = 0U;
+    }
+    while (k < 2U) {
         level_Nm = ema_level(plant, sites, site, kept_Nm, load_Nm);
         if (k == 0U) {
             forces->level_forward_Nm = level_Nm;
             site->direction = EMA_R(-1.0);
         }
+        ++k;
     }
     forces->level_backward_Nm = rests ? level_Nm : EMA_R(0.0);
     return -share * level_Nm;
