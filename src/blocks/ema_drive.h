@@ -31,6 +31,12 @@ static inline bool ema_drive_delays(const ema_drive_t* drive)
     return (EMA_ONLY_VOLTAGE == 0) && drive->delayed;
 }
 
+/* Whether it drives the circuit of its mode. */
+static inline bool ema_drive_keeps(const ema_drive_t* drive, const ema_drive_output_t* applied)
+{
+    return (EMA_ONLY_VOLTAGE != 0) || (applied->current_loop == drive->current_mode);
+}
+
 /* The circuit that it drives. */
 static inline const ema_circuit_t* ema_circuit_of(const ema_plant_t* plant, const ema_drive_output_t* applied)
 {

@@ -182,7 +182,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
     work->circuit = ema_circuit_of(plant, &work->applied);
     work->responses = responses;
     work->span_s = span_s;
-    const bool done = (responses != NULL) && (ema_drive_follows(&work->applied) == ema_drive_regulates(&plant->drive))
+    const bool done = (responses != NULL) && ema_drive_keeps(&plant->drive, &work->applied)
                       && ema_motion_smooth(plant, state, work, whole);
     if (done && ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         /* the play is as it was */

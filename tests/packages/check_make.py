@@ -33,7 +33,9 @@ def check(arguments: argparse.Namespace) -> str:
     }.items():
         run(["make", "-B", f"EMA={work / 'ema'}", f"DEFINES={defines}"], project)
         said[name] = run([project / "outside"], project)
-    expect(said["all"].startswith("0 ok: ") and said["all"] == said["none"] == said["fixed"], f"without effects the bits are others: {said}")
+    expect(
+        said["all"].startswith("0 ok: ") and said["all"] == said["none"] == said["fixed"], f"without effects the bits are others: {said}"
+    )
     expect(
         said["used"].startswith("0 ok: ") and said["used"] == said["held"] != said["all"], f"an effect that is held has other bits: {said}"
     )
