@@ -101,7 +101,9 @@ ema_status_t ema_actuator_defaults(ema_actuator_t* actuator);
 /* Checks every value and option against its range, every effect that is not zero for being in this build
  * (EMA_ERR_ABSENT), and every table that acts: EMA_ERR_RANGE for an axis that is none of the five or a range longer
  * than a periodic axis, EMA_ERR_BOUNDS when `first` is not below `last`. On these and on EMA_ERR_NOT_FINITE, `offender`
- * (may be NULL) is the id of the first bad value. EMA_ERR_NULL. Cost: two comparisons per value. */
+ * (may be NULL) is the id of the first bad value. EMA_ERR_ABSENT too, with EMA_VALUE_COUNT for `offender`, where
+ * control law, drive or encoder are none that the build has fixed; a build that leaves ranges to the desk looks at what
+ * is left out alone. EMA_ERR_NULL. Cost: two comparisons per value. */
 ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender);
 
 /* Reads and writes a real value by id. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for an id outside the list. Cost: constant.

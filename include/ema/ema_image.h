@@ -46,7 +46,7 @@ extern "C" {
     X(EMA_IMAGE_ROOM, 12, "the memory for the copy of its table of signatures is too small")                           \
     X(EMA_IMAGE_RANGE, 13,                                                                                             \
       "a value of the unit is outside its range: correct the actuator's file and export it again")                     \
-    X(EMA_IMAGE_ABSENT, 14, "the unit has an effect that this build leaves out: build the module with it")
+    X(EMA_IMAGE_ABSENT, 14, "the unit asks for what this build leaves out: build the module with it")
 
 typedef enum {
 #define EMA_IMAGE_ENUM(name, value, text) name = (value), /* EMA-D1 */

@@ -65,7 +65,8 @@ typedef struct {
 #define EMA_RECORD_REAL_BYTES(rows, values) ((size_t)(rows) * (size_t)(values) * sizeof(ema_real))
 
 /* Makes an empty record; what the buffer holds stays there. Errors: EMA_ERR_NULL; EMA_ERR_RANGE for a format that is
- * none, a full scale outside 1e-30..1e30, or a buffer without room for one row; EMA_ERR_ALIGN. */
+ * none, a full scale outside 1e-30..1e30, or a buffer without room for one row; EMA_ERR_ALIGN; EMA_ERR_ABSENT for a
+ * format or a command that the build leaves out. */
 ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* config);
 
 /* Adds a row. Errors, the record unchanged: EMA_ERR_NULL; EMA_ERR_FULL; EMA_ERR_NOT_FINITE; EMA_ERR_SCALE. Cost:

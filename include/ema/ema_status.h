@@ -25,7 +25,7 @@ extern "C" {
     X(EMA_ERR_SHORT, 9, "the record is too short to identify from")                                                    \
     X(EMA_ERR_BOUNDS, 10, "a lower bound is not below its upper bound")                                                \
     X(EMA_ERR_DIVERGED, 11, "the model's state left the finite numbers")                                               \
-    X(EMA_ERR_ABSENT, 12, "the actuator has an effect that this build leaves out")                                     \
+    X(EMA_ERR_ABSENT, 12, "the configuration asks for what this build leaves out")                                     \
     X(EMA_ERR_TABLE, 13, "the table of signatures belongs to another actuator or version: export it again")            \
     X(EMA_ERR_ALIGN, 14, "a buffer is not aligned for what it holds")
 

@@ -1,6 +1,7 @@
 /* Ranges and access by index, read from the two lists. */
 #include "ema_bounds.h"
 
+#include "ema_choice.h"
 #include "ema_effect_rows.h"
 #include "ema_math.h"
 
@@ -94,6 +95,24 @@ static size_t ema_value_offset(size_t id)
     return (inside < (EMA_PARAM_COUNT * sizeof(ema_real))) ? inside : (inside + between);
 }
 
+#if EMA_ONLY_CHECKED
+/* Whether an effect acts that this build leaves out; `id` is its size's. */
+static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
+{
+    ema_status_t status = EMA_OK;
+    const ema_real* value = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
+    *id = EMA_PARAM_COUNT;
+    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_EFFECT_COUNT); ++k) {
+        if (!ema_effect_rows[k].held && (*value != EMA_R(0.0))) {
+            status = EMA_ERR_ABSENT;
+        } else {
+            *id += ema_effect_rows[k].values;
+        }
+        value = &value[ema_effect_rows[k].values];
+    }
+    return status;
+}
+#else
 /* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest.
  * Says why it stopped. */
 static size_t ema_values_within(const ema_real* value, size_t count, const ema_bounds_t* bounds, size_t rows,
@@ -140,6 +159,7 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
     }
     return status;
 }
+#endif
 
 /* Periods of the axes position in the lead and angle in the turn; zero for the others. */
 static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)
@@ -206,6 +226,10 @@ ema_status_t ema_actuator_check(const ema_actuator_t* actuator, size_t* offender
     }
     size_t id = 0U;
     ema_status_t status = ema_ranges_check(actuator, &id);
+    if ((status == EMA_OK) && !ema_choice_fits(&actuator->params, &actuator->options)) {
+        status = EMA_ERR_ABSENT;
+        id = EMA_VALUE_COUNT;
+    }
     if ((status == EMA_OK) && (EMA_TABLES_HELD != 0)) {
         status = ema_tables_check(actuator, &id);
     }

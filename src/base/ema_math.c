@@ -9,7 +9,6 @@ typedef uint64_t ema_bits_t;
 #define EMA_EXPONENT_BIAS 1023
 #define EMA_EXPONENT_MASK 0x7ffU
 #define EMA_LOG_TERMS 11U
-#define EMA_SIN_TERMS 10U
 #define EMA_REAL_MAX DBL_MAX
 #define EMA_EXP_HIGH 709.0
 #define EMA_EXP_LOW (-708.0)
@@ -22,7 +21,6 @@ typedef uint32_t ema_bits_t;
 #define EMA_EXPONENT_BIAS 127
 #define EMA_EXPONENT_MASK 0xffU
 #define EMA_LOG_TERMS 5U
-#define EMA_SIN_TERMS 6U
 #define EMA_REAL_MAX FLT_MAX
 #define EMA_EXP_HIGH 88.0f
 #define EMA_EXP_LOW (-87.0f)
@@ -92,6 +90,12 @@ static const ema_real ema_exp_terms[] = {0.00138368038f, 0.00837484561f, 0.04166
 static const ema_real ema_sin_terms[] = {39.7109184f, -76.5749893f, 81.6022339f, -41.3416786f, 6.28318548f};
 #endif
 
+/* The next two terms of a polynomial. */
+static inline ema_real ema_next_terms(const ema_real* terms, ema_real x, ema_real square, ema_real sum)
+{
+    return (sum * square) + ((terms[0] * x) + terms[1]);
+}
+
 /* Two terms at a time: each waits for half as many before it as by Horner's rule. */
 static ema_real ema_polynomial(const ema_real* terms, uint32_t count, ema_real x)
 {
@@ -99,7 +103,7 @@ static ema_real ema_polynomial(const ema_real* terms, uint32_t count, ema_real x
     const uint32_t odd = count % 2U;
     ema_real sum = (odd != 0U) ? terms[0] : ((terms[0] * x) + terms[1]);
     for (uint32_t k = 2U - odd; k < count; k += 2U) {
-        sum = (sum * square) + ((terms[k] * x) + terms[k + 1U]);
+        sum = ema_next_terms(&terms[k], x, square, sum);
     }
     return sum;
 }
@@ -141,6 +145,22 @@ ema_real ema_floor(ema_real x)
     return (back > x) ? (back - EMA_R(1.0)) : back;
 }
 
+ema_real ema_exp_inside(ema_real x)
+{
+    const ema_real turns = ema_nearest(x * EMA_R(1.4426950408889634));
+    const ema_real rest = (x - (turns * EMA_LN2_HIGH)) - (turns * EMA_LN2_LOW);
+#if EMA_REAL64
+    const ema_real sum = EMA_POLYNOMIAL(ema_exp_terms, rest);
+#else
+    /* written out: friction asks for it many times in a step */
+    const ema_real square = rest * rest;
+    ema_real sum = ema_next_terms(&ema_exp_terms[1], rest, square, ema_exp_terms[0]);
+    sum = ema_next_terms(&ema_exp_terms[3], rest, square, sum);
+    sum = ema_next_terms(&ema_exp_terms[5], rest, square, sum);
+#endif
+    return sum * ema_power_of_two((int32_t)turns);
+}
+
 ema_real ema_exp(ema_real x)
 {
     if (x > EMA_EXP_HIGH) {
@@ -149,9 +169,7 @@ ema_real ema_exp(ema_real x)
     if (!(x > EMA_EXP_LOW)) {
         return EMA_R(0.0);
     }
-    const ema_real turns = ema_nearest(x * EMA_R(1.4426950408889634));
-    const ema_real rest = (x - (turns * EMA_LN2_HIGH)) - (turns * EMA_LN2_LOW);
-    return EMA_POLYNOMIAL(ema_exp_terms, rest) * ema_power_of_two((int32_t)turns);
+    return ema_exp_inside(x);
 }
 
 ema_real ema_log(ema_real x)
@@ -179,45 +197,71 @@ ema_real ema_log(ema_real x)
     return (whole * EMA_LN2_HIGH) + ((whole * EMA_LN2_LOW) + (EMA_R(2.0) * ratio * sum));
 }
 
-/* Sine of x rad for |x| <= pi / 2, Taylor by Horner. */
+/* Taylor's terms of the sine by Horner, each over the one before, the highest first. */
+#define EMA_SIN_OVER(even) ((EMA_R(1.0) / EMA_R(even)) * (EMA_R(1.0) / (EMA_R(even) + EMA_R(1.0))))
+static const ema_real ema_quarter_terms[] = {
+#if EMA_REAL64
+    EMA_SIN_OVER(20.0), EMA_SIN_OVER(18.0), EMA_SIN_OVER(16.0), EMA_SIN_OVER(14.0),
+#endif
+    EMA_SIN_OVER(12.0), EMA_SIN_OVER(10.0), EMA_SIN_OVER(8.0),  EMA_SIN_OVER(6.0),
+    EMA_SIN_OVER(4.0),  EMA_SIN_OVER(2.0)};
+
+/* Sine of x rad for |x| <= pi / 2; two terms in a turn, since a chirp asks for it in every step. */
 static ema_real ema_sin_quarter(ema_real x)
 {
     const ema_real square = x * x;
     ema_real sum = EMA_R(1.0);
-    for (uint32_t k = EMA_SIN_TERMS; k > 0U; --k) {
-        const uint32_t even = 2U * k;
-        sum = EMA_R(1.0) - (sum * (square * (ema_inverse[even] * ema_inverse[even + 1U])));
+    for (uint32_t k = 0; k < (uint32_t)(sizeof(ema_quarter_terms) / sizeof(ema_real)); k += 2U) {
+        sum = EMA_R(1.0) - (sum * (square * ema_quarter_terms[k]));
+        sum = EMA_R(1.0) - (sum * (square * ema_quarter_terms[k + 1U]));
     }
     return x * sum;
 }
 
-ema_real ema_real_of(uint64_t whole)
-{
 #if EMA_REAL64
-    return (ema_real)whole;
-#else
-    /* the target converts 32 bits: of what is cut off below them it matters only whether there is any */
-    uint64_t kept = whole;
-    int32_t cut = 0;
-    while ((kept >> 32U) != 0U) {
-        kept = (kept >> 6U) | (((kept & 63U) != 0U) ? 1U : 0U);
-        cut += 6;
-    }
-    return (ema_real)(uint32_t)kept * ema_power_of_two(cut);
-#endif
+/* A signed fraction of 2^64 turns, at most a quarter, in rad. */
+static ema_real ema_quarter_rad(uint64_t turned)
+{
+    const bool negative = (turned >> 63U) != 0U;
+    const ema_real size = (ema_real)(negative ? (UINT64_C(0) - turned) : turned);
+    return (negative ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18));
 }
+#else
+/* From this size on the upper word has more bits than a real, so that of the lower it matters only whether it is zero.
+ */
+#define EMA_UPPER_LARGE (UINT32_C(1) << 25U)
+/* Shifts that bring any number there. */
+#define EMA_UPPER_SHIFT 6U
+#define EMA_UPPER_SHIFTS 10U
+
+/* The number whose two's complement has these bits. */
+static int32_t ema_signed(uint32_t bits)
+{
+    return (bits <= (uint32_t)INT32_MAX) ? (int32_t)bits : (-1 - (int32_t)(uint32_t)~bits);
+}
+
+/* A signed fraction of 2^64 turns, at most a quarter, in rad. Rounded once as a conversion of the whole rounds it: the
+ * target has no instruction for more than 32 bits. */
+static ema_real ema_quarter_rad(uint64_t turned)
+{
+    uint64_t left = turned;
+    ema_real unit_rad = EMA_QUARTER_RAD / EMA_R(1073741824.0);
+    uint32_t upper = (uint32_t)(left >> 32U);
+    for (uint32_t k = 0; (k < EMA_UPPER_SHIFTS) && ((upper + EMA_UPPER_LARGE) < (2U * EMA_UPPER_LARGE)); ++k) {
+        left <<= EMA_UPPER_SHIFT;
+        unit_rad *= EMA_R(0.015625);
+        upper = (uint32_t)(left >> 32U);
+    }
+    return (ema_real)ema_signed(upper | (((left & UINT32_MAX) != 0U) ? 1U : 0U)) * unit_rad;
+}
+#endif
 
 ema_real ema_sin_turn64(uint64_t phase)
 {
-    /* fold the second and third quarter back, so that the series sees at most a quarter turn */
-    const uint64_t half = UINT64_C(1) << 63U;
-    const bool negative = phase > half;
-    uint64_t whole = negative ? (UINT64_C(0) - phase) : phase;
-    if (whole > (half / 2U)) {
-        whole = half - whole;
-    }
-    const ema_real size = ema_real_of(whole);
-    return ema_sin_quarter((negative ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18)));
+    /* fold the second and third quarter back, so that the series sees at most a quarter turn either way */
+    const uint64_t quarter = UINT64_C(1) << 62U;
+    const bool back = ((phase + quarter) >> 63U) != 0U;
+    return ema_sin_quarter(ema_quarter_rad(back ? ((quarter * 2U) - phase) : phase));
 }
 
 uint64_t ema_turn64(ema_real x)

@@ -74,6 +74,8 @@ static inline void ema_add_compensated(ema_real* high, ema_real* low, ema_real a
 /* e^x; zero below the smallest normal number, the largest finite number above the range. Relative error under 3 units
  * in the last place. */
 ema_real ema_exp(ema_real x);
+/* The same of -87 < x <= 88, which the caller knows. */
+ema_real ema_exp_inside(ema_real x);
 
 /* Natural logarithm of x > 0, normal numbers. Error under 3 units in the last place of max(1, |log x|). */
 ema_real ema_log(ema_real x);
@@ -81,10 +83,6 @@ ema_real ema_log(ema_real x);
 /* Sine and cosine of an angle in rad. Absolute error under 2 epsilon * max(1, |x|) for |x| < 1e6. */
 ema_real ema_sin(ema_real x);
 ema_real ema_cos(ema_real x);
-
-/* A whole number as a real, rounded once as a conversion rounds it; the target has no instruction for more than 32
- * bits. */
-ema_real ema_real_of(uint64_t whole);
 
 /* Sine of a phase in turns, given as a fraction of 2^64. Absolute error under 2 epsilon. */
 ema_real ema_sin_turn64(uint64_t phase);

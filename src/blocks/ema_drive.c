@@ -4,17 +4,23 @@
 
 void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options)
 {
-    drive->current_mode = options->mode == 1;
     drive->supply_V = params->supply_V;
+    drive->current_limit_A = ema_limit_or_none(params->current_limit_A);
+#if EMA_ONLY_VOLTAGE
+    (void)options;
+    drive->current_mode = false;
+    drive->delayed = false;
+#else
+    drive->current_mode = options->mode == 1;
     drive->current_scale_A = params->current_scale_A;
     drive->command_scale_V = params->command_scale_V;
-    drive->current_limit_A = ema_limit_or_none(params->current_limit_A);
     drive->loop_s = params->current_loop_s;
     /* checked already: the bound says so where it is converted */
     const ema_real steps = ema_min(params->output_delay_s / params->step_s, EMA_DELAY_STEPS_MAX);
     drive->delayed = params->output_delay_s > EMA_R(0.0);
     drive->delay_steps = (uint16_t)steps;
     drive->delay_part = steps - (ema_real)drive->delay_steps;
+#endif
 }
 
 void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output, ema_real current_A,

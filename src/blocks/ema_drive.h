@@ -3,6 +3,7 @@
 #define EMA_DRIVE_H
 
 #include "ema/ema_work.h"
+#include "ema_choice.h"
 #include "ema_math.h"
 
 void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options);
@@ -14,10 +15,32 @@ void ema_drive_current_mode(const ema_drive_t* drive, const ema_motor_t* motor, 
 /* The step below with what was asked `age` steps ago, as a function: it is not in the way of every model step. */
 void ema_drive_late(const ema_plant_t* plant, const ema_state_t* state, uint32_t age, ema_drive_output_t* applied);
 
+/* Whether it regulates the current, whether it does so over this step, and whether it is late. */
+static inline bool ema_drive_regulates(const ema_drive_t* drive)
+{
+    return (EMA_ONLY_VOLTAGE == 0) && drive->current_mode;
+}
+
+static inline bool ema_drive_follows(const ema_drive_output_t* applied)
+{
+    return (EMA_ONLY_VOLTAGE == 0) && applied->current_loop;
+}
+
+static inline bool ema_drive_delays(const ema_drive_t* drive)
+{
+    return (EMA_ONLY_VOLTAGE == 0) && drive->delayed;
+}
+
+/* Whether it drives the circuit of its mode. */
+static inline bool ema_drive_keeps(const ema_drive_t* drive, const ema_drive_output_t* applied)
+{
+    return (EMA_ONLY_VOLTAGE != 0) || (applied->current_loop == drive->current_mode);
+}
+
 /* The circuit that it drives. */
 static inline const ema_circuit_t* ema_circuit_of(const ema_plant_t* plant, const ema_drive_output_t* applied)
 {
-    return applied->current_loop ? &plant->current_loop : &plant->motor_circuit;
+    return ema_drive_follows(applied) ? &plant->current_loop : &plant->motor_circuit;
 }
 
 /* Current of a circuit without a time constant under `input`, inside the drive's limit. */
@@ -36,7 +59,7 @@ static inline void ema_drive_current(const ema_plant_t* plant, ema_state_t* stat
 static inline void ema_drive_step(const ema_drive_t* drive, const ema_motor_t* motor, ema_real output,
                                   ema_real current_A, ema_real speed_rad_s, ema_drive_output_t* applied)
 {
-    if (drive->current_mode) {
+    if (ema_drive_regulates(drive)) {
         ema_drive_current_mode(drive, motor, output, current_A, speed_rad_s, applied);
     } else {
         applied->input = output * drive->supply_V;

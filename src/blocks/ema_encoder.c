@@ -4,16 +4,20 @@
 
 void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, const ema_options_t* options)
 {
-    /* checked already: the bound says so where it is converted */
-    const ema_real steps = ema_min(params->delay_s / params->step_s, EMA_DELAY_STEPS_MAX);
     encoder->at_rod = options->side == 1;
     encoder->rod_gain = EMA_R(1.0) + params->rod_gain_error;
     encoder->rod_offset_mm = params->rod_offset_mm;
+#if EMA_ONLY_EXACT
+    encoder->plain = true;
+#else
+    /* checked already: the bound says so where it is converted */
+    const ema_real steps = ema_min(params->delay_s / params->step_s, EMA_DELAY_STEPS_MAX);
     encoder->resolution_mm = params->resolution_mm;
     encoder->steps_per_mm = (params->resolution_mm > EMA_R(0.0)) ? (EMA_R(1.0) / params->resolution_mm) : EMA_R(0.0);
     encoder->delay_steps = (uint16_t)steps;
     encoder->delay_part = steps - (ema_real)encoder->delay_steps;
     encoder->plain = !(params->delay_s > EMA_R(0.0)) && !(params->resolution_mm > EMA_R(0.0));
+#endif
 }
 
 ema_real ema_encoder_general(const ema_encoder_t* encoder, ema_state_t* state, ema_real position_mm)

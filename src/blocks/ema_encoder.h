@@ -3,6 +3,7 @@
 #define EMA_ENCODER_H
 
 #include "ema/ema_plant.h"
+#include "ema_choice.h"
 #include "ema_math.h"
 
 void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, const ema_options_t* options);
@@ -21,7 +22,7 @@ static inline ema_real ema_encoder_step(const ema_encoder_t* encoder, ema_state_
                                         ema_real rod_reading_mm)
 {
     const ema_real position_mm = encoder->at_rod ? rod_reading_mm : motor_mm;
-    return encoder->plain ? position_mm : ema_encoder_general(encoder, state, position_mm);
+    return ((EMA_ONLY_EXACT != 0) || encoder->plain) ? position_mm : ema_encoder_general(encoder, state, position_mm);
 }
 
 #endif

@@ -10,6 +10,5 @@ void ema_gearbox_prepare(ema_gearbox_t* gearbox, const ema_params_t* params)
 
 ema_real ema_gearbox_loss(const ema_gearbox_t* gearbox, ema_real load_torque_Nm, ema_real direction)
 {
-    const ema_real against_Nm = load_torque_Nm * direction;
-    return (against_Nm > EMA_R(0.0)) ? (gearbox->loss_opposing * against_Nm) : (gearbox->loss_aiding * -against_Nm);
+    return ema_gearbox_lost(gearbox, load_torque_Nm, direction);
 }

@@ -8,6 +8,12 @@ void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_optio
     pid->period_s = params->step_s * (ema_real)pid->every_steps;
     pid->anti_windup_per_s = params->anti_windup_per_s;
     pid->output_limit = params->output_limit;
+#if EMA_ONLY_PI
+    pid->cascade = false;
+    pid->plain = true;
+    pid->gain = params->kp_per_m;
+    pid->integral_gain = params->ki_per_m_s;
+#else
     pid->speed_limit_m_s = ema_limit_or_none(params->speed_limit_m_s);
     pid->cascade = options->structure == 1;
     pid->gain = pid->cascade ? params->speed_gain_s_per_m : params->kp_per_m;
@@ -16,6 +22,7 @@ void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_optio
     pid->derivative_on_speed = options->derivative == 1;
     pid->average_speed = options->average_speed == 1;
     pid->plain = !pid->cascade && !(params->kd_s_per_m > EMA_R(0.0));
+#endif
 }
 
 ema_real ema_pid_general(const ema_pid_t* pid, ema_state_t* state, ema_real error_m, ema_real feedback_mm)

@@ -3,6 +3,7 @@
 #define EMA_PID_H
 
 #include "ema/ema_plant.h"
+#include "ema_choice.h"
 #include "ema_math.h"
 
 void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_options_t* options);
@@ -17,7 +18,7 @@ static inline ema_real ema_pid_step(const ema_pid_t* pid, ema_state_t* state, em
         return state->output;
     }
     const ema_real error_m = (command_mm - feedback_mm) * EMA_R(1.0e-3);
-    if (!pid->plain) {
+    if ((EMA_ONLY_PI == 0) && !pid->plain) {
         state->output = ema_pid_general(pid, state, error_m, feedback_mm);
         return state->output;
     }

@@ -83,8 +83,7 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
 
 ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
 {
-    /* no copy: the deepest stack of the module goes through here */
-    const uint32_t* const present = plant->active.present;
+    const uint32_t present[] = EMA_PRESENT(plant);
     ema_real change_Nm = EMA_R(0.0);
 #define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
     if (EMA_RUNS(present, name)) {                                                                                     \

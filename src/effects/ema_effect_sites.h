@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "ema/ema_work.h"
+#include "ema_choice.h"
 #include "ema_effect_rows.h"
 #include "ema_site.h"
 
@@ -83,6 +84,12 @@ static inline bool ema_acts_on_motion(const ema_plant_t* plant)
            && plant->active.any;
 }
 
+/* Whether a model step is tried in one: for an effect, or for a drive that is late. */
+static inline bool ema_tries_whole(const ema_plant_t* plant)
+{
+    return ((EMA_SITES_HELD != 0) || (EMA_ONLY_VOLTAGE == 0)) && plant->tries_whole_step;
+}
+
 /* Whether any keeps a temperature. */
 static inline bool ema_acts_by_warmth(const ema_plant_t* plant)
 {
@@ -90,12 +97,12 @@ static inline bool ema_acts_by_warmth(const ema_plant_t* plant)
 }
 
 /* Whether the dry friction of a shaft that keeps its direction changes on the way. */
-static inline bool ema_friction_varies(const ema_plant_t* plant)
+static inline bool ema_friction_varies(uint32_t sites)
 {
     const uint32_t asked = (uint32_t)EMA_SITES_HELD
                            & (((uint32_t)1 << (uint32_t)EMA_SITE_FRICTION) | ((uint32_t)1 << (uint32_t)EMA_SITE_LOAD)
                               | ((uint32_t)1 << (uint32_t)EMA_SITE_PRESLIDING));
-    return ((uint32_t)plant->active.sites & asked) != 0U;
+    return (sites & asked) != 0U;
 }
 
 /* Whether something adds to the rod sensor's reading, or a learned table acts: how far it is used is watched there. */

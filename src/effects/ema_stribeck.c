@@ -28,5 +28,5 @@ static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)
 ema_real ema_stribeck(ema_real rise_Nm, ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape)
 {
     const ema_real power = ema_stribeck_power(ema_abs(speed_rad_s) / fallen_rad_s, shape);
-    return rise_Nm * ((power < EMA_FADED) ? ema_exp(-power) : EMA_R(0.0));
+    return rise_Nm * ((power < EMA_FADED) ? ema_exp_inside(-power) : EMA_R(0.0));
 }

@@ -20,13 +20,17 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
     if ((record == NULL) || (config == NULL) || (config->buffer == NULL)) {
         return EMA_ERR_NULL;
     }
+    if (((EMA_ONLY_INT16 != 0) && (config->format == EMA_RECORD_REAL))
+        || ((EMA_ONLY_RECORDED != 0) && (config->command != NULL))) {
+        return EMA_ERR_ABSENT;
+    }
     ema_record_t made;
     ema_clear(&made, sizeof made);
     made.buffer = config->buffer;
     made.command = config->command;
     made.format = config->format;
     bool scales = true;
-    if (config->command == NULL) {
+    if (ema_record_function(&made) == NULL) {
         made.unit[0] = config->command_full_scale_mm / EMA_INT16_FULL;
         scales = ema_scale_valid(config->command_full_scale_mm);
         made.stride = 1U;
@@ -40,13 +44,14 @@ ema_status_t ema_record_init(ema_record_t* record, const ema_record_config_t* co
             ++made.stride;
         }
     }
-    const size_t value_bytes = (config->format == EMA_RECORD_INT16) ? sizeof(int16_t) : sizeof(ema_real);
+    const size_t value_bytes = ema_record_counts(&made) ? sizeof(int16_t) : sizeof(ema_real);
     const size_t rows = config->buffer_bytes / (value_bytes * made.stride);
-    const bool known = (config->format == EMA_RECORD_INT16) || (config->format == EMA_RECORD_REAL);
+    const bool known =
+        (config->format == EMA_RECORD_INT16) || ((EMA_ONLY_INT16 == 0) && (config->format == EMA_RECORD_REAL));
     if (((uintptr_t)config->buffer % value_bytes) != 0U) {
         return EMA_ERR_ALIGN;
     }
-    if ((rows < 1U) || !known || ((config->format == EMA_RECORD_INT16) && !scales)) {
+    if ((rows < 1U) || !known || (ema_record_counts(&made) && !scales)) {
         return EMA_ERR_RANGE;
     }
     made.capacity = (rows < (size_t)INT32_MAX) ? (uint32_t)rows : (uint32_t)INT32_MAX;
@@ -74,7 +79,7 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
     if (record->count >= record->capacity) {
         return EMA_ERR_FULL;
     }
-    const bool scaled = record->format == EMA_RECORD_INT16;
+    const bool scaled = ema_record_counts(record);
     ema_real row[1U + EMA_CHANNEL_COUNT];
     for (uint32_t place = 0; place < record->stride; ++place) {
         row[place] = ema_sample_value(record, sample, place);
@@ -94,7 +99,7 @@ ema_status_t ema_record_append(ema_record_t* record, const ema_sample_t* sample)
             ((ema_real*)record->buffer)[start + place] = row[place];
         }
     }
-    if ((record->command == NULL) && (record->count > 0U)) {
+    if ((ema_record_function(record) == NULL) && (record->count > 0U)) {
         record->asked_mm +=
             ema_abs(ema_record_value(record, record->count, 0U) - ema_record_value(record, record->count - 1U, 0U));
     }

@@ -4,13 +4,25 @@
 
 #include "ema/ema_plant.h"
 #include "ema/ema_record.h"
+#include "ema_choice.h"
+
+/* Whether a record keeps counts, and the command that is a function, NULL where it is recorded. */
+static inline bool ema_record_counts(const ema_record_t* record)
+{
+    return (EMA_ONLY_INT16 != 0) || (record->format == EMA_RECORD_INT16);
+}
+
+static inline const ema_command_t* ema_record_function(const ema_record_t* record)
+{
+    return (EMA_ONLY_RECORDED != 0) ? NULL : record->command;
+}
 
 /* Value at place `place` of row `row`. */
 static inline ema_real ema_record_value(const ema_record_t* record, uint32_t row, uint32_t place)
 {
     const size_t at = ((size_t)row * record->stride) + place;
-    return (record->format == EMA_RECORD_INT16) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place])
-                                                : ((const ema_real*)record->buffer)[at];
+    return ema_record_counts(record) ? ((ema_real)((const int16_t*)record->buffer)[at] * record->unit[place])
+                                     : ((const ema_real*)record->buffer)[at];
 }
 
 /* Whether the weights of the channels, by ema_channel_t, are finite, none negative, one of them positive, and those on
@@ -33,7 +45,8 @@ static inline ema_real ema_output_channel(const ema_output_t* output, uint32_t c
 /* Command of model step `step` in row `row`. */
 static inline ema_real ema_record_command(const ema_record_t* record, uint32_t row, uint32_t step)
 {
-    return (record->command != NULL) ? ema_command_at(record->command, step) : ema_record_value(record, row, 0U);
+    const ema_command_t* const function = ema_record_function(record);
+    return (function != NULL) ? ema_command_at(function, step) : ema_record_value(record, row, 0U);
 }
 
 /* The value and the command as functions, where they are not in the way of every model step. */

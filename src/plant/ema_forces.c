@@ -9,50 +9,66 @@
 #include "ema_motor.h"
 #include "ema_screw.h"
 
-static ema_real ema_level(const ema_plant_t* plant, ema_site_t* site, ema_real level_Nm, ema_real load_Nm,
-                          ema_real direction)
+/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion.
+ */
+static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
 {
-    const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, direction);
-    ema_real total_Nm = own_Nm + ema_gearbox_loss(&plant->gearbox, load_Nm, direction);
-    if (ema_acts(plant, EMA_SITE_GREASE)) {
+    /* an elastic contact has no direction to keep */
+    const bool keeps = (motion == (int32_t)EMA_MOTION_ELASTIC) || (((ema_real)motion * speed_rad_s) > EMA_R(0.0));
+    return keeps ? speed_rad_s : EMA_R(0.0);
+}
+
+/* Sites that most machines have no effect at, in the two groups that are passed by together. */
+#define EMA_SITES_OF_INPUT                                                                                             \
+    (((uint32_t)1 << (uint32_t)EMA_SITE_VOLTAGE) | ((uint32_t)1 << (uint32_t)EMA_SITE_WINDING)                         \
+     | ((uint32_t)1 << (uint32_t)EMA_SITE_LOAD))
+#define EMA_SITES_OF_TORQUE                                                                                            \
+    (((uint32_t)1 << (uint32_t)EMA_SITE_TORQUE) | ((uint32_t)1 << (uint32_t)EMA_SITE_GREASE)                           \
+     | ((uint32_t)1 << (uint32_t)EMA_SITE_MOTOR))
+
+/* Dry friction against the site's direction. */
+static ema_real ema_level(const ema_plant_t* plant, uint32_t sites, const ema_site_t* site, ema_real level_Nm,
+                          ema_real load_Nm)
+{
+    const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, site->direction);
+    ema_real total_Nm = own_Nm + ema_gearbox_lost(&plant->gearbox, load_Nm, site->direction);
+    if (ema_acts_among(sites, EMA_SITE_GREASE)) {
         total_Nm += site->grease * own_Nm;
     }
-    if (ema_acts(plant, EMA_SITE_FRICTION)) {
-        site->direction = direction;
+    if (ema_acts_among(sites, EMA_SITE_FRICTION)) {
         total_Nm += ema_site_friction(plant, site, own_Nm);
     }
     return ema_max(total_Nm, EMA_R(0.0));
 }
 
 /* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at
- * rest. */
-static ema_real ema_sliding_friction(const ema_plant_t* plant, const ema_state_t* state, ema_site_t* site,
-                                     ema_real load_Nm)
+ * rest; of a shaft that rests both levels. One place asks for a level, so that it is no call. */
+static ema_real ema_dry_friction(const ema_plant_t* plant, uint32_t sites, const ema_state_t* state, ema_site_t* site,
+                                 ema_real load_Nm, bool rests, ema_forces_t* forces)
 {
-    if (!ema_acts(plant, EMA_SITE_PRESLIDING)) {
-        const ema_real direction = (ema_real)state->motion;
-        return -direction * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, direction);
+    const ema_real kept_Nm = rests ? plant->screw.static_Nm : plant->screw.dynamic_Nm;
+    ema_real share = rests ? EMA_R(1.0) : (ema_real)state->motion;
+    site->direction = share;
+    if (ema_acts_among(sites, EMA_SITE_PRESLIDING)) {
+        share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
+        site->direction = (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0);
     }
-    const ema_real share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
-    return -share
-           * ema_level(plant, site, plant->screw.dynamic_Nm, load_Nm, (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0));
-}
-
-/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion.
- */
-static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
-{
-    ema_real speed = speed_rad_s;
-    if (motion == (int32_t)EMA_MOTION_STUCK) {
-        speed = EMA_R(0.0);
-    } else if (motion == (int32_t)EMA_MOTION_FORWARD) {
-        speed = ema_max(speed_rad_s, EMA_R(0.0));
-    } else if (motion == (int32_t)EMA_MOTION_BACKWARD) {
-        speed = ema_min(speed_rad_s, EMA_R(0.0));
-    } else {
-        /* an elastic contact has no direction to keep */
+    ema_real level_Nm = EMA_R(0.0);
+    /* forward, then backward, or the one way that it slides */
+    uint32_t k = 1U;
+    if (rests) {
+        k = 0U;
     }
-    return speed;
+    while (k < 2U) {
+        level_Nm = ema_level(plant, sites, site, kept_Nm, load_Nm);
+        if (k == 0U) {
+            forces->level_forward_Nm = level_Nm;
+            site->direction = EMA_R(-1.0);
+        }
+        ++k;
+    }
+    forces->level_backward_Nm = rests ? level_Nm : EMA_R(0.0);
+    return -share * level_Nm;
 }
 
 void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_point_t* point)
@@ -65,57 +81,59 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
                        point->angle_rad,
                        plant->gearbox.lead_mm_per_rad * point->angle_rad,
                        point->current_A,
-                       applied->current_loop ? applied->voltage_V : applied->input,
+                       ema_drive_follows(applied) ? applied->voltage_V : applied->input,
                        EMA_R(0.0),
                        EMA_R(0.0)};
     const uint32_t sites = plant->active.sites;
+    /* kept out of the structure: each call would have them written and read again */
+    ema_real input = applied->input;
     work->spent += EMA_WORK_FORCES;
-    forces->input = applied->input;
-    forces->level_forward_Nm = EMA_R(0.0);
-    forces->level_backward_Nm = EMA_R(0.0);
-    if (!applied->current_loop && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
-        forces->input += ema_site_voltage(plant, &site);
-    }
-    if (!applied->current_loop && ema_acts_among(sites, EMA_SITE_WINDING)) {
-        /* it warms between steps alone */
-        if (starts) {
-            work->winding_ohm = ema_site_winding(plant, state->effect_memory) * plant->motor.resistance_ohm;
-        }
-        forces->input -= work->winding_ohm * site.current_A;
-    }
     ema_real load_Nm = plant->screw.load_torque_Nm;
-    if (ema_acts_among(sites, EMA_SITE_LOAD)) {
-        load_Nm += ema_site_load(plant, &site);
+    if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_INPUT) != 0U) {
+        if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
+            input += ema_site_voltage(plant, &site);
+        }
+        if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_WINDING)) {
+            /* it warms between steps alone */
+            if (starts) {
+                work->winding_ohm = ema_site_winding(plant, state->effect_memory) * plant->motor.resistance_ohm;
+            }
+            input -= work->winding_ohm * site.current_A;
+        }
+        if (ema_acts_among(sites, EMA_SITE_LOAD)) {
+            load_Nm += ema_site_load(plant, &site);
+        }
     }
-    forces->torque_Nm = -load_Nm;
-    if (ema_acts_among(sites, EMA_SITE_TORQUE)) {
-        forces->torque_Nm += ema_site_torque(plant, &site);
+    ema_real torque_Nm = -load_Nm;
+    if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_TORQUE) != 0U) {
+        if (ema_acts_among(sites, EMA_SITE_TORQUE)) {
+            torque_Nm += ema_site_torque(plant, &site);
+        }
+        if (ema_acts_among(sites, EMA_SITE_GREASE)) {
+            site.grease = ema_site_grease(plant, state->effect_memory);
+            torque_Nm -= (site.grease * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
+        }
+        if (ema_acts_among(sites, EMA_SITE_MOTOR)) {
+            const ema_real change = ema_site_motor(plant, &site);
+            const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
+            /* the limit holds for the torque with its change */
+            torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
+            input -= ema_drive_follows(applied) ? EMA_R(0.0)
+                                                : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+        }
     }
-    if (ema_acts_among(sites, EMA_SITE_GREASE)) {
-        site.grease = ema_site_grease(plant, state->effect_memory);
-        forces->torque_Nm -= (site.grease * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
+    /* a shaft at rest breaks away by the levels at the start */
+    const bool rests = (state->motion == (int32_t)EMA_MOTION_STUCK) && !ema_acts_among(sites, EMA_SITE_PRESLIDING);
+    ema_real friction_Nm = work->segment.forces.level_forward_Nm;
+    if (starts || (!rests && ema_friction_varies(sites))) {
+        friction_Nm = ema_dry_friction(plant, sites, state, &site, load_Nm, rests, forces);
     }
-    if (ema_acts_among(sites, EMA_SITE_MOTOR)) {
-        const ema_real change = ema_site_motor(plant, &site);
-        const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
-        /* the limit holds for the torque with its change */
-        forces->torque_Nm +=
-            ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
-        forces->input -=
-            applied->current_loop ? EMA_R(0.0) : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
-    }
-    if ((state->motion != (int32_t)EMA_MOTION_STUCK) || ema_acts_among(sites, EMA_SITE_PRESLIDING)) {
-        const ema_real friction_Nm = (starts || ema_friction_varies(plant))
-                                         ? ema_sliding_friction(plant, state, &site, load_Nm)
-                                         : work->segment.forces.level_forward_Nm;
+    if (!rests) {
         forces->level_forward_Nm = friction_Nm;
-        forces->torque_Nm += friction_Nm;
-    } else if (starts) {
-        forces->level_forward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(1.0));
-        forces->level_backward_Nm = ema_level(plant, &site, plant->screw.static_Nm, load_Nm, EMA_R(-1.0));
-    } else {
-        /* a shaft at rest breaks away by the levels at the start */
+        torque_Nm += friction_Nm;
     }
+    forces->input = input;
+    forces->torque_Nm = torque_Nm;
 }
 
 void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)

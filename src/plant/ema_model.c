@@ -45,8 +45,9 @@ ema_status_t ema_model_step(ema_model_t* model, ema_real command_mm, ema_output_
     ema_tick(&model->plant, &model->state, &model->work, command_mm, shown);
     /* the play and the limits of the output swallow NaN, so that rod and voltage alone do not tell */
     const ema_state_t* const state = &model->state;
-    const bool finite = ema_is_finite(state->current_A) && ema_is_finite(state->speed_rad_s)
-                        && ema_is_finite(state->motor_mm) && ema_is_finite(state->rod_mm)
-                        && ema_is_finite(state->integral);
-    return finite ? EMA_OK : EMA_ERR_DIVERGED;
+    /* zero of a finite number, NaN of any other */
+    const ema_real none = (state->current_A - state->current_A) + (state->speed_rad_s - state->speed_rad_s)
+                          + (state->motor_mm - state->motor_mm) + (state->rod_mm - state->rod_mm)
+                          + (state->integral - state->integral);
+    return (none == EMA_R(0.0)) ? EMA_OK : EMA_ERR_DIVERGED;
 }

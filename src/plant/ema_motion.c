@@ -182,7 +182,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
     work->circuit = ema_circuit_of(plant, &work->applied);
     work->responses = responses;
     work->span_s = span_s;
-    const bool done = (responses != NULL) && (work->applied.current_loop == plant->drive.current_mode)
+    const bool done = (responses != NULL) && ema_drive_keeps(&plant->drive, &work->applied)
                       && ema_motion_smooth(plant, state, work, whole);
     if (done && ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         /* the play is as it was */
@@ -194,7 +194,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
 {
     const ema_responses_t* const prepared =
-        (ema_acts_on_motion(plant) && !plant->drive.delayed) ? &plant->responses[0] : NULL;
+        (ema_acts_on_motion(plant) && !ema_drive_delays(&plant->drive)) ? &plant->responses[0] : NULL;
     /* events are found without the frame of a try below them */
     if (!ema_motion_try(plant, state, work, prepared, span_s, false)) {
         ema_motion_events(plant, state, work);
@@ -205,7 +205,7 @@ void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* w
                      ema_real span_s)
 {
     ++work->spent;
-    if (!plant->tries_whole_step || !ema_motion_try(plant, state, work, responses, span_s, true)) {
+    if (!ema_tries_whole(plant) || !ema_motion_try(plant, state, work, responses, span_s, true)) {
         for (uint32_t k = 0; k < plant->substeps; ++k) {
             ema_motion_located(plant, state, work, span_s / (ema_real)plant->substeps);
         }

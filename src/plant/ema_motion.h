@@ -39,8 +39,7 @@ static inline ema_real ema_response_at(const ema_response_t* response, ema_real 
  */
 static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state, const ema_drive_output_t* applied)
 {
-    const ema_responses_t* const responses =
-        &plant->responses[(applied->current_loop == plant->drive.current_mode) ? 0U : 1U];
+    const ema_responses_t* const responses = &plant->responses[ema_drive_keeps(&plant->drive, applied) ? 0U : 1U];
     const ema_real current_A = state->current_A;
     /* on a limit or beyond it, the step is not the linear one even when it ends inside */
     bool plain = ema_abs(current_A) < plant->linear_current_A;

@@ -52,7 +52,7 @@ static ema_real ema_substeps_needed(const ema_params_t* params, const ema_option
 {
     ema_real fastest_per_s = ema_fastest_per_s(params, params->inductance_H / params->resistance_ohm,
                                                params->back_emf_V_s_per_rad, EMA_R(1.0) / params->resistance_ohm);
-    if (options->mode == 1) {
+    if ((EMA_ONLY_VOLTAGE == 0) && (options->mode == 1)) {
         const ema_real loop_per_s = ema_fastest_per_s(params, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
         /* an ideal drive never applies the bus voltage itself */
         fastest_per_s = (params->current_loop_s > EMA_R(0.0)) ? ema_max(fastest_per_s, loop_per_s) : loop_per_s;
@@ -60,16 +60,32 @@ static ema_real ema_substeps_needed(const ema_params_t* params, const ema_option
     return (fastest_per_s * params->step_s) / EMA_SERIES_REACH;
 }
 
+/* Whether the samples that are kept suffice for what is late. */
+static bool ema_delays_fit(const ema_params_t* params)
+{
+    bool fit = true;
+#if !EMA_ONLY_EXACT
+    fit = (params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX;
+#endif
+#if !EMA_ONLY_VOLTAGE
+    fit = fit && ((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX);
+#endif
+    (void)params;
+    return fit;
+}
+
 /* Why no model can be made of parameters as the effects leave them. */
 static ema_status_t ema_plant_check(const ema_params_t* params, const ema_options_t* options, ema_real inertia_kgm2,
                                     ema_real start_mm)
 {
     ema_status_t status = EMA_OK;
-    if (!(ema_abs(start_mm) <= params->travel_mm) || !((params->delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX)
-        || !((params->output_delay_s / params->step_s) <= EMA_DELAY_STEPS_MAX) || !(params->supply_V > EMA_R(0.0))
-        || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
-        || !((params->anti_windup_per_s * params->step_s * (ema_real)options->every_steps) < EMA_ANTI_WINDUP_MAX)
-        || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
+    if ((EMA_SITES_HELD != 0) && !ema_choice_fits(params, options)) {
+        /* an effect has asked for it */
+        status = EMA_ERR_ABSENT;
+    } else if (!(ema_abs(start_mm) <= params->travel_mm) || !ema_delays_fit(params) || !(params->supply_V > EMA_R(0.0))
+               || !(params->viscous_Nm_s_per_rad >= EMA_R(0.0))
+               || !((params->anti_windup_per_s * params->step_s * (ema_real)options->every_steps) < EMA_ANTI_WINDUP_MAX)
+               || !(params->resistance_ohm > EMA_R(0.0)) || !(ema_abs(params->friction_asymmetry) <= EMA_R(1.0))) {
         status = EMA_ERR_RANGE;
     } else if (!(params->inertia_kgm2 > (EMA_R(0.05) * inertia_kgm2))) {
         status = EMA_ERR_INERTIA;
@@ -93,7 +109,8 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
         ema_acts(plant, EMA_SITE_TRANSMISSION)
         && !(plant->effects.transmission_compliance.period_s >= (EMA_STEPS_OF_A_SWING * params->step_s));
     plant->tries_whole_step =
-        (plant->substeps == 1U) && (options->substeps == 0) && (plant->drive.delayed || ((wanted > 1U) && !swings));
+        (plant->substeps == 1U) && (options->substeps == 0)
+        && (ema_drive_delays(&plant->drive) || ((EMA_SITES_HELD != 0) && (wanted > 1U) && !swings));
     if (plant->substeps < wanted) {
         plant->substeps = (uint16_t)wanted;
     }
@@ -103,7 +120,9 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     plant->linear_current_A = ema_min(plant->drive.current_limit_A, plant->torque_limit_A);
     ema_circuit_set(&plant->motor_circuit, params->inductance_H / params->resistance_ohm, params->back_emf_V_s_per_rad,
                     EMA_R(1.0) / params->resistance_ohm);
+#if !EMA_ONLY_VOLTAGE
     ema_circuit_set(&plant->current_loop, params->current_loop_s, EMA_R(0.0), EMA_R(1.0));
+#endif
     plant->warming_ahead_ratio = ema_acts_by_warmth(plant) ? ema_site_ahead(plant) : EMA_R(0.0);
 }
 
@@ -133,17 +152,17 @@ static void ema_responses_all(ema_plant_t* plant, ema_work_t* work)
 {
     ema_real first_s = plant->substep_s;
     ema_real second_s = plant->step_s;
-    work->circuit = plant->drive.current_mode ? &plant->current_loop : &plant->motor_circuit;
-    if (plant->tries_whole_step && plant->drive.delayed) {
+    work->circuit = ema_drive_regulates(&plant->drive) ? &plant->current_loop : &plant->motor_circuit;
+    if (ema_tries_whole(plant) && ema_drive_delays(&plant->drive)) {
         first_s = plant->drive.delay_part * plant->step_s;
         second_s = plant->step_s - first_s;
     }
     ema_responses_prepare(&plant->responses[0], plant, work, first_s);
-    if (!plant->tries_whole_step) {
+    if (!ema_tries_whole(plant)) {
         second_s = plant->substep_s;
         work->circuit = &plant->motor_circuit;
     }
-    if (plant->tries_whole_step || plant->drive.current_mode) {
+    if (ema_tries_whole(plant) || ema_drive_regulates(&plant->drive)) {
         ema_responses_prepare(&plant->responses[1], plant, work, second_s);
     }
 }
@@ -163,6 +182,7 @@ void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
     state->motor_mm = plant->start_mm;
     state->play_mm = plant->start_mm;
     state->rod_mm = plant->start_mm;
+#if !EMA_ONLY_EXACT
     const ema_site_t site = {.plant = plant,
                              .speed_rad_s = state->speed_rad_s,
                              .angle_rad = state->angle_rad,
@@ -174,6 +194,7 @@ void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
     for (uint32_t k = 0; k < EMA_DELAY_SAMPLES; ++k) {
         state->delay_mm[k] = seen_mm;
     }
+#endif
 }
 
 ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_actuator_t* actuator,

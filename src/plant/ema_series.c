@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "ema_copy.h"
+#include "ema_effect_sites.h"
 #include "ema_math.h"
 
 _Static_assert((sizeof(ema_response_t) == (EMA_RESPONSES * sizeof(ema_real)))
@@ -127,7 +128,7 @@ void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end
 void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
 {
     /* bend and twist are of use where a whole step is tried alone */
-    const uint32_t columns = plant->tries_whole_step ? EMA_RESPONSES : EMA_RESPONSES_EVEN;
+    const uint32_t columns = ema_tries_whole(plant) ? EMA_RESPONSES : EMA_RESPONSES_EVEN;
     ema_real* const driven = (ema_real*)(void*)&work->span;          /* EMA-D4 */
     ema_real* const current = (ema_real*)(void*)&responses->current; /* EMA-D4 */
     ema_real* const speed = (ema_real*)(void*)&responses->speed;     /* EMA-D4 */

@@ -19,15 +19,15 @@ void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, em
     const ema_real output = ema_pid_step(&plant->pid, state, command_mm, feedback_mm);
     ema_drive_step(&plant->drive, &plant->motor, output, state->current_A, state->speed_rad_s, &work->applied);
     row->voltage_V = work->applied.voltage_V;
-    if (plant->drive.delayed) {
+    if (ema_drive_delays(&plant->drive)) {
         ema_delayed_output(plant, state, work, output);
     }
     ema_drive_current(plant, state, &work->applied);
     row->current_A = state->current_A;
-    if (!plant->drive.delayed && !ema_acts_on_motion(plant)) {
+    if (!ema_drive_delays(&plant->drive) && !ema_acts_on_motion(plant)) {
         ema_motion_plain_step(plant, state, work);
     } else {
-        if (plant->drive.delayed) {
+        if (ema_drive_delays(&plant->drive)) {
             ema_delayed_step(plant, state, work);
         } else {
             ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s);

@@ -4,6 +4,7 @@
 
 #include "ema_assess.h"
 #include "ema_bounds.h"
+#include "ema_choice.h"
 #include "ema_copy.h"
 #include "ema_math.h"
 #include "ema_record_row.h"
@@ -60,6 +61,18 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
     return EMA_OK;
 }
 
+/* Whether the value is one, and may be where it is searched. */
+static bool ema_identified_inside(const ema_identified_t* identified)
+{
+    bool inside = (size_t)identified->id < EMA_VALUE_COUNT;
+#if !EMA_ONLY_CHECKED
+    ema_bounds_t bounds;
+    inside = ema_bounds_of(identified->id, &bounds) && (identified->lower >= bounds.lower)
+             && (identified->upper <= bounds.upper);
+#endif
+    return inside;
+}
+
 static ema_status_t ema_identified_check(const ema_session_config_t* config, ema_annealer_config_t* annealer)
 {
     if ((config->identified_count < 1U) || (config->identified_count > EMA_IDENTIFIED_MAX)) {
@@ -71,9 +84,7 @@ static ema_status_t ema_identified_check(const ema_session_config_t* config, ema
         if (!(identified->lower < identified->upper)) {
             return EMA_ERR_BOUNDS;
         }
-        ema_bounds_t bounds;
-        if (ema_actuator_is_learned(identified->id) || !ema_bounds_of(identified->id, &bounds)
-            || (identified->lower < bounds.lower) || (identified->upper > bounds.upper)) {
+        if (ema_actuator_is_learned(identified->id) || !ema_identified_inside(identified)) {
             return EMA_ERR_RANGE;
         }
         const ema_real healthy = ema_value_of(config->actuator, identified->id);
@@ -217,7 +228,7 @@ static bool ema_session_elsewhere(const ema_session_t* session)
     const uint32_t rows = session->record.count - 1U;
     const ema_real steps = (ema_real)rows * (ema_real)actuator->options.record_every_steps;
     const ema_real usual_mm = actuator->params.command_speed_mm_s * (steps * actuator->params.step_s);
-    return (usual_mm > EMA_R(0.0)) && (session->record.command == NULL)
+    return (usual_mm > EMA_R(0.0)) && (ema_record_function(&session->record) == NULL)
            && !(ema_abs(session->record.asked_mm - usual_mm) <= (EMA_COMMAND_APART * usual_mm));
 }
 

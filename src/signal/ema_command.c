@@ -140,8 +140,7 @@ ema_real ema_command_at(const ema_command_t* command, uint32_t step)
     switch (command->config.kind) {
     case EMA_COMMAND_CHIRP: {
         const uint64_t held = (step < command->last_step) ? index : (uint64_t)command->last_step;
-        value = command->config.amplitude_mm
-                * ema_sin_turn64((command->turns * held) + (command->turns_rate * held * held));
+        value = command->config.amplitude_mm * ema_sin_turn64((command->turns + (command->turns_rate * held)) * held);
         break;
     }
     case EMA_COMMAND_MULTISINE:

@@ -40,4 +40,22 @@ execute_process(
 if(result EQUAL 0 OR NOT message MATCHES "EMA_EFFECTS: jam_spots is no effect.*stribeck_friction")
     message(FATAL_ERROR "An effect that the list does not have was not refused: ${message}")
 endif()
-message(STATUS "consumer: installed and as a folder, float32 and float64; value-changing flags and unknown effects refused")
+# What a firmware fixes is an option each, and none of a build with tools or tests.
+set(choices PI VOLTAGE EXACT INT16 RECORDED CHECKED)
+list(TRANSFORM choices PREPEND "-DEMA_ONLY_" OUTPUT_VARIABLE options)
+list(TRANSFORM options APPEND "=ON")
+run("${CMAKE_COMMAND}" -S "${SOURCE}" -B "${WORK}/fixed" "-DCMAKE_C_COMPILER=${COMPILER}" ${options} -DEMA_TESTS=OFF -DEMA_HOST=OFF -DEMA_FLOAT64=OFF)
+file(READ "${WORK}/fixed/compile_commands.json" commands)
+foreach(choice IN LISTS choices)
+    if(NOT commands MATCHES "-DEMA_ONLY_${choice}=1 ")
+        message(FATAL_ERROR "EMA_ONLY_${choice} does not reach the compiler")
+    endif()
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -S "${SOURCE}" -B "${WORK}/fixed_tests" "-DCMAKE_C_COMPILER=${COMPILER}" -DEMA_ONLY_${choice}=ON -DEMA_TESTS=ON -DEMA_HOST=OFF
+        RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE message)
+    file(REMOVE_RECURSE "${WORK}/fixed_tests")
+    if(result EQUAL 0 OR NOT message MATCHES "EMA_ONLY_${choice} leaves out what tools and tests need")
+        message(FATAL_ERROR "EMA_ONLY_${choice} was not refused beside tests: ${message}")
+    endif()
+endforeach()
+message(STATUS "consumer: installed and as a folder, float32 and float64; value-changing flags and unknown effects refused, what is fixed reaches the compiler")

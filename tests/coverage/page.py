@@ -22,12 +22,15 @@ import reached
 LIMITS = {"lines": 99.0, "branches": 99.0, "conditions": 95.0}
 SECTIONS = {"lines": "Lines and branches", "mcdc": "Conditions"}
 COUNTED = {"lines": ("lines", "branches"), "mcdc": ("conditions",)}
-# Libraries by their folder of objects, and the tests that run them by the end of their names: both precisions, and builds without some effects or without any.
+# Libraries by their folder of objects, and the tests that run them by the end of their names: both precisions, and builds without some effects or without any
+# or with one kind of actuator and record.
 LIBRARIES = {
     "f32": "CMakeFiles/ema.dir",
     "f64": "CMakeFiles/ema64.dir",
     "some": "tests/CMakeFiles/ema_some.dir",
     "none": "tests/CMakeFiles/ema_none.dir",
+    "fixed": "tests/CMakeFiles/ema_fixed.dir",
+    "fixed_effects": "tests/CMakeFiles/ema_fixed_effects.dir",
 }
 # Problems that are printed; more of them have one cause.
 SHOWN = 20
@@ -36,7 +39,7 @@ PAGE = "docs/COVERAGE.md"
 
 HEAD = f"""# Coverage
 
-What the unit tests of C alone reach of `src`, without the Python tools and without fuzzing: in float32 and float64 together, and in the builds that leave effects out.
+What the unit tests of C alone reach of `src`, without the Python tools and without fuzzing: in float32 and float64 together, and in the builds that leave effects out or fix what can be fixed.
 Written by commands, which also hold every number here:
 
 ```

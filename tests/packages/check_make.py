@@ -28,16 +28,19 @@ def check(arguments: argparse.Namespace) -> str:
         "none": "-DEMA_EFFECTS_CHOSEN=1",
         "used": "-DSTRIBECK_RISE=0.3f",
         "held": "-DSTRIBECK_RISE=0.3f -DEMA_EFFECTS_CHOSEN=1 -DEMA_WITH_stribeck_friction=1",
+        "fixed": "-DEMA_EFFECTS_CHOSEN=1 -DEMA_ONLY_PI=1 -DEMA_ONLY_VOLTAGE=1 -DEMA_ONLY_EXACT=1 -DEMA_ONLY_CHECKED=1",
         "left_out": "-DSTRIBECK_RISE=0.3f -DEMA_EFFECTS_CHOSEN=1 -DEMA_WITH_cogging_torque=1",
     }.items():
         run(["make", "-B", f"EMA={work / 'ema'}", f"DEFINES={defines}"], project)
         said[name] = run([project / "outside"], project)
-    expect(said["all"].startswith("0 ok: ") and said["all"] == said["none"], f"without effects the bits are others: {said}")
+    expect(
+        said["all"].startswith("0 ok: ") and said["all"] == said["none"] == said["fixed"], f"without effects the bits are others: {said}"
+    )
     expect(
         said["used"].startswith("0 ok: ") and said["used"] == said["held"] != said["all"], f"an effect that is held has other bits: {said}"
     )
     expect(said["left_out"].startswith("12 "), f"an effect that is left out is not refused: {said['left_out']}")
-    return "every file side by side, all effects, none, and one alone"
+    return "every file side by side, all effects, none, one alone, and one kind of actuator"
 
 
 if __name__ == "__main__":

@@ -255,7 +255,7 @@ def measured(**changed: float) -> budgets.Measured:
         for what, value in (
             ("identify", 500_000_000),
             ("steps", 1_500_000),
-            ("function_identify", 900_000_000),
+            ("function_identify", 700_000_000),
             ("function_steps", 2_000_000),
         )
     }
@@ -276,6 +276,7 @@ def measured(**changed: float) -> budgets.Measured:
         25_000,
         24_000,
         20_000,
+        15_000,
         {"ema_session_run": (500, ("ema_session_run",))},
         28_000,
         25_200,
@@ -318,6 +319,10 @@ class Budgets(unittest.TestCase):
     def test_a_reason_too_many(self) -> None:
         small = dataclasses.replace(measured(), code=20_000, bare=10_000)
         self.assertRegex(" ".join(budgets.problems_of(small, budgets.document(small))), "take it out")
+
+    def test_a_fixed_build(self) -> None:
+        large = dataclasses.replace(measured(), fixed=16_000)
+        self.assertRegex(" ".join(budgets.problems_of(large, budgets.document(large))), "by all `-DEMA_ONLY_`: 16 000 bytes.*mend it")
 
     def test_the_longest_slice(self) -> None:
         worst = budgets.worst_of(LOOKED)

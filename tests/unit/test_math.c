@@ -156,10 +156,27 @@ static void test_sine_of_a_phase_is_within_2_epsilon(void)
     assert_worst(worst, 2.0, __LINE__);
 }
 
-static void test_whole_numbers_are_rounded_as_a_conversion_rounds_them(void)
+/* The sine of a phase by the compiler's own conversion of the whole, and by a loop over all terms. */
+static ema_real sine_converted(uint64_t phase)
 {
+    const uint64_t half = UINT64_C(1) << 63U;
+    const bool negative = phase > half;
+    uint64_t whole = negative ? (UINT64_C(0) - phase) : phase;
+    whole = (whole > (half / 2U)) ? (half - whole) : whole;
+    const ema_real size = (ema_real)whole;
+    const ema_real x = (negative ? -size : size) * (EMA_R(1.5707963267948966) / EMA_R(4.611686018427387904e18));
+    ema_real sum = EMA_R(1.0);
+    for (uint32_t even = EMA_BY_PRECISION(12U, 20U); even > 0U; even -= 2U) {
+        sum = EMA_R(1.0) - (sum * ((x * x) * (ema_inverse[even] * ema_inverse[even + 1U])));
+    }
+    return x * sum;
+}
+
+static void test_a_phase_is_rounded_as_a_conversion_rounds_it(void)
+{
+    const uint64_t quarter = UINT64_C(1) << 62U;
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
-    for (uint32_t width = 0; width < 62U; ++width) {
+    for (uint32_t width = 0; width < 63U; ++width) {
         const uint64_t top = UINT64_C(1) << width;
         /* the first bit that a float of this width cannot hold: ties go to the even neighbour */
         const uint64_t half = top >> 24U;
@@ -168,12 +185,17 @@ static void test_whole_numbers_are_rounded_as_a_conversion_rounds_them(void)
             const uint64_t any = top | (bits >> (63U - width) >> 1U);
             const uint64_t tie = (half > 0U) ? ((any & ~((2U * half) - 1U)) | half) : any;
             const uint64_t tried[4] = {any, tie, tie + 1U, tie - 1U};
-            for (uint32_t k = 0; k < 4U; ++k) {
-                TEST_ASSERT_TRUE(ema_real_of(tried[k]) == (ema_real)tried[k]);
+            for (uint32_t k = 0; k < 16U; ++k) {
+                const uint64_t from = (uint64_t)(k / 4U) * quarter;
+                const ema_real up = ema_sin_turn64(from + tried[k % 4U]);
+                const ema_real down = ema_sin_turn64(from - tried[k % 4U]);
+                const ema_real wanted[2] = {sine_converted(from + tried[k % 4U]), sine_converted(from - tried[k % 4U])};
+                /* of a zero the sign too */
+                TEST_ASSERT_EQUAL_MEMORY(&wanted[0], &up, sizeof up);
+                TEST_ASSERT_EQUAL_MEMORY(&wanted[1], &down, sizeof down);
             }
         }
     }
-    TEST_ASSERT_TRUE(ema_real_of(UINT64_C(1) << 62U) == EMA_R(4.611686018427387904e18));
 }
 
 static void test_sine_of_quarter_turns(void)
@@ -327,7 +349,7 @@ int main(void)
     RUN_TEST(test_cosine_is_within_2_epsilon_times_its_angle);
     RUN_TEST(test_sine_special_values);
     RUN_TEST(test_sine_of_a_phase_is_within_2_epsilon);
-    RUN_TEST(test_whole_numbers_are_rounded_as_a_conversion_rounds_them);
+    RUN_TEST(test_a_phase_is_rounded_as_a_conversion_rounds_it);
     RUN_TEST(test_sine_of_quarter_turns);
     RUN_TEST(test_sine_of_a_phase_is_odd);
     RUN_TEST(test_part_of_a_turn);

@@ -62,7 +62,7 @@ static void test_an_effect_that_is_left_out_is_refused_and_named(void)
         TEST_ASSERT_EQUAL_size_t((expected == EMA_OK) ? 0U : rows[k].id, offender);
         TEST_ASSERT_EQUAL_MESSAGE(expected, ema_model_init(&model, &actuator, EMA_R(0.0)), rows[k].name);
     }
-    TEST_ASSERT_EQUAL_STRING("the actuator has an effect that this build leaves out", ema_status_text(EMA_ERR_ABSENT));
+    TEST_ASSERT_EQUAL_STRING("the configuration asks for what this build leaves out", ema_status_text(EMA_ERR_ABSENT));
 }
 
 static void test_a_session_refuses_it_too(void)
