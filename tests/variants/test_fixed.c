@@ -114,6 +114,15 @@ static void test_an_answer_with_an_effect_has_them_too(void)
 #endif
 }
 
+static void test_an_effect_that_is_left_out_is_refused(void)
+{
+    size_t offender = 0U;
+    actuator.effects.cogging_torque.amplitude_Nm = EMA_R(0.01);
+    TEST_ASSERT_EQUAL(REST, ema_actuator_check(&actuator, &offender));
+    TEST_ASSERT_EQUAL_size_t((REST == EMA_OK) ? 0U : (size_t)EMA_EFFECT_VALUE_ID(cogging_torque, amplitude_Nm),
+                             offender);
+}
+
 /* Of a session and of a model; the rest of the actuator is the reference. */
 static void assert_taken(ema_status_t expected, int line)
 {
@@ -195,6 +204,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_an_answer_has_the_bits_of_every_build);
     RUN_TEST(test_an_answer_with_an_effect_has_them_too);
+    RUN_TEST(test_an_effect_that_is_left_out_is_refused);
     RUN_TEST(test_another_control_law_is_refused);
     RUN_TEST(test_another_drive_is_refused);
     RUN_TEST(test_another_encoder_is_refused);
