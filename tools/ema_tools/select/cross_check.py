@@ -21,7 +21,7 @@ from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, b
 from ema_tools.select.open_state import OpenStd, open_state
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
-from ema_tools.select.whole_search import Searched, searched
+from ema_tools.select.whole_search import WholeSearch, searched
 
 # What was found: the known machine with another CSJ and BLK explains everything; an effect is missing; something is missing that no effect explains; an effect
 # explains the record as well as a fault does.
@@ -115,7 +115,7 @@ def cross_check(
     return said("missing", _with_effect(_faults(known, best), best, alike, actuator))
 
 
-def _by_search(said: Callable[[Kind, _Said], CrossCheck], known: KnownMachine, found: Searched, actuator: Actuator) -> CrossCheck:
+def _by_search(said: Callable[[Kind, _Said], CrossCheck], known: KnownMachine, found: WholeSearch, actuator: Actuator) -> CrossCheck:
     """What the whole search says of a record that no effect beside CSJ and BLK alone explains."""
     if found.effect is None:
         return said("unknown", _Said(sensor=found.sensor))

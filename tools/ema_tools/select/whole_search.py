@@ -15,7 +15,7 @@ from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 
 @dataclass(frozen=True)
-class Searched:
+class WholeSearch:
     """The one effect that is missing, with CSJ and BLK beside it, by name, where they changed; or the sensor whose own error it looks like; neither where more than one effect is missing or
     none explains it."""
 
@@ -29,13 +29,13 @@ def _less_than_none(one: Named) -> bool:
     return record_of(one.name).adds and next(iter(one.values.values())) < 0.0
 
 
-def searched(unit: Evidence) -> Searched:
+def searched(unit: Evidence) -> WholeSearch:
     """The search on evidence that healthy records stand behind."""
     found, sensor = diagnose(unit), suspect(unit)
     explains = found.verdict == "missing" and found.fit is not None
     if sensor is not None and not (explains and sensor.cost >= found.cost_after - LEAST_LIMIT):
-        return Searched(sensor=sensor)
+        return WholeSearch(sensor=sensor)
     effects = [one for one in found.named if one.accepted and one.name not in FAULTS]
     if not explains or found.fit is None or len(effects) != 1 or _less_than_none(effects[0]):
-        return Searched()
-    return Searched(effects[0], {name: found.fit.values[name] for name in FAULTS.values() if name in found.fit.values})
+        return WholeSearch()
+    return WholeSearch(effects[0], {name: found.fit.values[name] for name in FAULTS.values() if name in found.fit.values})
