@@ -31,6 +31,7 @@ _NEARLY = 1.0
 _LEAST_SHARE = 0.05  # the share of the excess over sensor noise that a named effect must take off ... [judgement]
 _UNEXPLAINED = 0.1  # ... and with more than this share left the answer is that something is missing, not what [judgement]
 _LEAST_ERRORS = 2.0  # a named effect's size differs from none by so many standard errors [chance]
+_TAKEN = 0.4  # of CSJ or BLK: nothing takes so much of it away [judgement]
 _RIVALS = 20  # effects that are fitted in a fault's place, by their signatures: the best was never past the 18th [measured]
 _RIVAL_SHARE = 0.1  # of what a fault explains: an effect that leaves more after its first fit is no rival [judgement]
 
@@ -104,7 +105,7 @@ def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None
     """Verdict, the best effect, what looks like it."""
     numbers = known.evidence.numbers
     excess = max(base.cost - known.floor, 1e-9)
-    fits = beside(known, base)
+    fits = [one for one in beside(known, base) if not takes_away(known, one.values)]
     if not fits:
         return "unknown", None, ()
     unit = max(1.0, fits[0].cost / numbers)  # where the misfit that is left is more than noise, it is the yardstick
@@ -122,6 +123,11 @@ def named(known: KnownMachine, base: MachineFit) -> tuple[str, MachineFit | None
     alike = [one.effect for one in fits[1:] if one.cost - best.cost < near]
     alike += record_of(best.effect).inseparable
     return "missing", known.with_whole_std(best), tuple(dict.fromkeys(alike))
+
+
+def takes_away(known: KnownMachine, values: Mapping[str, float]) -> bool:
+    """Whether CSJ or BLK fell much from what healthy repeats show, which wear does not do: then what stands beside them is something else."""
+    return known.evidence.relative and any(values[name] < (1.0 - _TAKEN) * known.actuator[name] for name in known.faults if name in values)
 
 
 def _without_needless(fits: Sequence[MachineFit], least: float) -> list[MachineFit]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
-from ema_tools.select.beside_fault import named, on_unit, rivals
+from ema_tools.select.beside_fault import named, on_unit, rivals, takes_away
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocked, disturbed
 from ema_tools.select.open_state import OpenStd, open_state
 from ema_tools.select.sensors import Suspect, suspect
@@ -117,7 +117,7 @@ def cross_check(
 
 def _by_search(said: Callable[[Kind, _Said], CrossCheck], known: KnownMachine, found: WholeSearch, actuator: Actuator) -> CrossCheck:
     """What the whole search says of a record that no effect beside CSJ and BLK alone explains."""
-    if found.effect is None:
+    if found.effect is None or takes_away(known, found.faults):
         return said("unknown", _Said(sensor=found.sensor))
     one = found.effect
     machine = {name: known.actuator[name] for name in known.faults}

@@ -45,7 +45,11 @@ class HealthyMachine(Strategy):
         return self._needed
 
     def is_slight(self, fit: Fit, effect: str) -> bool:
-        """A spot as wide as the stroke is no spot: it would stand for friction itself, which the unit's runs are there to tell."""
+        """What would stand for the machine's own values, which the unit's runs are there to tell: an effect that does exactly what one of them does, and a spot as wide as the stroke, which
+        is friction itself."""
+        own = record_of(effect).confounded
+        if own is not None and any(own.parameter in one.names for one in self.evidence.spread):
+            return True
         local = record_of(effect).local
         if local is None or not local.spot:
             return False
