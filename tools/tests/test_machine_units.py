@@ -64,7 +64,7 @@ def test_the_terminal_says_the_verdict_first_and_no_torque_of_a_linear_machine(t
         write_motion_record(name, linear(seed))
     ran = run_ema("diagnose", tmp_path / "machine.toml", *names, "--report", tmp_path / "d.html")
     assert ran.code == 0, ran.err
-    assert ran.out.startswith("Verdict: adequate.\n"), ran.out
+    assert ran.out.startswith("Verdict: adequate: no effect is missing.\n"), ran.out
     told = " ".join(ran.out.partition("Refused")[0].split())
     assert "mass kg 8" in told and "dry friction N 14" in told and "Nm" not in told and "the motor's speed" not in told, told
     assert "Held out: the last of 3 parts of the records, to which nothing of the line was fitted; it is no part of those fitted" in told

@@ -247,6 +247,14 @@ def _several(console: Console, found: Mapping[str, ValueEntry], search: ValuesSe
     console.print(rows)
 
 
+# The verdict is of the effects: values may have changed all the same.
+_VERDICTS = {
+    "adequate": "Verdict: adequate: no effect is missing.",
+    "missing": "Verdict: missing.",
+    "unknown": "Verdict: unknown: no effect of the library is named.",
+}
+
+
 def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByBalanceResult, searched: Searched | None) -> None:
     """What `ema diagnose` found by its method; `searched` is there for the one by simulation."""
     if isinstance(found, DiagnosisByBalanceResult):
@@ -257,7 +265,7 @@ def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByBalanceResul
 
 def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> None:
     """What `ema diagnose` found, in the order in which a user asks; `searched` ranks effects and faults together."""
-    say(console, f"Verdict: {found.verdict}.")
+    say(console, _VERDICTS[found.verdict])
     say(console, found.sentence)
     console.print()
     say(console, f"By simulation: {found.method_reason}.")
@@ -294,7 +302,7 @@ def _candidates(console: Console, found: Searched) -> None:
 
 def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     """What `ema diagnose` found by the balance of forces."""
-    say(console, f"Verdict: {found.verdict}.")
+    say(console, _VERDICTS[found.verdict])
     say(console, found.sentence)
     console.print()
     say(console, f"By the balance of forces: {found.method_reason}.")
