@@ -95,24 +95,7 @@ static size_t ema_value_offset(size_t id)
     return (inside < (EMA_PARAM_COUNT * sizeof(ema_real))) ? inside : (inside + between);
 }
 
-#if EMA_ONLY_CHECKED
-/* Whether an effect acts that this build leaves out; `id` is its size's. */
-static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
-{
-    ema_status_t status = EMA_OK;
-    const ema_real* value = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
-    *id = EMA_PARAM_COUNT;
-    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_EFFECT_COUNT); ++k) {
-        if (!ema_effect_rows[k].held && (*value != EMA_R(0.0))) {
-            status = EMA_ERR_ABSENT;
-        } else {
-            *id += ema_effect_rows[k].values;
-        }
-        value = &value[ema_effect_rows[k].values];
-    }
-    return status;
-}
-#else
+#if !EMA_ONLY_CHECKED
 /* How many of `count` values, from the first on, lie within their bounds; the last row of bounds holds for the rest.
  * Says why it stopped. */
 static size_t ema_values_within(const ema_real* value, size_t count, const ema_bounds_t* bounds, size_t rows,
@@ -129,11 +112,25 @@ static size_t ema_values_within(const ema_real* value, size_t count, const ema_b
     }
     return good;
 }
+#endif
 
-/* The values and options, one after the other; `id` is the first bad one's. */
+/* The values and options, one after the other; `id` is the first bad one's. Where they were checked at the desk, only
+ * whether an effect acts that this build leaves out; `id` is its size's. */
 static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
 {
     ema_status_t status = EMA_OK;
+#if EMA_ONLY_CHECKED
+    const ema_real* value = (const ema_real*)(const void*)&actuator->effects; /* EMA-D4 */
+    *id = EMA_PARAM_COUNT;
+    for (uint32_t k = 0; (status == EMA_OK) && (k < (uint32_t)EMA_EFFECT_COUNT); ++k) {
+        if (!ema_effect_rows[k].held && (*value != EMA_R(0.0))) {
+            status = EMA_ERR_ABSENT;
+        } else {
+            *id += ema_effect_rows[k].values;
+        }
+        value = &value[ema_effect_rows[k].values];
+    }
+#else
     const ema_real* value = (const ema_real*)(const void*)&actuator->params; /* EMA-D4 */
     const ema_bounds_t* bounds = ema_bounds;
     *id = ema_values_within(value, EMA_PARAM_COUNT, bounds, EMA_PARAM_COUNT, &status);
@@ -157,9 +154,9 @@ static ema_status_t ema_ranges_check(const ema_actuator_t* actuator, size_t* id)
         const ema_real number = (ema_real)option[k];
         *id += ema_values_within(&number, 1U, &bounds[k], 1U, &status);
     }
+#endif
     return status;
 }
-#endif
 
 /* Periods of the axes position in the lead and angle in the turn; zero for the others. */
 static ema_real ema_axis_period(const ema_params_t* params, ema_real axis)

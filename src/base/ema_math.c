@@ -218,15 +218,7 @@ static ema_real ema_sin_quarter(ema_real x)
     return x * sum;
 }
 
-#if EMA_REAL64
-/* A signed fraction of 2^64 turns, at most a quarter, in rad. */
-static ema_real ema_quarter_rad(uint64_t turned)
-{
-    const bool negative = (turned >> 63U) != 0U;
-    const ema_real size = (ema_real)(negative ? (UINT64_C(0) - turned) : turned);
-    return (negative ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18));
-}
-#else
+#if !EMA_REAL64
 /* From this size on the upper word has more bits than a real, so that of the lower it matters only whether it is zero.
  */
 #define EMA_UPPER_LARGE (UINT32_C(1) << 25U)
@@ -239,11 +231,17 @@ static int32_t ema_signed(uint32_t bits)
 {
     return (bits <= (uint32_t)INT32_MAX) ? (int32_t)bits : (-1 - (int32_t)(uint32_t)~bits);
 }
+#endif
 
-/* A signed fraction of 2^64 turns, at most a quarter, in rad. Rounded once as a conversion of the whole rounds it: the
- * target has no instruction for more than 32 bits. */
+/* A signed fraction of 2^64 turns, at most a quarter, in rad. In float32 rounded once as a conversion of the whole
+ * rounds it: the target has no instruction for more than 32 bits. */
 static ema_real ema_quarter_rad(uint64_t turned)
 {
+#if EMA_REAL64
+    const bool negative = (turned >> 63U) != 0U;
+    const ema_real size = (ema_real)(negative ? (UINT64_C(0) - turned) : turned);
+    return (negative ? -size : size) * (EMA_QUARTER_RAD / EMA_R(4.611686018427387904e18));
+#else
     uint64_t left = turned;
     ema_real unit_rad = EMA_QUARTER_RAD / EMA_R(1073741824.0);
     uint32_t upper = (uint32_t)(left >> 32U);
@@ -253,8 +251,8 @@ static ema_real ema_quarter_rad(uint64_t turned)
         upper = (uint32_t)(left >> 32U);
     }
     return (ema_real)ema_signed(upper | (((left & UINT32_MAX) != 0U) ? 1U : 0U)) * unit_rad;
-}
 #endif
+}
 
 ema_real ema_sin_turn64(uint64_t phase)
 {
