@@ -64,14 +64,17 @@
   // ---- the worker: the same engine and module, so that the page stays alive while it fits
 
   const source = `${document.getElementById("workbench-engine").textContent}
-    let desk = null;
+    let opened = null; // what is asked meanwhile waits for it
     onmessage = async ({ data }) => {
       try {
         if (data.open) {
-          desk = await EmaWorkbench.Desk.open(data.open);
-          desk.load(data.record);
+          opened = EmaWorkbench.Desk.open(data.open).then((desk) => {
+            desk.load(data.record);
+            return desk;
+          });
           return;
         }
+        const desk = await opened;
         let told = 0;
         const found = desk.fit(data.model, data.search, (runs, cost, best, values) => {
           const now = performance.now();
