@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-# As the commands do it: two workers on two cores, each with threads inside its small matrix products, wait for each other. Read when NumPy is imported.
-for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
+from ema_tools.base.one_thread import one_thread_unless_told
+
+# As the commands do it, and as early.
+one_thread_unless_told()
 
 import pytest
 from hypothesis import settings

@@ -29,6 +29,7 @@ from typing import Any
 
 import numpy as np
 
+from ema_tools.base.one_thread import ONE_THREAD
 from ema_tools.words.terminal.console import progress
 
 _ROOT = Path(__file__).resolve().parents[3]
@@ -265,8 +266,7 @@ def read_frozen(path: Path = FROZEN) -> dict[str, Any]:
 
 
 def _ready() -> None:
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
+    os.environ |= ONE_THREAD
 
 
 def main() -> int:

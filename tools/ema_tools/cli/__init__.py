@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
-# The cores work on simulations; threads inside a small matrix product would only wait for each other. Read when NumPy is imported.
-for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
+from ema_tools.base.one_thread import one_thread_unless_told
+
+# Before anything imports NumPy.
+one_thread_unless_told()
 
 from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError, MissingSignal

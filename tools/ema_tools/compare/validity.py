@@ -81,6 +81,11 @@ class RecordRemark:
     next: str = ""
     sensor: bool = False
 
+    def of(self, *files: str) -> str:
+        """What is said of the first of these files, which is named where the remark itself names none of them."""
+        text = self.text if any(self.text.startswith(f"{one} ") for one in files) else f"{files[0]}: {self.text}"
+        return f"{text}: {self.next}"
+
 
 @dataclass(frozen=True)
 class RecordValidity:

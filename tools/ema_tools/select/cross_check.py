@@ -17,7 +17,7 @@ import numpy as np
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.select.beside_fault import named, on_unit, rivals, takes_away
-from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocked, disturbed
+from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocks, disturbs, remarks_of
 from ema_tools.select.open_state import OpenStd, open_state
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
@@ -78,7 +78,8 @@ def cross_check(
             **vars(told), kind=kind, against=repeats, signals=beside.signals, skipped=skipped, wall_s=time.perf_counter() - begun
         )
 
-    why_not = blocked(actuator, record)
+    remarks = remarks_of(actuator, record)
+    why_not = blocks(remarks)
     if why_not:
         return said("unknown", skipped=why_not)
     known = beside.known
@@ -100,7 +101,7 @@ def cross_check(
         why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
         why = "what is left is too little beside the fault to be its cause" if hardly else why
         return said("adequate", replace(plain, open=stands), why)
-    why_not = disturbed(actuator, record)
+    why_not = disturbs(remarks)
     if why_not:
         return said("unknown", skipped=why_not)
     verdict, best, alike = named(known, base)

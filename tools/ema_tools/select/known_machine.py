@@ -302,15 +302,21 @@ def silent(record: Record) -> tuple[str, ...]:
 
 def blocked(actuator: Actuator, record: Record) -> str:
     """Why no answer from a record means anything, by its validity; empty where it may answer. Sensors that are not connected are left out."""
-    return next((f"{one.text}: {one.next}" for one in _remarks(actuator, record) if one.severity == "blocks"), "")
+    return blocks(remarks_of(actuator, record))
 
 
-def disturbed(actuator: Actuator, record: Record) -> str:
-    """What a sensor or recorder did in a part of the record that no machine does; empty where nothing. What is unknown in such a record may be that."""
-    return next((f"{one.text}: {one.next}" for one in _remarks(actuator, record) if one.sensor), "")
+def blocks(remarks: Sequence[RecordRemark]) -> str:
+    """The first of the remarks that blocks; empty where none does."""
+    return next((f"{one.text}: {one.next}" for one in remarks if one.severity == "blocks"), "")
 
 
-def _remarks(actuator: Actuator, record: Record) -> tuple[RecordRemark, ...]:
+def disturbs(remarks: Sequence[RecordRemark]) -> str:
+    """The first of the remarks on what a sensor or recorder did in a part of the record and no machine does; empty where none is. What is unknown in such a record may be that."""
+    return next((f"{one.text}: {one.next}" for one in remarks if one.sensor), "")
+
+
+def remarks_of(actuator: Actuator, record: Record) -> tuple[RecordRemark, ...]:
+    """Of a record's validity. Sensors that are not connected are left out."""
     left_out: dict[str, Any] = {name: None for name in silent(record) if name != "position_mm"}
     return judge(actuator, replace(record, **left_out)).remarks
 

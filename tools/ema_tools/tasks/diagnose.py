@@ -131,8 +131,7 @@ def answerable(actuator: Actuator, record: Record, healthy: Sequence[Record]) ->
     gate = judge(actuator, record, healthy)
     if not gate.answerable:
         remark = next(one for one in gate.remarks if one.severity == "blocks")
-        named = any(remark.text.startswith(f"{one.file} ") for one in (record, *healthy))
-        raise InputError(f"{remark.text if named else f'{record.file}: {remark.text}'}: {remark.next}")
+        raise InputError(remark.of(record.file, *(one.file for one in healthy)))
     return gate
 
 

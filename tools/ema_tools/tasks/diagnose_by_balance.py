@@ -212,8 +212,7 @@ def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence
     for record, gate in zip(records, gates, strict=True):
         if not gate.answerable:
             remark = next(one for one in gate.remarks if one.severity == "blocks")
-            named = remark.text.startswith(f"{record.file} ")
-            raise InputError(f"{'' if named else f'{record.file}: '}{remark.text}: {remark.next}")
+            raise InputError(remark.of(record.file))
     for record in (*records, *holdout):
         try:
             mechanical(actuator, record)

@@ -19,6 +19,7 @@ from typing import Any
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import write_json
+from ema_tools.base.one_thread import ONE_THREAD
 from ema_tools.benchmarks.constants.listing import PACKAGE, Constant
 from ema_tools.benchmarks.constants.replay import ARGUMENTS, Job
 
@@ -181,7 +182,7 @@ def run(job: Job, seconds: Mapping[str, float], keep: Callable[[dict[str, Any]],
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"},
+            env=os.environ | ONE_THREAD,
             # a Ctrl-C reaches this process alone, which ends the others: a case that it cut off would count as broken
             start_new_session=True,
         )

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from ema_tools.base.files import write_text
+from ema_tools.base.one_thread import ONE_THREAD
 from ema_tools.benchmarks.hidden.sealed import remembering
 from ema_tools.words.terminal.console import output, progress
 
@@ -101,7 +102,7 @@ def run(trials: Sequence[AJob], folder: Path, workers: int, work: Callable[[AJob
 def _in_processes(tasks: Sequence[tuple[list[AJob], Path]], workers: int, work: Callable[[AJob], Row], look: Callable[[], None]) -> None:
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else list(range(workers))
     # numerical libraries read these when a worker loads them
-    os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+    os.environ |= ONE_THREAD
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_core, initargs=(cores,)) as pool:
         open_tasks: set[Future[int]] = {pool.submit(_work, group, part, work) for group, part in tasks}
