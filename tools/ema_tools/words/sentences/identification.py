@@ -101,7 +101,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
 
 def reasons(found: Identified) -> tuple[str, ...]:
     """Why it is undecided: the module's reasons, and what all signals object behind the first of them."""
-    own = () if found.sure_beside_remainder else found.answer.reasons
+    own = () if found.sure_beside_remainder or found.sound_by_scatter else found.answer.reasons
     if not found.objects or found.checked is None:
         return tuple(own)
     words = objection_words(found, found.checked)
@@ -130,7 +130,17 @@ def _verdict(found: Identified) -> str:
     shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
     if found.verdict == "undecided":
         return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
-    return f"{found.verdict.capitalize()}: {shifts}."
+    return f"{found.verdict.capitalize()}: {shifts}.{_scatter(found) if found.sound_by_scatter else ''}"
+
+
+def _scatter(found: Identified) -> str:
+    """Why a shift near its threshold or beyond it is healthy."""
+    shifts = found.checked.shift if found.checked is not None else {}
+    near = max(shifts, key=lambda name: shifts[name] / found.least_percent[name])
+    explained = (
+        "another temperature than that of the healthy records explains" if found.mostly_climate() else "its healthy records differ by"
+    )
+    return f" {TITLES[near]} {100.0 * shifts[near]:+.1f} % is no more than {explained}; {100.0 * found.not_hidden(near):+.0f} % would be."
 
 
 def _shift(found: Identified, estimate: IdentifiedValue) -> str:
