@@ -25,6 +25,7 @@ from ema_tools.select.baseline import same_command
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
+from ema_tools.select.warmth import MagnetsToday, as_on_healthy_runs
 from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
@@ -82,6 +83,7 @@ class Identified:
     doubt: str = ""
     scatter: Mapping[str, float] = field(default_factory=dict)
     foretold: Foretold | None = None
+    magnets: MagnetsToday | None = None
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
@@ -344,6 +346,10 @@ def identify(
     settings = replace(settings, seed=seed)
     same = repeats_of(record, healthy) if table is None else ()
     repeats = compared(actuator, record, same) if same else None
+    magnets: MagnetsToday | None = None
+    if repeats is not None:
+        unit, magnets = as_on_healthy_runs(repeats.unit)
+        repeats = replace(repeats, unit=unit)
     baseline: Baseline | None = None
     doubt = ""
     foretold: Foretold | None = None
@@ -427,4 +433,5 @@ def identify(
         doubt,
         scatter,
         foretold,
+        magnets,
     )

@@ -41,8 +41,13 @@ def missing_words(checked: CrossCheck) -> str:
         )
     missing = "is not in the model at this size" if checked.there else "is missing from the model"
     alike = f", which looks like {', '.join(checked.effects[1:])} on this record" if checked.effects[1:] else ""
+    who = (
+        f"the signals without {checked.left_out} (does it record what is applied, or what is asked for?) say"
+        if checked.left_out
+        else "all signals say"
+    )
     return (
-        f"{_effect(checked, size)} {missing}{alike}, beside which all signals say {_shifts(checked)}: "
+        f"{_effect(checked, size)} {missing}{alike}, beside which {who} {_shifts(checked)}: "
         f"ema add ACTUATOR {checked.effects[0]} --fit REC {'--healthy REC ...' if checked.against else '--known'} -o NEW.toml puts it in"
     )
 
@@ -105,8 +110,8 @@ def reasons(found: Identified) -> tuple[str, ...]:
     if not found.objects or found.checked is None:
         return tuple(own)
     words = objection_words(found, found.checked)
-    if found.checked.unusable:
-        # of a record that cannot answer, a residual says nothing about the model
+    if found.checked.unusable or (found.checked.kind == "unknown" and found.checked.sensor is not None):
+        # of a record that cannot answer, or a sensor that reads otherwise, a residual says nothing about the model
         return (words, *(reason for reason in own if reason != NOT_ADEQUATE))
     place = own.index(NOT_ADEQUATE) + 1 if NOT_ADEQUATE in own else 0
     return (*own[:place], words, *own[place:])
@@ -115,7 +120,16 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_warmth(found)}{few}"
+    return f"{_verdict(found)}{_warmth(found)}{_magnets(found)}{few}"
+
+
+def _magnets(found: Identified) -> str:
+    """That magnets as warm as the winding are no effect, where they differ from those of the healthy records."""
+    if found.magnets is None:
+        return ""
+    degC, percent = found.magnets.warmer_degC, 100.0 * abs(found.magnets.loss)
+    how, flux = ("warmer", "weaker") if degC > 0.0 else ("colder", "stronger")
+    return f" The winding is {abs(degC):.0f} degC {how} than on the healthy records, and its magnets {percent:.1f} % {flux} as temperature makes them, which is taken off."
 
 
 def _warmth(found: Identified) -> str:
