@@ -59,6 +59,7 @@ _SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
+_ZERO = 0.025  # of the dry friction: a constant torque that the zero of a current or torque sensor makes as well [judgement]
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
@@ -251,9 +252,17 @@ class ForceSearch:
             return Tried(load_effect(), before, 0.0, np.zeros(int(bench.training.sum()))), before, f"{LOAD} is fixed"
         bench.load_named = True
         found = self._tried(before, load_effect(), bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
-        why = self.judge.refusal(before, found)
+        why = self.judge.refusal(before, found) or self._as_zero(found.fit)
         bench.load_named = not why
         return found, before, why
+
+    @staticmethod
+    def _as_zero(fit: Fitted) -> str:
+        """Why a constant torque is none of the machine: it is no more than a sensor's zero."""
+        size, friction = abs(fit.values[size_of_load()]), fit.values["screw.csj_Nm"]
+        if size > _ZERO * friction:
+            return ""
+        return f"it is {100.0 * size / friction:.2g} % of the dry friction, which the zero of the drive's sensor may be off by"
 
     def same_as_load(self) -> tuple[str, ...]:
         """Effects that nothing but a constant torque is seen of."""

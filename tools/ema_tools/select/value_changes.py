@@ -188,9 +188,7 @@ def _effect_in(name: str) -> str:
     return name.split(".")[1] if name.startswith("effects.") else ""
 
 
-def changes_of(
-    machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]
-) -> Changes:
+def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]) -> Changes:
     """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these. Raises MissingSignal,
     InputError."""
     apart = [record_of(name).base_value for name in missing]

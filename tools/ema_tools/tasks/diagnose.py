@@ -249,6 +249,7 @@ def answer(
     if found.verdict == "unknown" and not (wrong and shows_nothing(steps, errors)):
         tell(0.95, "what is unknown")
         left = unknowns.left_over(known.changed(kept), record, places)
-        table = unknowns.learned(left[0]) if left else None
+        # a sensor's error is not flown
+        table = unknowns.learned(left[0]) if left and sensor is None else None
     tell(1.0, "done")
     return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor, doubt)

@@ -11,6 +11,7 @@ from ema_tools.fit.temperature import COPPER_PER_DEGC
 from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
+from ema_tools.select.balance_bench import LOAD
 from ema_tools.select.force_steps import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
 from ema_tools.select.value_changes import Change
@@ -80,8 +81,10 @@ def _told_of(step: ForceStep, units: MachineUnits) -> str:
         told.append(
             along_text({name.partition(".")[2]: value for name, value in step.values.items() if name.startswith(f"{step.effect}.")}, units)
         )
-    if step.alike:
-        told.append(f"looks like {', '.join(map(called, step.alike))}")
+    # a torque that is there at any motion may be read and not be
+    alike = [*map(called, step.alike), *(["a zero of the drive's sensor"] if record_of(step.effect).base_value == LOAD else [])]
+    if alike:
+        told.append(f"looks like {', '.join(alike)}")
     return f" ({'; '.join(told)})" if told else ""
 
 
