@@ -27,6 +27,7 @@ from ema_tools.select.whole_search import WholeSearch, searched
 # explains the record as well as a fault does.
 Kind = Literal["adequate", "missing", "unknown", "rival"]
 
+LITTLE_LEFT = "what is left is too little beside the fault to be its cause"
 _HARDLY = 0.01  # of what a fault explains: a remainder that could not be its cause if it lay along it, a tenth of its size [judgement]
 
 
@@ -100,7 +101,7 @@ def cross_check(
                 continue
             return said("rival", _with_effect(replace(plain, open=stands), found[0], [one.effect for one in found[1:]], actuator))
         why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
-        why = "what is left is too little beside the fault to be its cause" if hardly else why
+        why = LITTLE_LEFT if hardly else why
         return said("adequate", replace(plain, open=stands), why)
     why_not = disturbs(remarks)
     if why_not:

@@ -10,7 +10,7 @@ from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
-from ema_tools.select.cross_check import CrossCheck
+from ema_tools.select.cross_check import LITTLE_LEFT, CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
@@ -120,7 +120,15 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_warmth(found)}{_magnets(found)}{few}"
+    return f"{_verdict(found)}{_left(found)}{_warmth(found)}{_magnets(found)}{few}"
+
+
+def _left(found: Identified) -> str:
+    """That a fault is not all there is, where what is left of the record is too little to change it."""
+    checked = found.checked
+    if checked is None or found.verdict != "fault" or checked.skipped != LITTLE_LEFT:
+        return ""
+    return " Something small is there beside it that changes nothing of it: ema diagnose with the same records says what."
 
 
 def _magnets(found: Identified) -> str:
