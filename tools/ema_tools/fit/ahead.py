@@ -58,7 +58,9 @@ def paced(going: Reals, stalled: Reals, stalled_for: float) -> Reals:
     """Shares reached at AHEAD of the calendar, by those over wear's own time where it goes on now and where it is stalled since `stalled_for` ages, [times]."""
     middles = (np.arange(_PARTS) + 0.5) / _PARTS
     changes = -np.log1p(-middles) / _CHANGES
-    ends = 1.0 / np.sqrt(1.0 - middles) - 1.0  # of a stall, over what it has lasted: its rate of ending is unknown but for that (Pareto's law of exponent 2)
+    ends = (
+        1.0 / np.sqrt(1.0 - middles) - 1.0
+    )  # of a stall, over what it has lasted: its rate of ending is unknown but for that (Pareto's law of exponent 2)
     paces = np.exp(_SPREAD * math.sqrt(3.0) * np.array([-1.0, 0.0, 1.0]))
     total = np.zeros_like(AHEAD)
     for change in changes:
