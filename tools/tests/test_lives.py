@@ -95,8 +95,8 @@ def test_the_document_says_what_was_found() -> None:
     others = [Asked(seed, OTHER_KINDS[seed % 4], 0.5, 100.0, None if seed == 0 else Said(80.0, 50.0, math.inf)) for seed in range(8)]
     found = Found([], [], [], [])
     found.add(Found(looks, looks, looks[:6], looks[:6]))
-    text = document(found, others, [Still(False, False, False)] * 50, 8)
+    text = document(found, others, [Still(False, False, False)] * 50, 8, 4)
     assert "| cumulative relative accuracy from half life on, of medians | >= 0.8 | yes | 0.90 | 0.90 | 0.90 | 0.90 |" in text
     assert "| 90 % intervals of the time to the limit that hold it | 85 .. 95 % | **no** | 100.0 % |" in text
-    assert "--histories 8 --ideal 3" in text
+    assert "--histories 8 --ideal 4" in text
     assert "no upper end" in text

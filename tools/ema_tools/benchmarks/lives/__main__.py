@@ -141,7 +141,7 @@ def main(histories: int, ideals: int | None, out: Path | None) -> None:
         for alarm in pool.map(still, range(histories), chunksize=16):
             alarms.append(alarm)
             bar.update(done := done + 1)
-    text = document(found, others, alarms, histories)
+    text = document(found, others, alarms, histories, ideals)
     if out is None:
         click.echo(text)
     else:

@@ -41,10 +41,9 @@ class Found:
             mine.extend(its)
 
 
-def document(found: Found, others: Sequence[Asked], alarms: Sequence[Still], histories: int) -> str:
-    """The document, in Markdown."""
+def document(found: Found, others: Sequence[Asked], alarms: Sequence[Still], histories: int, ideals: int) -> str:
+    """The document, in Markdown: of so many histories of each sort, the ideal observer asked of the first `ideals`."""
     ideal, sharpest, beside = _same_looks(found)
-    units = len({one.seed for one in ideal})
     apart = np.array([_apart(desk.told, onboard.told) for desk, onboard in zip(found.desk, found.onboard, strict=True)])
     same = np.isfinite(apart)
     both = (found.desk, found.onboard)
@@ -56,7 +55,7 @@ def document(found: Found, others: Sequence[Asked], alarms: Sequence[Still], his
         "",
         "Written by a command; do not edit. To write it again, after `cmake --workflow --preset test`:",
         "",
-        f"    python -m ema_tools.benchmarks.lives --histories {histories} --ideal {units} -o docs/REMAINING_LIFE.md",
+        f"    python -m ema_tools.benchmarks.lives --histories {histories} --ideal {ideals} -o docs/REMAINING_LIFE.md",
         "",
         _words(goals.__doc__),
         "",
@@ -90,7 +89,7 @@ def document(found: Found, others: Sequence[Asked], alarms: Sequence[Still], his
         ),
         "",
         (
-            f"**Ideal** is an observer who knows how these histories are drawn, kinds, priors, scatter and all, and works out by Bayes' rule what can be known of the time left (asked of the first {units}"
+            f"**Ideal** is an observer who knows how these histories are drawn, kinds, priors, scatter and all, and works out by Bayes' rule what can be known of the time left (asked of the first {ideals}"
             " of them, at the looks at which the desk told one; the last column is the desk at the same looks). What it lacks is not in the readings: no filter can have it on the average, whatever its"
             " laws. What the filter lacks beside it is what the priors are worth, which a filter for machines of unknown wear does not have."
         ),
