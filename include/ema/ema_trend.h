@@ -29,7 +29,7 @@ extern "C" {
 /* Readings that are kept, joined ones as one; fewest of a forecast; wear laws of it; instants that it looks at. */
 #define EMA_TREND_KNOTS 48U
 #define EMA_TREND_READINGS_MIN 6U
-#define EMA_FORECAST_LAWS 1040U
+#define EMA_FORECAST_LAWS 864U
 #define EMA_FORECAST_TIMES 40U
 
 /* Version of the saved bytes, and their number. */
@@ -133,6 +133,8 @@ typedef struct {
     ema_real still; /* evidence of no wear, and of wear, over the best */
     ema_real wears;
     ema_real weight_sum;
+    ema_real stalled_sum; /* of those that are stalled now, and of these times how long they have been */
+    ema_real stalled_for;
     ema_real now; /* the limit being 1: mean of the value and sum of its squares about it, sum of wear, the rate's */
     ema_real now_square;
     ema_real by;

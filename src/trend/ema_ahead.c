@@ -7,10 +7,16 @@
 #define EMA_RATIO_LOG (EMA_R(9.903487552536127) / EMA_R(38.0))
 _Static_assert(EMA_FORECAST_TIMES == 40U, "so many ratios are between them");
 
-/* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) / 0.7. */
+/* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) / 0.35. */
 #define EMA_CHANGES 4U
-static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.19075913232074662), EMA_R(0.6714337560653366),
-                                                  EMA_R(1.401184647159609), EMA_R(2.970630773828337)};
+static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.3815182646414933), EMA_R(1.3428675121306732),
+                                                  EMA_R(2.802369294319218), EMA_R(5.941261547656674)};
+
+/* The time until a stall ends, over that since it began, by the same middles: (1 - (k + 1/2) / 4)^(-1/2) - 1. One that
+ * is to come lasts as if it had gone on for EMA_TO_COME. */
+static const ema_real ema_ends[EMA_CHANGES] = {EMA_R(0.06904496764969759), EMA_R(0.26491106406735176),
+                                               EMA_R(0.6329931618554521), EMA_R(1.8284271247461903)};
+#define EMA_TO_COME EMA_R(0.3)
 
 /* The normal logarithm of a pace by Gauss and Hermite's three points: e^(-0.75 sqrt 3), 1, e^(0.75 sqrt 3). */
 #define EMA_PACES 3U
@@ -41,7 +47,7 @@ static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real 
 }
 
 ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
-                         uint32_t place)
+                         ema_real stalled_for, uint32_t place)
 {
     const ema_real at = ema_ahead_time(place);
     ema_real sum = EMA_R(0.0);
@@ -52,10 +58,10 @@ ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_rea
             sum += ema_pace_shares[pace] * ema_share_at(going, until + (ema_paces[pace] * since));
         }
         for (uint32_t end = 0U; end < EMA_CHANGES; ++end) {
-            const ema_real again = ema_max(since - ema_changes[end], EMA_R(0.0));
+            const ema_real again = ema_max(since - (ema_ends[end] * EMA_TO_COME), EMA_R(0.0));
             sum += (EMA_STALL_SHARE / (ema_real)EMA_CHANGES) * ema_share_at(going, until + again);
         }
-        sum += ema_share_at(stalled, since);
+        sum += ema_share_at(stalled, ema_max(at - (ema_ends[k] * stalled_for), EMA_R(0.0)));
     }
     return sum / (ema_real)EMA_CHANGES;
 }

@@ -14,10 +14,11 @@
 ema_real ema_ahead_time(uint32_t place);
 
 /* The share that has reached the limit at instant `place`, by the shares over wear's own time where it goes on now and
- * where it is stalled. What goes on changes its pace at a time as likely as any other, 0.7 in one of those times: in
- * one case of four it stalls until as likely a time, else its pace turns to another whose logarithm scatters by 0.75.
- * What is stalled goes on at such a time. */
+ * where it is stalled. What goes on changes its pace at a time as likely as any other, 0.35 in one of those times: in
+ * one case of four it stalls, else its pace turns to another whose logarithm scatters by 0.75. What has been stalled
+ * for `stalled_for` still is after a further x with probability (1 + x / stalled_for)^-2; a stall to come lasts as one
+ * that has been for 0.3. */
 ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
-                         uint32_t place);
+                         ema_real stalled_for, uint32_t place);
 
 #endif

@@ -10,7 +10,10 @@
 
 /* Share of the evidence's logarithm that weighs the laws against each other: none is the machine's own, and readings
  * beside each other repeat what it lacks. */
-#define EMA_TEMPER EMA_R(0.5)
+#define EMA_TEMPER EMA_R(0.7)
+/* Variance of the level over an edge of a law: edges stand at twelfths of the age, and what wears until one is there is
+ * a step; 0.02 squared, the limit being 1. */
+#define EMA_EDGE EMA_R(4.0e-4)
 /* Below any evidence that there can be. */
 #define EMA_NO_LOG EMA_R(-1.0e30)
 /* Least doubt about a value, squared, so that a quotient by it is finite. */
@@ -56,6 +59,7 @@ static ema_real ema_followed(const ema_forecast_t* forecast, const ema_law_t* la
     const ema_real scatter = ema_trend_scatter(trend) / ema_abs(forecast->config.limit_percent);
     ema_wear_begin(wear);
     ema_real before = EMA_R(0.0);
+    ema_real passed_before = EMA_R(0.0);
     for (uint32_t k = 0U; k < trend->count; ++k) {
         const ema_reading_t* const knot = &trend->knot[k];
         const ema_real at = knot->time_days / forecast->age_days;
@@ -65,9 +69,11 @@ static ema_real ema_followed(const ema_forecast_t* forecast, const ema_law_t* la
         const ema_real row[] = {EMA_R(1.0), risen, faded};
         const uint32_t behind = trend->count - 1U - k;
         const ema_real std = scatter * ((behind < 2U) ? forecast->newest_std_percent[1U - behind] : knot->std_percent);
-        ema_wear_walk(wear, law->walk * law->walk * (now - before));
+        const ema_real passed = ema_law_passed(law, at);
+        ema_wear_walk(wear, (law->walk * law->walk * (now - before)) + (EMA_EDGE * (passed - passed_before)));
         ema_wear_take(wear, row, knot->value_percent / forecast->config.limit_percent, std * std);
         before = now;
+        passed_before = passed;
     }
     return before;
 }
@@ -98,6 +104,8 @@ static ema_real ema_weight(ema_forecast_t* forecast, const ema_law_t* law, ema_r
         forecast->now_square *= less;
         forecast->rate_square *= less;
         forecast->by *= less;
+        forecast->stalled_sum *= less;
+        forecast->stalled_for *= less;
         for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
             forecast->going[k] *= less;
             forecast->stalled[k] *= less;
@@ -132,6 +140,10 @@ static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_we
                   forecast->weight_sum);
     ema_mean_with(&forecast->rate, &forecast->rate_square, ema_wear_mean(wear, slope), ema_wear_variance(wear, slope),
                   weight, forecast->weight_sum);
+    if (stalls) {
+        forecast->stalled_sum += weight;
+        forecast->stalled_for += weight * (EMA_R(1.0) - law->stall);
+    }
     ema_real* const share = stalls ? forecast->stalled : forecast->going;
     ema_real reached = EMA_R(0.0);
     for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {

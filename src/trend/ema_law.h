@@ -17,6 +17,7 @@ typedef struct {
     ema_real again;     /* to here; 1 for one that lasts, and both 1 for none */
     ema_real power;     /* of the time in which it went on; 0 for none */
     ema_real growth;    /* e-foldings in one of it, where wear feeds on itself; 0 for none */
+    ema_real pole;      /* such time after which it would be without bound, where it feeds on its square; 0 for none */
     ema_real fade;      /* time in which grease runs in; 0 for none */
     ema_real walk;      /* standard deviation of a random walk over one of it: steps and irregular wear */
     ema_real share_log; /* logarithm of what it is given before the readings */
@@ -27,6 +28,9 @@ ema_law_t ema_law_of(uint32_t number);
 
 /* Time in which wear went on until `at`. */
 ema_real ema_law_own_time(const ema_law_t* law, ema_real at);
+
+/* How much of the edges of its onset and its stall has gone by `at`, each spread over the twelfth about it: 0 .. 3. */
+ema_real ema_law_passed(const ema_law_t* law, ema_real at);
 
 /* Wear of rate 1 after that own time, which is 1 after 1; and how fast it rises there. */
 ema_real ema_law_risen(const ema_law_t* law, ema_real own_time);

@@ -64,8 +64,10 @@ ema_trend_status_t ema_forecast_result(const ema_forecast_t* forecast, ema_outlo
     }
     ema_real reached[EMA_FORECAST_TIMES];
     ema_real most = EMA_R(0.0);
+    const ema_real stalled_for = forecast->stalled_for / ema_max(forecast->stalled_sum, EMA_LEAST);
     for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
-        most = ema_max(most, ema_ahead_share(forecast->going, forecast->stalled, k) / forecast->weight_sum);
+        const ema_real share = ema_ahead_share(forecast->going, forecast->stalled, stalled_for, k);
+        most = ema_max(most, share / forecast->weight_sum);
         reached[k] = ema_min(most, EMA_R(1.0));
     }
     ema_clear(outlook, sizeof *outlook);

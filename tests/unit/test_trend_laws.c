@@ -39,7 +39,7 @@ static void test_laws_are_all_others_and_share_what_there_is(void)
 
 static void test_wear_stalls_and_goes_on(void)
 {
-    const ema_law_t law = {EMA_R(0.25), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0),
+    const ema_law_t law = {EMA_R(0.25), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(0.0),
                            EMA_R(0.0),  EMA_R(0.0), EMA_R(0.0),  EMA_R(0.0)};
     const ema_real times[] = {EMA_R(0.0), EMA_R(0.25), EMA_R(0.375), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(2.0)};
     const ema_real own[] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.125), EMA_R(0.25), EMA_R(0.25), EMA_R(0.5), EMA_R(1.5)};
@@ -47,6 +47,21 @@ static void test_wear_stalls_and_goes_on(void)
         EMA_ASSERT_CLOSE(own[k], ema_law_own_time(&law, times[k]), 0.0, 0.0);
     }
     TEST_ASSERT_FALSE(ema_law_stalls(&law));
+}
+
+/* An edge goes by within the twelfth about it, and one at the ends of the age is none. */
+static void test_edges_go_by(void)
+{
+    const ema_law_t law = {EMA_R(0.25), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(0.0),
+                           EMA_R(0.0),  EMA_R(0.0), EMA_R(0.0),  EMA_R(0.0)};
+    const ema_law_t none = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0),
+                            EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
+    const ema_real times[] = {EMA_R(0.0), EMA_R(0.2), EMA_R(0.25), EMA_R(0.3), EMA_R(0.5), EMA_R(1.0)};
+    const ema_real passed[] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.5), EMA_R(1.0), EMA_R(1.5), EMA_R(3.0)};
+    for (uint32_t k = 0; k < 6U; ++k) {
+        EMA_ASSERT_CLOSE(passed[k], ema_law_passed(&law, times[k]), 0.0, 0.0);
+        EMA_ASSERT_CLOSE(EMA_R(0.0), ema_law_passed(&none, times[k]), 0.0, 0.0);
+    }
 }
 
 /* By the difference of what has risen. */
@@ -121,17 +136,23 @@ static void test_a_pace_that_changes(void)
 {
     ema_real going[EMA_FORECAST_TIMES];
     ema_real none[EMA_FORECAST_TIMES];
+    const ema_real since = EMA_R(0.4);
     for (uint32_t k = 0; k < EMA_FORECAST_TIMES; ++k) {
         going[k] = (ema_ahead_time(k) >= EMA_R(0.1)) ? EMA_R(1.0) : EMA_R(0.0);
         none[k] = EMA_R(0.0);
     }
     EMA_ASSERT_CLOSE(EMA_AHEAD_MOST, ema_ahead_time(EMA_FORECAST_TIMES - 1U), 0.0, 1e-6);
-    /* before any change it is as it was; what is stalled goes on later, and in the end all is there */
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(going, none, 20U), 1e-6, 0.0);
-    TEST_ASSERT_TRUE(ema_ahead_time(20U) < EMA_R(0.19));
-    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(none, going, 20U), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, EMA_FORECAST_TIMES - 1U), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(going, going, 0U), 0.0, 0.0);
+    /* before any change it is as it was */
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(going, none, since, 20U), 1e-6, 0.0);
+    TEST_ASSERT_TRUE(ema_ahead_time(20U) < EMA_R(0.38));
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(going, going, since, 0U), 0.0, 0.0);
+    /* what is stalled goes on later, one quarter at a time, the sooner the shorter it has been, and in the end all is
+     * there */
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(none, going, since, 17U), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.25), ema_ahead_share(none, going, since, 20U), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.5), ema_ahead_share(none, going, EMA_R(0.1), 20U), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, EMA_R(0.0), 20U), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, since, EMA_FORECAST_TIMES - 1U), 1e-6, 0.0);
 }
 
 int main(void)
@@ -139,6 +160,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_laws_are_all_others_and_share_what_there_is);
     RUN_TEST(test_wear_stalls_and_goes_on);
+    RUN_TEST(test_edges_go_by);
     RUN_TEST(test_rates_are_those_of_what_rises);
     RUN_TEST(test_one_law_is_least_squares_with_a_prior);
     RUN_TEST(test_normal_tails);

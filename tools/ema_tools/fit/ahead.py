@@ -16,9 +16,10 @@ from ema_tools.fit.laws import Known, Laws
 MOST = 20.0  # ages ahead that are looked at; what comes later is open [layout]
 _TIMES = 40  # in them [layout]
 _FIRST = 1e-3  # of an age: the first of them behind zero [layout]
-_CHANGES = 0.7  # changes of pace in one age [judgement]
+_CHANGES = 0.35  # changes of pace in one age [judgement]
 _PARTS = 4  # of the times of a change, as likely [precision]
 _STALLS = 0.25  # share of the changes of pace that stall it [judgement]
+_TO_COME = 0.3  # ages that a stall to come is taken to have lasted, as far as its end is concerned [judgement]
 _SPREAD = 0.75  # standard deviation of the logarithm of the others [judgement]
 _PACES = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)  # weights of Gauss and Hermite's three points, at minus and plus the root of 3 and 0 [precision]
 _DOUBT = 1e-12  # least variance of what is foretold [layout]
@@ -53,9 +54,13 @@ def reached(laws: Laws, found: Known, own: Reals) -> Reals:
     return np.maximum.accumulate(np.minimum(special.ndtr(-below) + back, 1.0), axis=1)
 
 
-def paced(going: Reals, stalled: Reals) -> Reals:
-    """Shares reached at AHEAD of the calendar, by those over wear's own time where it goes on now and where it is stalled, [times]."""
-    changes = -np.log1p(-(np.arange(_PARTS) + 0.5) / _PARTS) / _CHANGES
+def paced(going: Reals, stalled: Reals, stalled_for: float) -> Reals:
+    """Shares reached at AHEAD of the calendar, by those over wear's own time where it goes on now and where it is stalled since `stalled_for` ages, [times]."""
+    middles = (np.arange(_PARTS) + 0.5) / _PARTS
+    changes = -np.log1p(-middles) / _CHANGES
+    ends = (
+        1.0 / np.sqrt(1.0 - middles) - 1.0
+    )  # of a stall, over what it has lasted: its rate of ending is unknown but for that (Pareto's law of exponent 2)
     paces = np.exp(_SPREAD * math.sqrt(3.0) * np.array([-1.0, 0.0, 1.0]))
     total = np.zeros_like(AHEAD)
     for change in changes:
@@ -63,9 +68,10 @@ def paced(going: Reals, stalled: Reals) -> Reals:
         since = AHEAD - until
         for pace, share in zip(paces, _PACES, strict=True):
             total += (1.0 - _STALLS) * share * np.interp(until + pace * since, AHEAD, going)
-        for lasts in changes:
-            total += _STALLS / _PARTS * np.interp(until + np.maximum(since - lasts, 0.0), AHEAD, going)
-        total += np.interp(since, AHEAD, stalled)
+        for end in ends:
+            total += _STALLS / _PARTS * np.interp(until + np.maximum(since - _TO_COME * end, 0.0), AHEAD, going)
+    for end in ends:
+        total += np.interp(np.maximum(AHEAD - stalled_for * end, 0.0), AHEAD, stalled)
     return np.minimum(np.maximum.accumulate(total / _PARTS), 1.0)
 
 

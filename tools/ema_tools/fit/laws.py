@@ -17,25 +17,30 @@ from ema_tools.base.arrays import Reals
 from ema_tools.fit.kept import Knots
 
 _PARTS = 12  # places of onsets and stalls [precision]
-_POWERS = (0.5, 1.0, 1.6, 2.5)  # of the time in which wear went on [judgement]
-_GROWTHS = (2.0, 5.0)  # e-foldings of wear in one age, where it feeds on itself [judgement]
+_POWERS = (0.7, 1.0, 1.6)  # of the time in which wear went on [judgement]
+_GROWTHS = (2.0, 5.0)  # e-foldings of wear in one age, where its rate rises with what has worn [judgement]
+_POLES = (2.4, 1.5, 1.25)  # ages after which it would be without bound, where its rate rises with the square of what has worn [judgement]
 _FADES = (0.0, 0.1)  # time in which grease runs in; 0 is none [judgement]
-_WALKS = (0.0, 0.01, 0.05, 0.2)  # what the walk comes to over the age [judgement]
-_STALL_ONSETS = (0, 2, 4, 6)  # twelfths at which wear begins that stalls later [precision]
-_STALL_WALKS = 3  # of the walks, the smallest, beside a stall [judgement]
+_WALKS = (0.0, 0.04, 0.2)  # what the walk comes to over the age [judgement]
+_STALL_WALK = 0.04  # the same beside a stall [judgement]
+_STALLING = 0.25  # share of the laws that stall [judgement]
+_EDGE = 0.02  # standard deviation of the level over an onset or an end of a stall: they stand at twelfths, and what wears until one is there is a step [judgement]
 _PRIOR = np.array([0.2, 0.4, 0.2])  # level, rate over one age and fading part: one standard deviation [judgement]
 _FAR = 20.0  # e-foldings beyond which it does not matter how far beyond the limit [layout]
+_POLE_LEAST = 0.001  # of an age: nearer to a pole it does not matter any more, either [layout]
 _BEGUN = 0.001  # of an age, from which on the rate is told of wear that begins infinitely fast [layout]
 
 
 @dataclass(frozen=True)
 class Laws:
-    """Every law, [laws]: onset, stall and going on again (both 1 for none; again 1 for one that lasts), shape (a power, minus e-foldings, 0: no wear), fading time, walk, prior share."""
+    """Every law, [laws]: onset, stall and going on again (both 1 for none; again 1 for one that lasts), shape (power, e-foldings or pole, 0 for none of these), fading time, walk, prior share."""
 
     onset: Reals
     stall: Reals
     again: Reals
-    shape: Reals
+    power: Reals
+    growth: Reals
+    pole: Reals
     fade: Reals
     walk: Reals
     share: Reals
@@ -43,7 +48,7 @@ class Laws:
     @property
     def still(self) -> np.ndarray:
         """Those that do not wear."""
-        return np.asarray(self.shape == 0.0)
+        return np.asarray(self.power + self.growth + self.pole == 0.0)
 
     @property
     def stalls(self) -> np.ndarray:
@@ -55,20 +60,33 @@ class Laws:
         gone = np.maximum(at[None, :] - self.onset[:, None], 0.0)
         return gone - np.clip(at[None, :] - self.stall[:, None], 0.0, (self.again - self.stall)[:, None])
 
+    def passed(self, at: Reals) -> list[Reals]:
+        """How much of onset, stall and its end has gone by at each of `at` [times], spread over the twelfth about it, [laws, times] each; 0 of one at the ends of the age."""
+        return [
+            np.where((edge > 0.0) & (edge < 1.0), np.clip(_PARTS * (at[None, :] - edge) + 0.5, 0.0, 1.0), 0.0)
+            for edge in (one[:, None] for one in (self.onset, self.stall, self.again))
+        ]
+
     def risen(self, own_time: Reals) -> Reals:
         """Wear of rate 1 by its own time [laws, times], 1 after 1."""
-        shape = self.shape[:, None]
-        growth = np.where(shape < 0.0, -shape, 1.0)
-        grown = np.expm1(np.minimum(growth * own_time, _FAR)) / np.expm1(growth)
-        return np.where(shape < 0.0, grown, np.where(shape > 0.0, own_time ** np.where(shape > 0.0, shape, 1.0), 0.0))
+        found = np.zeros_like(own_time)
+        by_power, by_growth, by_pole = self.power > 0.0, self.growth > 0.0, self.pole > 0.0
+        found[by_power] = own_time[by_power] ** self.power[by_power, None]
+        growth = self.growth[by_growth, None]
+        found[by_growth] = np.expm1(np.minimum(growth * own_time[by_growth], _FAR)) / np.expm1(growth)
+        pole, own = self.pole[by_pole, None], own_time[by_pole]
+        found[by_pole] = (pole - 1.0) * own / np.maximum(pole - own, _POLE_LEAST)
+        return found
 
     def rises(self, own_time: Reals) -> Reals:
-        """How fast that rises, [laws]."""
+        """How fast that rises, [laws], before any pole."""
         begun = np.maximum(own_time, _BEGUN)
-        growth = np.where(self.shape < 0.0, -self.shape, 1.0)
-        power = np.where(self.shape > 0.0, self.shape, 1.0)
-        rising = np.where(self.shape < 0.0, growth * np.exp(growth * begun) / np.expm1(growth), power * begun ** (power - 1.0))
-        return np.where(self.still, 0.0, rising)
+        found = self.power * begun ** (self.power - 1.0)
+        by_growth, by_pole = self.growth > 0.0, self.pole > 0.0
+        growth, pole = self.growth[by_growth], self.pole[by_pole]
+        found[by_growth] = growth * np.exp(growth * begun[by_growth]) / np.expm1(growth)
+        found[by_pole] = pole * (pole - 1.0) / (pole - begun[by_pole]) ** 2
+        return found
 
     def faded(self, at: Reals) -> Reals:
         """The part that fades, from 0 towards -1, [laws, times]."""
@@ -78,20 +96,19 @@ class Laws:
 
 @functools.cache
 def all_laws() -> Laws:
-    """Those that do not wear, those that do steadily, and those that stall; the last two share one half each."""
-    still = [(0.0, 1.0, 1.0, 0.0, fade, 0.0) for fade in _FADES]
+    """Those that do not wear, those that do steadily, and those that stall; the last two share what wears."""
+    still = [(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, fade, 0.0) for fade in _FADES]
     onsets = [count / _PARTS for count in range(_PARTS)]
-    shapes = (*_POWERS, *(-one for one in _GROWTHS))
-    steady = [(onset, 1.0, 1.0, shape, fade, walk) for onset, shape, fade, walk in itertools.product(onsets, shapes, _FADES, _WALKS)]
+    shapes = [*((one, 0.0, 0.0) for one in _POWERS), *((0.0, one, 0.0) for one in _GROWTHS), *((0.0, 0.0, one) for one in _POLES)]
+    steady = [(onset, 1.0, 1.0, *shape, fade, walk) for onset, shape, fade, walk in itertools.product(onsets, shapes, _FADES, _WALKS)]
     stalling = [
-        (onset / _PARTS, stall / _PARTS, again / _PARTS, 1.0, 0.0, walk)
-        for onset in _STALL_ONSETS
-        for stall, again in itertools.combinations(range(onset + 1, _PARTS + 1), 2)
-        for walk in _WALKS[:_STALL_WALKS]
+        (onset / _PARTS, stall / _PARTS, again / _PARTS, 1.0, 0.0, 0.0, 0.0, _STALL_WALK)
+        for onset, stall, again in itertools.combinations(range(_PARTS + 1), 3)
     ]
-    share = np.concatenate([np.full(len(one), part / len(one)) for one, part in ((still, 1.0), (steady, 0.5), (stalling, 0.5))])
-    onset, stall, again, shape, fade, walk = np.array([*still, *steady, *stalling]).T
-    return Laws(onset, stall, again, shape, fade, walk, share)
+    kinds = ((still, 1.0), (steady, 1.0 - _STALLING), (stalling, _STALLING))
+    share = np.concatenate([np.full(len(one), part / len(one)) for one, part in kinds])
+    onset, stall, again, power, growth, pole, fade, walk = np.array([*still, *steady, *stalling]).T
+    return Laws(onset, stall, again, power, growth, pole, fade, walk, share)
 
 
 @dataclass(frozen=True)
@@ -110,6 +127,8 @@ def known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
     bases = np.stack([ones, laws.risen(own), laws.faded(at)], axis=2)  # [laws, knots, 3]
     scaled = bases * _PRIOR
     walks = laws.walk[:, None, None] ** 2 * np.minimum(own[:, :, None], own[:, None, :])
+    for passed in laws.passed(at):
+        walks += _EDGE**2 * np.minimum(passed[:, :, None], passed[:, None, :])
     lower = np.linalg.cholesky(scaled @ scaled.transpose(0, 2, 1) + walks + np.diag((knots.std / limit) ** 2))
     # what is asked for together with the knots: level, rate, fading part, and the walk of the last one
     cross = np.concatenate([bases.transpose(0, 2, 1) * (_PRIOR**2)[None, :, None], walks[:, -1:, :]], axis=1)

@@ -19,7 +19,8 @@ from ema_tools.fit.laws import all_laws, known
 from ema_tools.fit.onset import onset
 
 READINGS_LEAST = 6  # below which nothing is told [judgement]
-_TEMPER = 0.5  # of the logarithm of the evidence: no law of the library is the machine's own, and days beside each other repeat what the law lacks [judgement]
+_TEMPER = 0.7  # of the logarithm of the evidence: no law of the library is the machine's own, and days beside each other repeat what the law lacks [judgement]
+_IDLE_LEAST = 1e-35  # weight of those that are stalled, below which it does not matter for how long [layout]
 _ODDS = 80.0  # logarithm beyond which odds are not told apart [layout]
 
 
@@ -76,7 +77,9 @@ def outlook(days: Reals, values: Reals, stds: Reals, limit: float, false_alarm: 
     slope[:, 1] = np.where(laws.stalls, 0.0, laws.rises(own))
     told = [_mixed(weight, np.sum(row * found.mean, axis=1), np.einsum("lk,lkm,lm->l", row, found.cov, row)) for row in (now, slope)]
     shares = reached(laws, found, own)
-    ahead = paced((weight * ~laws.stalls) @ shares, (weight * laws.stalls) @ shares)
+    idle = weight * laws.stalls
+    stalled_for = float(idle @ (1.0 - laws.stall)) / max(float(idle.sum()), _IDLE_LEAST)
+    ahead = paced((weight - idle) @ shares, idle @ shares, stalled_for)
     low, median, high = (age * time_of(ahead, share) for share in (0.05, 0.5, 0.95))
     by = limit * float(weight @ (now[:, 1] * found.mean[:, 1]))
     begins = onset(days, values, stds)
