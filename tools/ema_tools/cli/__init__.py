@@ -108,10 +108,11 @@ def simulate(
 @cli.command(short_help="Say where ACTUATOR's model fails on REC.")
 @click.argument("actuator")
 @click.argument("record")
+@click.option("--report", "page", metavar="FILE.html", help="Write the page there: signals, where the model fails, and the workbench.")
 @precision_option("64")
 @pictures_option
 @json_option
-def compare(actuator: str, record: str, precision: str, pictures: str | None, json_path: str | None, force: bool) -> None:
+def compare(actuator: str, record: str, page: str | None, precision: str, pictures: str | None, json_path: str | None, force: bool) -> None:
     """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known."""
     from ema_tools.compare.comparison import compare as work
     from ema_tools.compare.motion_comparison import compare_motion
@@ -125,7 +126,7 @@ def compare(actuator: str, record: str, precision: str, pictures: str | None, js
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
 
-    writable(*picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
+    writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
     model = read_actuator(actuator, complete=False)
     measured = read_any_record(record, model)
     with progress("comparing", 3) as bar:
@@ -134,9 +135,11 @@ def compare(actuator: str, record: str, precision: str, pictures: str | None, js
         found = replace(found, unlike=unlike(model, measured, found.simulation))
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
-    result = replace(result, workbench=bench(model, measured) if json_path and isinstance(measured, Record) else None)
+    result = replace(result, workbench=bench(model, measured) if (json_path or page) and isinstance(measured, Record) else None)
     save(json_path, result, force)
+    _page(page, result, force)
     show.comparison(output(), result, model.name)
+    _written(page)
     draw(pictures, result, record, force)
 
 

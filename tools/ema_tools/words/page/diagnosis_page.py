@@ -24,7 +24,7 @@ from ema_tools.words.page.first_screen import (
     rungs,
     telling,
 )
-from ema_tools.words.page.sheet import Chapter, document, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, document, kept, line_of, origin, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
@@ -50,14 +50,8 @@ def render(result: Diagnosed, command: str) -> str:
     return document(result.name, first_screen(result), "", chapters, data, result.workbench is not None)
 
 
-def _effect(name: str) -> str:
-    """Display name with the code name small."""
-    shown = names.display(name)
-    return f"{escape(shown)} <code>{escape(name)}</code>"
-
-
 def _where(result: Diagnosed, drawn: list[heat.Map]) -> str:
-    parts = [f"<p>{escape(result.where_sentence)}</p>"] if result.where_sentence else []
+    parts = [f"<p>{kept(result.where_sentence)}</p>"] if result.where_sentence else []
     parts.append(heat.section(result, drawn))
     rows = []
     for one in sorted(result.blocks, key=lambda block: (-block.telling, -block.share_percent)):
@@ -125,7 +119,7 @@ def _which(result: Diagnosed) -> str:
             sizes = "<br>".join(map(_value, values.get(one.entry.name, ()))) or "–"
             state = '<b class="good">named</b>' if one.entry.accepted else escape(one.entry.reason or "not named")
             rows_.append(
-                f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
+                f'<tr><th scope="row">{names.titled(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
             )
         parts.append(table("effects", "Size ± half of its 95 % interval.", ("Effect", "<Named", "<Size", "<Looks alike"), rows_))
     parts += _separates(result)
@@ -147,7 +141,7 @@ def _candidate(one: TriedEffect, values: tuple[Value, ...]) -> charts.Row:
     alike = _alike(one)
     looks = f"; looks like {alike}" if alike != "nothing" else ""
     state = '<b class="good">named</b> ' if named else ""
-    head = f"{state}{_effect(one.entry.name)}"
+    head = f"{state}{names.titled(one.entry.name)}"
     return charts.Row(
         head,
         (charts.Mark(one.left, "dot after" if named else "dot other", said),),
@@ -347,7 +341,7 @@ def _records(result: Diagnosed) -> str:
 def _provenance(result: Diagnosed, command: str) -> str:
     hidden = result.found.cannot_see if isinstance(result.found, DiagnosisResult) else None
     method = result.found.method_reason if isinstance(result.found, DiagnosisResult | DiagnosisByBalanceResult | Addition) else ""
-    parts = [f'<p class="full">{escape(result.sentence)}</p>' if result.sentence else ""]
+    parts = [f'<p class="full">{kept(result.sentence)}</p>' if result.sentence else ""]
     parts.append(f"<p>{escape(hidden)}</p>" if hidden else "")
     parts.append(f"<p>By {result.found.method}: {escape(method)}.</p>" if method else "")
     parts.append(origin(command, result.provenance))
