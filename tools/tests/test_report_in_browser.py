@@ -41,7 +41,9 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
         # what is not opened is not drawn
         for place in page.locator("[data-curves]:visible").all():
             place.scroll_into_view_if_needed()
-        page.wait_for_function("() => [...document.querySelectorAll('[data-curves]:not([data-drawn])')].every((one) => !one.checkVisibility())")
+        page.wait_for_function(
+            "() => [...document.querySelectorAll('[data-curves]:not([data-drawn])')].every((one) => !one.checkVisibility())"
+        )
         page.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
         return page, complaints
 
@@ -134,7 +136,9 @@ def test_a_link_opens_what_it_leads_to_and_draws_it(opened: Any) -> None:
     page.wait_for_function("() => document.querySelectorAll('[data-curves=\"result-2\"][data-drawn]').length === 2")
     assert page.locator('[data-curves="result-2"] canvas').count() == 2 * 3 * 2
     # each result has a command of its own to copy
-    beside = page.evaluate("[...document.querySelectorAll('[data-copy]')].map((one) => document.getElementById(one.dataset.copy) === one.previousElementSibling)")
+    beside = page.evaluate(
+        "[...document.querySelectorAll('[data-copy]')].map((one) => document.getElementById(one.dataset.copy) === one.previousElementSibling)"
+    )
     assert beside == [True] * 6
     assert complaints == []
 

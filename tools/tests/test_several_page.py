@@ -80,7 +80,10 @@ def test_a_unit_without_drift_says_that_no_limit_is_in_sight() -> None:
     ]
     (unit,) = over_dates(found)
     first = several_page._of_unit(unit, [shown(one, str(path), path.stem) for path, one in found])
-    assert first.sentence == "Left: 12 results; the last that counts reads CSJ 0.0 % and BLK 0.0 %." and first.replies[3].short == "Not in sight"
+    assert (
+        first.sentence == "Left: 12 results; the last that counts reads CSJ 0.0 % and BLK 0.0 %."
+        and first.replies[3].short == "Not in sight"
+    )
     assert first.replies[1].more == "a fault from +5 % on; no drift is told"
 
 

@@ -125,6 +125,7 @@ def compare(actuator: str, record: str, page: str | None, precision: str, pictur
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
+    from ema_tools.words.terminal.next_step import say_next
 
     writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
     model = read_actuator(actuator, complete=False)
@@ -139,6 +140,7 @@ def compare(actuator: str, record: str, page: str | None, precision: str, pictur
     save(json_path, result, force)
     _page(page, result, force)
     show.comparison(output(), result, model.name)
+    say_next(output(), result)
     _written(page)
     draw(pictures, result, record, force)
 
@@ -309,6 +311,7 @@ def identify(
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
+    from ema_tools.words.terminal.next_step import say_next
 
     healthy = record_files(healthy)
     drawn_to = picture_files(pictures, "identify", record)
@@ -366,6 +369,7 @@ def identify(
     show.identification(output(), result)
     if references and not asked:
         show.say(output(), f"held against {_few([one.file for one in references])}, on which {model.file} was calibrated")
+    say_next(output(), result)
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
@@ -894,6 +898,7 @@ def map_command(
     from ema_tools.results.provenance import provenance
     from ema_tools.words.answers.friction_map import friction_map
     from ema_tools.words.terminal.friction_map import print_map
+    from ema_tools.words.terminal.next_step import say_next
 
     records = record_files(records)
     writable(page, *picture_files(pictures, "map", records[0]), json_path=json_path, force=force, inputs=(actuator, *records))
@@ -904,6 +909,7 @@ def map_command(
     save(json_path, result, force)
     _page(page, result, force)
     print_map(output(), result)
+    say_next(output(), result)
     _written(page)
     draw(pictures, result, records[0], force)
 

@@ -6,7 +6,10 @@
   const data = JSON.parse(document.getElementById("workbench-data").textContent);
   const FITTED_MAX = 4; // EMA_IDENTIFIED_MAX
   const TIMES = 101; // redraws that the median is taken of
-  const SHOWN = { position_mm: ["Rod position", "mm"], motor_position_mm: ["Motor position", "mm"], current_A: ["Motor current", "A"], voltage_V: ["Motor voltage", "V"] };
+  // title, unit, and of the residual its unit and how many of them are in one
+  const SHOWN = {
+    position_mm: ["Rod position", "mm", "\u00b5m", 1000], motor_position_mm: ["Motor position", "mm", "\u00b5m", 1000], current_A: ["Motor current", "A", "A", 1], voltage_V: ["Motor voltage", "V", "V", 1],
+  };
 
   function make(tag, attributes = {}, ...children) {
     const element = document.createElement(tag);
@@ -138,12 +141,14 @@
   function draw(mark = null) {
     for (const [name, { canvas, title }] of Object.entries(plots)) {
       const signal = shown.signals[name];
-      EmaPlots.draw(canvas, signal, view, record.start_s, record.period_s, mark);
+      const [shownAs, , unit, scale] = SHOWN[name];
+      EmaPlots.draw(canvas, signal, view, record.start_s, record.period_s, mark, scale, unit);
       let sum = 0;
       for (let k = view[0]; k <= view[1]; k += 1) sum += signal.residual[k] ** 2;
       const rms = Math.sqrt(sum / (view[1] - view[0] + 1));
-      title.textContent = `residual ${digits(rms, 3)} ${SHOWN[name][1]} rms in view${signal.percent === null ? "" : `, ${digits(signal.percent, 3)} % of the whole`}`;
-      canvas.setAttribute("aria-label", `${SHOWN[name][0]}, measured and simulated against time, and their difference: ${title.textContent}`);
+      const times = noise[name] ? `, ${digits(rms / noise[name], 3)} times its noise` : "";
+      title.textContent = `residual ${digits(scale * rms, 3)} ${unit} rms in view${times}${signal.percent === null ? "" : `; ${digits(signal.percent, 3)} % of the whole`}`;
+      canvas.setAttribute("aria-label", `${shownAs}, measured and simulated against time, and their difference: ${title.textContent}`);
     }
   }
   let pending = null;
