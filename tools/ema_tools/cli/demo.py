@@ -46,6 +46,7 @@ from ema_tools.words.page import write_report
 from ema_tools.words.page.results import FAULTS, ShownIdentification, identified
 from ema_tools.words.page.text import shift, signed
 from ema_tools.words.sentences.identification import TITLES
+from ema_tools.words.sentences.paths import with_paths
 from ema_tools.words.terminal import console as terminal
 from ema_tools.words.terminal import show
 
@@ -187,6 +188,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     drawn = curves(unit.today, before=simulated(found.known, unit.today), after=simulated(found.fitted, unit.today))
     asked = f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others_quoted}"
     missing = replace(diagnosis(found, _origin(unit, asked), drawn), workbench=bench(found.known, unit.today))
+    missing = replace(missing, next_experiment=with_paths(missing.next_experiment, unit.sheet_file, [unit.today_file]))
     _write(folder / _ON_PAGE[0], missing)
     _say(output, missing.where.sentence)
     _say(output, missing.sentence)
@@ -261,7 +263,9 @@ def _tell_flight(output: Console, folder: Path, unit: _Unit, healthy: tuple[Reco
         drawn = curves(record, before=simulated(flown.healthy, record), after=simulated(flown.actuator, record))
         asked = f"ema identify {own_model} {records}/{record.file} --no-guard"
         origin = provenance(asked, actuator=known.actuator.name, record=f"recordings/unit/{record.file}")
-        said = identification(flown, f"{record.file}, the unit's own model", origin, drawn)
+        said = _with_paths(
+            identification(flown, f"{record.file}, the unit's own model", origin, drawn), own_model, f"{records}/{record.file}"
+        )
         _write(folder / file, said)
         _say(output, f"{_verdict(said)}{', because' if said.reasons else '.'}")
         for reason in said.reasons:
@@ -287,13 +291,20 @@ def _searched(unit: _Unit, actuator: Actuator, file: str, model: str) -> Identif
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
         found = identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
     drawn = curves(unit.today, before=simulated(found.healthy, unit.today), after=simulated(found.actuator, unit.today))
-    return identification(
+    said = identification(
         found,
         f"{unit.today.file}, {model}",
         _origin(unit, f"ema identify {file} {unit.today_file} --weight {_WEIGHTS}"),
         drawn,
         shape_of(found),
     )
+    return _with_paths(said, file, unit.today_file)
+
+
+def _with_paths(found: IdentificationResult, actuator: str, record: str) -> IdentificationResult:
+    """The commands in its words as they are typed for this record."""
+    reasons = tuple(with_paths(reason, actuator, [record]) for reason in found.reasons)
+    return replace(found, sentence=with_paths(found.sentence, actuator, [record]), reasons=reasons)
 
 
 def _verdict(found: IdentificationResult) -> str:
