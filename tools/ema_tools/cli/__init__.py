@@ -437,8 +437,12 @@ def diagnose(
         found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way, fixes)
     drawn = entry = None
     if (json_path or page or pictures) and isinstance(measured, Record) and not model.absent:
-        entry = bench(found.known, measured)
-        drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
+        evidence = found.evidence if isinstance(found, Answer) else None
+        first = evidence.actuator if evidence is not None else found.known
+        # without healthy records the unit's own parameters have moved, though no effect was fitted
+        moved = found.fits or (evidence is not None and not evidence.relative)
+        entry = bench(first, measured, evidence)
+        drawn = curves(measured, before=simulated(first, measured), after=simulated(found.fitted, measured) if moved else None)
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
@@ -610,11 +614,11 @@ def add(
         found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
-    drawn = None
+    drawn, evidence = None, found.fit.view.evidence
     if json_path or page:
-        drawn = curves(measured, before=simulated(model, measured), after=simulated(found.fitted, measured))
+        drawn = curves(measured, before=simulated(evidence.actuator, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
-    result = replace(result, method_reason=way.because, workbench=bench(model, measured) if drawn else None)
+    result = replace(result, method_reason=way.because, workbench=bench(evidence.actuator, measured, evidence) if drawn else None)
     save(json_path, result, force)
     _page(page, result, force)
     show.added(output(), result)

@@ -185,9 +185,9 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 3, f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others}")
     with terminal.progress("diagnosing", 100) as bar:
         found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    drawn = curves(unit.today, before=simulated(found.known, unit.today), after=simulated(found.fitted, unit.today))
+    drawn = curves(unit.today, before=simulated(found.evidence.actuator, unit.today), after=simulated(found.fitted, unit.today))
     asked = f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others_quoted}"
-    missing = replace(diagnosis(found, _origin(unit, asked), drawn), workbench=bench(found.known, unit.today))
+    missing = replace(diagnosis(found, _origin(unit, asked), drawn), workbench=bench(found.evidence.actuator, unit.today, found.evidence))
     missing = replace(missing, next_experiment=with_paths(missing.next_experiment, unit.sheet_file, [unit.today_file]))
     _write(folder / _ON_PAGE[0], missing)
     _say(output, missing.where.sentence)
@@ -200,9 +200,11 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
     added.actuator.write(folder / _MACHINE, True)
-    drawn = curves(unit.today, before=simulated(unit.sheet, unit.today), after=simulated(added.fitted, unit.today))
+    drawn = curves(unit.today, before=simulated(added.fit.view.evidence.actuator, unit.today), after=simulated(added.fitted, unit.today))
     asked = f"ema add {unit.sheet_file} {effect} --fit {unit.today_file} {unit.others_quoted} -o {_shown(folder / _MACHINE)}"
     model = addition(added, unit.today.file, _shown(folder / _MACHINE), _origin(unit, asked), drawn)
+    seen = added.fit.view.evidence
+    model = replace(model, workbench=bench(seen.actuator, unit.today, seen))
     _write(folder / _ON_PAGE[1], model)
     show.steps(output, model.steps or (), model.error.floor)
     beside = " and ".join(TITLES[value] for name, value in CHANGEABLE.items() if name in added.fit.effects)

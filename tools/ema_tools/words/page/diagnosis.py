@@ -264,7 +264,7 @@ def _fell(page: Gathered, result: Diagnosed, identity: str) -> None:
     """The steps, and the curves before and after them."""
     if result.steps and "before" in result.errors:
         page.add("<h3>Does the error fall?</h3>")
-        held = any(step.holdout is not None for step in result.steps)
+        held = any(step.read[1] is not None for step in result.steps)
         first = result.errors.get("holdout_before")
         rows = [
             f'<tr><th scope="row">first model</th><td>{words.number(result.errors["before"])}</td><td>{"–" if first is None else words.number(first)}</td><td></td><td></td></tr>'
@@ -279,10 +279,11 @@ def _fell(page: Gathered, result: Diagnosed, identity: str) -> None:
                 else '<span class="verdict blocks">not recommended</span>'
             )
             why = (": " if state else "") + escape(step.reason) if step.reason else ""
-            holdout = "–" if step.holdout is None else words.number(step.holdout)
+            here, apart = step.read
+            holdout = "–" if apart is None else words.number(apart)
             name = escape(step.added or " + ".join(step.effects))
             rows.append(
-                f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="words">{values}</td><td class="words">{state}{why}</td></tr>'
+                f'<tr><th scope="row">+ {name}</th><td>{words.number(here)}</td><td>{holdout}</td><td class="words">{values}</td><td class="words">{state}{why}</td></tr>'
             )
         page.add(
             table(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from html import escape
 
@@ -110,7 +111,7 @@ def _which(result: Diagnosed) -> str:
     floor = result.errors.get("floor")
     if known:
         rows = [_candidate(one, values.get(one.entry.name, ())) for one in known]
-        label = "Error left when this effect alone is added to the model before it, times the sensor noise; effects that were not refitted by their first look"
+        label = "Error left when this effect alone is added to the model before it, what scatters free beside it, times the sensor noise; effects that were not refitted by their first look"
         parts.append(charts.tracks(label, "Effect", "Error left, size, look-alikes", rows, floor, "dashed: noise level"))
     unknown = [one for one in tried if one.left is None]
     if unknown:
@@ -207,6 +208,7 @@ def _ladder(result: Diagnosed) -> str:
         return ""
     unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
     rows, last = [], len(found) - 1
+    loads = [{}, *(step.loads for step in result.steps)] if result.workbench is not None else [None] * len(found)
     drawn = list(result.curves.models) if result.curves is not None else []
     for place, (name, here, held) in enumerate(found):
         known = name in {one.name for one in result.suspects} or name in faults(result) or name == result.added
@@ -217,6 +219,10 @@ def _ladder(result: Diagnosed) -> str:
         key = "before" if place == 0 else "after" if place == last else ""
         shown = f'<button type="button" data-model="{key}">{escape(title)}</button>' if key in drawn else escape(title)
         told = f"<b>{words.number(here)}</b>" + (f" / {words.number(held)}" if held is not None else "")
+        changes = loads[place]
+        if changes is not None and workbench.takes(changes):
+            given = escape(json.dumps(changes, separators=(",", ":")))
+            told += f' <button type="button" class="load" data-load="{given}">load<span class="spoken"> {escape(title)} into the workbench</span></button>'
         rows.append(charts.Row(shown, tuple(marks), told))
     floor = result.errors.get("floor")
     other = ""
@@ -240,7 +246,12 @@ def _ladder(result: Diagnosed) -> str:
         ),
     ]
     if drawn:
-        parts.append('<p class="note">Choose the first or the last model to see it alone in the signals.</p>')
+        more = (
+            " “load” puts a model into the workbench, where it is simulated anew and its values can be moved."
+            if any(one is not None for one in loads)
+            else ""
+        )
+        parts.append(f'<p class="note">Choose the first or the last model to see it alone in the signals.{more}</p>')
     values = [value for step in result.steps for value in step.values]
     if values:
         items = "".join(f"<li>{_value(value)}</li>" for value in values)

@@ -431,11 +431,12 @@ def _size_of(step: ForceStepEntry, last: ForceStepEntry, units: MachineUnits) ->
 
 def steps(console: Console, way: Sequence[StepEntry], floor: float | None, what: str = "Weighted error") -> None:
     """The fall of the error."""
-    held = any(step.error_holdout is not None for step in way)
+    held = any(step.told[1] is not None for step in way)
     rows = table(what, "model", "on the record", *(("held out",) if held else ()))
     for place, step in enumerate(way):
         title = step.added if place == 0 else f"+ {step.added}"
-        rows.add_row(title, number(step.error_training, 4), *((number(step.error_holdout, 4),) if held else ()))
+        here, apart = step.told
+        rows.add_row(title, number(here, 4), *((number(apart, 4),) if held else ()))
     rows.add_row("floor", number(floor, 4), *(("",) if held else ()))
     console.print(rows)
 

@@ -33,6 +33,15 @@
   // what a link leads to is seen at once
   for (const link of all('a[href^="#"]')) link.addEventListener("click", () => { for (const one of all(`${link.hash} > details.whole`)) one.open = true; });
 
+  // A rung of the ladder in the workbench, which may still be unpacking.
+  for (const button of all("[data-load]")) {
+    button.addEventListener("click", () => {
+      if (!window.emaWorkbench) return;
+      window.emaWorkbench.load(JSON.parse(button.dataset.load), true);
+      document.getElementById("workbench").scrollIntoView();
+    });
+  }
+
   const cells = all("button.cell");
   for (const table of all("table.heat")) {
     table.addEventListener("keydown", (event) => {
