@@ -103,7 +103,7 @@ const EmaPlots = (() => {
     const upper = inner * (1 - RESIDUAL);
     const { measured, simulated, residual } = signal;
     panel(PAD.top, upper, [measured, simulated], [[measured, css("measured", "#9aa5b1"), 3], [simulated, css("after", "#0a6aa8"), 1.4]], 4);
-    panel(PAD.top + upper + PAD.gap, inner * RESIDUAL, [residual], [[residual, css("before", "#c8501e"), 1.2]], 3, scale, unit);
+    panel(PAD.top + upper + PAD.gap, inner * RESIDUAL, [residual], [[residual, css("before", "#c8501e"), 1.2]], 4, scale, unit);
     context.textAlign = "center";
     context.textBaseline = "top";
     context.fillStyle = css("soft", "#5b6673");
