@@ -298,7 +298,7 @@ REFUSED = {
     ),
     "one healthy record": (
         ("hot", "--healthy", "healthy_0"),
-        "hot.csv: 1 healthy record tells nothing of repeatability: give two or more of the same command, or none",
+        "healthy_0.csv: one healthy record tells nothing of repeatability: record another under the same command and give both, or none",
     ),
     "a healthy record twice": (
         ("hot", "--healthy", "healthy_0", "--healthy", "healthy_0"),

@@ -121,7 +121,7 @@ def test_a_sensor_that_errs_is_named() -> None:
     why = "what is there looks like the sensor of the current, not like the machine: current_A reads 1.1 times the signal"
     data |= {"missing_effect": None, "reasons": [why], "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"}}
     found = said(data)
-    assert found.sentence == "No verdict: it looks as if the sensor of the current reads wrong."
+    assert found.sentence == "No verdict: it looks as if the sensor of the current is at fault."
     assert (found.replies[2].short, found.replies[-1].short) == ("Nothing in the machine", "Check the sensor")
 
 

@@ -144,6 +144,19 @@ class Evidence:
         known = view(self, {})
         return [known.residual_of(target) for target in self.repeats]
 
+    def without(self, channel: str) -> Evidence:
+        """The same of the other signals."""
+        kept = [place for place, name in enumerate(self.channels) if name != channel]
+        return replace(
+            self,
+            channels=tuple(self.channels[place] for place in kept),
+            target=self.target[kept],
+            whiten=Whitener(self.whiten.weights[kept]),
+            noise=self.noise[kept],
+            additive=self.additive[:, kept],
+            repeats=tuple(repeat[kept] for repeat in self.repeats),
+        )
+
     @property
     def numbers(self) -> int:
         """Independent numbers in the record's signals."""

@@ -53,7 +53,7 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
             raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
     if len(healthy) < 2:
         raise InputError(
-            f"{record.file}: {len(healthy)} healthy record tells nothing of repeatability: give two or more of the same command, or none"
+            f"{healthy[0].file}: one healthy record tells nothing of repeatability: record another under the same command and give both, or none"
         )
     check_none_odd(healthy)
 

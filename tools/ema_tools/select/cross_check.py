@@ -19,7 +19,7 @@ from ema_tools.data.records import Record
 from ema_tools.select.beside_fault import named, on_unit, rivals, takes_away
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocks, disturbs, remarks_of
 from ema_tools.select.open_state import OpenStd, open_state
-from ema_tools.select.sensors import Suspect, suspect
+from ema_tools.select.sensors import LEAST_SIGNALS, VOLTAGE, Suspect, odd_signal, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.whole_search import WholeSearch, searched
 
@@ -27,6 +27,7 @@ from ema_tools.select.whole_search import WholeSearch, searched
 # explains the record as well as a fault does.
 Kind = Literal["adequate", "missing", "unknown", "rival"]
 
+LITTLE_LEFT = "what is left is too little beside the fault to be its cause"
 _HARDLY = 0.01  # of what a fault explains: a remainder that could not be its cause if it lay along it, a tenth of its size [judgement]
 
 
@@ -41,6 +42,7 @@ class _Said:
     there: bool = False
     as_given: bool = False
     withheld: bool = False
+    left_out: str = ""
     sensor: Suspect | None = None
 
 
@@ -50,7 +52,7 @@ class CrossCheck(_Said):
     where one is missing; `shift`: of these from the machine that is known, relative; `open`: how far they may be off for how machines differ from day to day; `against`: healthy
     repeats that the record was compared with; `signals`: that were compared; `skipped`: why nothing was sought; `there`: the model holds the effect, at another size;
     `as_given`: the actuator's file holds it at this very size, which the healthy repeats do not show; `withheld`: it takes the search of all effects to name it, and what it leaves beside CSJ and
-    BLK keeps the answer open; `sensor`: whose own error what is unknown looks like."""
+    BLK keeps the answer open; `left_out`: the signal without which the others name it; `sensor`: whose own error what is unknown looks like."""
 
     kind: Kind = "adequate"
     against: int = 0
@@ -99,7 +101,7 @@ def cross_check(
                 continue
             return said("rival", _with_effect(replace(plain, open=stands), found[0], [one.effect for one in found[1:]], actuator))
         why = "the residual is as small as those of the healthy records" if repeats else "every residual is as small as its sensor's noise"
-        why = "what is left is too little beside the fault to be its cause" if hardly else why
+        why = LITTLE_LEFT if hardly else why
         return said("adequate", replace(plain, open=stands), why)
     why_not = disturbs(remarks)
     if why_not:
@@ -117,13 +119,27 @@ def cross_check(
 
 
 def _by_search(said: Callable[[Kind, _Said], CrossCheck], known: KnownMachine, found: WholeSearch, actuator: Actuator) -> CrossCheck:
-    """What the whole search says of a record that no effect beside CSJ and BLK alone explains."""
+    """What the whole search says of a record that no effect beside CSJ and BLK alone explains, or what the signals say without one of them."""
     if found.effect is None or takes_away(known, found.faults):
-        return said("unknown", _Said(sensor=found.sensor))
+        sensor = found.sensor or odd_signal(known.evidence)
+        as_asked = _without_voltage(known) if sensor is None else None
+        if as_asked is None:
+            return said("unknown", _Said(sensor=sensor))
+        best, alike = as_asked
+        return said("missing", replace(_with_effect(_faults(known, best), best, alike, actuator), withheld=True, left_out=VOLTAGE))
     one = found.effect
     machine = {name: known.actuator[name] for name in known.faults}
     fit = MachineFit(one.name, {**machine, **found.faults, **one.values}, one.std, math.nan)
     return said("missing", replace(_with_effect(_faults(known, fit), fit, one.alike[1:], actuator), withheld=True))
+
+
+def _without_voltage(known: KnownMachine) -> tuple[MachineFit, tuple[str, ...]] | None:
+    """The effect that the other signals name where the recorded voltage contradicts them, with what looks like it: a drive may record what it asks of a supply that gives less."""
+    if VOLTAGE not in known.evidence.channels or len(known.evidence.channels) <= LEAST_SIGNALS:
+        return None
+    others = KnownMachine(known.evidence.without(VOLTAGE))
+    verdict, best, alike = named(others, others.base({}))
+    return (best, tuple(alike)) if verdict == "missing" and best is not None and others.plain(best) else None
 
 
 def _beside_all(known: KnownMachine, rivalling: Sequence[MachineFit], fault: str, least: float) -> bool:

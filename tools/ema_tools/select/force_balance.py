@@ -59,6 +59,9 @@ _SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
+_ZERO = 0.025  # of the dry friction: a constant torque that the zero of a current or torque sensor makes as well [judgement]
+_ONE_TURN = 1.5  # turns of a wave: of fewer a constant torque beside it is hardly told from its own [judgement]
+_AS_WELL = 1.03  # times the error with one effect less, which the simpler answer may have [judgement]
 _AS_LOAD = 0.2  # of which all but this share is a constant torque is taken for one: the samples next to a standstill are few [judgement]
 _SHAPE_SHARE = 0.02  # a shape that explains less than this share of the best one's is no shape of the effect [judgement]
 _ROUND_SHARE = 0.15  # of the bar that shows how far it is, for one effect [layout]
@@ -251,9 +254,17 @@ class ForceSearch:
             return Tried(load_effect(), before, 0.0, np.zeros(int(bench.training.sum()))), before, f"{LOAD} is fixed"
         bench.load_named = True
         found = self._tried(before, load_effect(), bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
-        why = self.judge.refusal(before, found)
+        why = self.judge.refusal(before, found) or self._as_zero(found.fit)
         bench.load_named = not why
         return found, before, why
+
+    @staticmethod
+    def _as_zero(fit: Fitted) -> str:
+        """Why a constant torque is none of the machine: it is no more than a sensor's zero."""
+        size, friction = abs(fit.values[size_of_load()]), fit.values["screw.csj_Nm"]
+        if size > _ZERO * friction:
+            return ""
+        return f"it is {100.0 * size / friction:.2g} % of the dry friction, which the zero of the drive's sensor may be off by"
 
     def same_as_load(self) -> tuple[str, ...]:
         """Effects that nothing but a constant torque is seen of."""
@@ -550,8 +561,28 @@ def improve_by_forces(
     Raises MissingSignal when a record has no mechanical balance.
     """
     return with_lag_fitted(
-        lambda known, report: _improved(known, records, holdout, report, fixes, veto), actuator, records, holdout, fixes, progress
+        lambda known, report: _fewest(known, records, holdout, report, fixes, veto), actuator, records, holdout, fixes, progress
     )
+
+
+def _fewest(
+    actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord], report: Report, fixes: Fixes, veto: Veto | None
+) -> ForceSteps:
+    """The effects that lower the error, without a constant torque where the motion sees hardly more than one turn of a wave beside it and the wave alone does as well: an arm's weight is both."""
+    found = _improved(actuator, records, holdout, report, fixes, veto)
+    if not any(_is_slow_wave(step, found) for step in found.steps) or load_effect() not in [step.effect for step in found.steps]:
+        return found
+    other = _improved(actuator, records, holdout, report, fixes.without(LOAD), veto)
+    pairs = ((other.errors.training, found.errors.training), (other.errors.holdout, found.errors.holdout))
+    does_as_well = all(one <= _AS_WELL * beside for one, beside in pairs if math.isfinite(beside))
+    return other if does_as_well and 0 < len(other.steps) < len(found.steps) else found
+
+
+def _is_slow_wave(step: ForceStep, found: ForceSteps) -> bool:
+    """Whether an effect is a wave of which the motion sees hardly more than one turn."""
+    periods = step.values.get(f"{step.effect}.periods", math.inf)
+    turns = float(np.ptp(found.curves["position_mm"])) / found.actuator["screw.lead_mm"] * found.actuator["gearbox.ratio"]
+    return record_of(step.effect).periodic is not None and periods * turns < _ONE_TURN
 
 
 def _improved(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from ema_tools.balances.effects import adjusted
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.arrays import Reals
 from ema_tools.base.progress import Report, untold
@@ -151,9 +152,9 @@ def _groups(bench: Bench, by_record: bool) -> NDArray[np.int64]:
 
 
 def _residual(bench: Bench, actuator: Actuator) -> Reals:
-    """What a machine as it is known leaves of the bench's target, [samples]."""
-    start = bench.start
-    coefficients = np.array([actuator[name] for name in MECHANICAL_PARAMETERS]) * (
+    """What a machine as it is known leaves of the bench's target, [samples]: base values with what its effects make of them."""
+    start, values = bench.start, adjusted(actuator)
+    coefficients = np.array([values[name] for name in MECHANICAL_PARAMETERS]) * (
         1.0,
         1.0,
         start.setting.actuator["screw.dynamic_ratio"],

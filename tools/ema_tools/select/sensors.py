@@ -1,4 +1,4 @@
-"""Whether what is unknown looks like one sensor's own error: a reading that is off by a constant, by a factor, or late, while every other signal is as it should be."""
+"""Whether what is unknown looks like one sensor's own error: a reading that is off by a constant, by a factor, or late, or in any other way, while every other signal is as it should be."""
 
 from __future__ import annotations
 
@@ -7,14 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_tools.fit.evidence import Evidence, settled
+from ema_tools.select.known_machine import KnownMachine, MachineFit
 
 _LEAST_SHARE = 0.9  # so much of the excess must be one sensor's for it to be suspected: physics shows in more than one signal [judgement]
 _TOLD_SHARE = 0.02  # a part of the error is told when it alone stands for so much of the excess [judgement]
+LEAST_SIGNALS = 3  # of which two are left to agree with each other [judgement]
+VOLTAGE = "voltage_V"
+CLOCK = "time_s"
+_EVENLY = 0.3  # correlation of neighbours beyond which what is late is no jitter: a delay that changes [judgement]
 
 
 @dataclass(frozen=True)
 class Suspect:
-    """A sensor that explains `share` of the excess and leaves `cost`: it reads `factor` times the signal plus `offset` (in the signal's unit), `late_s` late. Parts that hardly matter are 1, 0, 0."""
+    """A sensor that explains `share` of the excess and leaves `cost`: it reads `factor` times the signal plus `offset` (in the signal's unit), `late_s` late. Parts that hardly matter are 1, 0, 0;
+    where all are, what it reads is none of these, and shows in no other signal."""
 
     channel: str
     share: float
@@ -22,6 +28,11 @@ class Suspect:
     factor: float
     offset: float
     late_s: float
+
+    @property
+    def has_form(self) -> bool:
+        """Whether it is a factor, an offset or a delay."""
+        return (self.factor, self.offset, self.late_s) != (1.0, 0.0, 0.0)
 
 
 def suspect(evidence: Evidence) -> Suspect | None:
@@ -50,3 +61,38 @@ def suspect(evidence: Evidence) -> Suspect | None:
         offset, gain, late_s = (float(size) if tell else 0.0 for size, tell in zip(sizes, told, strict=True))
         best = Suspect(channel, min(share, 1.0), here.cost - share * excess, 1.0 + gain, offset, late_s) if any(told) else best
     return best
+
+
+def odd_signal(evidence: Evidence) -> Suspect | None:
+    """The one signal without which the others are those of the machine that healthy records show, with CSJ and BLK of today, or the recorder's clock; None where there is none, or more than one."""
+    if not evidence.relative or len(evidence.channels) < LEAST_SIGNALS:
+        return None
+    known = KnownMachine(evidence)
+    base_of_all = known.base({})
+    whole = base_of_all.cost - known.floor
+    found = []
+    for channel in evidence.channels:
+        others = KnownMachine(evidence.without(channel))
+        base = others.base({})
+        if others.plain(base):
+            found.append(Suspect(channel, 1.0 - max(base.cost - others.floor, 0.0) / whole, base.cost, 1.0, 0.0, 0.0))
+    return found[0] if len(found) == 1 else _jitter(known, base_of_all)
+
+
+def _jitter(known: KnownMachine, base: MachineFit) -> Suspect | None:
+    """The recorder's clock, where every row is early or late by some time of its own that is the same in all signals; `late_s` is its rms."""
+    evidence = known.evidence
+    run = known.signals(base.values)
+    weights = 1.0 / np.sqrt(np.mean(evidence.noise, axis=1, keepdims=True))
+    left, slope = weights * (evidence.target - run), weights * -np.gradient(run, evidence.record.period_s, axis=1)
+    steep = np.sum(slope**2, axis=0)
+    late_s = np.sum(slope * left, axis=0) / np.maximum(steep, 1e-12 * float(np.max(steep)))
+    # a time for each row takes off the noise of one signal, whatever is there
+    explained = float(np.sum(steep * late_s**2)) - late_s.size
+    excess = float(np.sum(left**2)) - left.size
+    beside = np.sqrt(steep[1:] * steep[:-1])
+    alike = float(np.sum(beside * late_s[1:] * late_s[:-1]) / np.sum(beside * late_s[1:] ** 2))
+    share = explained / excess if excess > 0.0 else 0.0
+    if share < _LEAST_SHARE or abs(alike) > _EVENLY:
+        return None
+    return Suspect(CLOCK, min(share, 1.0), known.floor, 1.0, 0.0, float(np.sqrt(explained / np.sum(steep))))

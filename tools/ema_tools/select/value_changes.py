@@ -8,18 +8,20 @@ has changed. How far a change may be off is told by leaving out each of the heal
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ema_tools.balances.effects import adjusted
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.arrays import Reals
 from ema_tools.base.jackknife import LEAST_RECORDS, jackknife_std
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
-from ema_tools.select.balance_bench import Bench, solved
+from ema_tools.library.registry import record_of
+from ema_tools.select.balance_bench import LOAD, Bench, solved
 from ema_tools.select.fixes import Fixes
 from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
@@ -66,17 +68,28 @@ class _Today:
     """Today's records on the healthy machine: what it leaves of them, and what its uncertainty makes of that."""
 
     def __init__(
-        self, machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, names: Sequence[str]
+        self,
+        machine: HealthyByBalance,
+        today: Actuator,
+        records: Sequence[AnyRecord],
+        fixes: Fixes,
+        names: Sequence[str],
+        missing: Collection[str],
+        load_Nm: float,
     ) -> None:
         self.machine = machine
         healthy = machine.actuator
-        held = today.changed({name: healthy[name] for name in machine.refit.values})
+        # what is missing today is as it is today; so is a constant torque that is not sought, since a force along the stroke begins somewhere
+        values = {name: healthy[name] for name in machine.refit.values if _effect_in(name) not in missing}
+        held = today.changed({**values, LOAD: healthy[LOAD] if LOAD in names else load_Nm})
         self.bench = Bench(held, records, (), fixes, whole=True)
         start, rows = self.bench.start, self.bench.fitted
         self.record = self.bench.of_record[rows]
         self.factor = np.array([1.0, 1.0, healthy["screw.dynamic_ratio"] or 1.0, 1.0])
         self.base = start.base[rows] * self.factor
-        known = np.array([healthy[name] for name in MECHANICAL_PARAMETERS])
+        # with what the effects make of base values, those of today too
+        acting = adjusted(held)
+        known = np.array([acting[name] for name in MECHANICAL_PARAMETERS])
         known[list(self.bench.taken)] = 0.0
         self.left = start.target[rows] - self.base @ known
         self.columns = [
@@ -170,15 +183,22 @@ def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
     return gain > 0.0 and not any(one > WORSE_THIRD * other and one**2 - other**2 > WORSE_OF_GAIN * gain for one, other in pairs)
 
 
-def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, apart: Sequence[str]) -> Changes:
-    """Every value of the healthy machine that is fitted on both sides, but for `apart`; `today`: the model with what was accepted. Raises MissingSignal, InputError."""
+def _effect_in(name: str) -> str:
+    """The effect of a value's name; empty for a base value."""
+    return name.split(".")[1] if name.startswith("effects.") else ""
+
+
+def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]) -> Changes:
+    """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these. Raises MissingSignal,
+    InputError."""
+    apart = [record_of(name).base_value for name in missing]
     free = refit_by_forces(today, records, fixes)
     names = [name for name in machine.refit.values if name not in apart and _fitted_on_both(machine.refit, free, name)]
     base = [name for name in names if name in machine.scatter]
     others = _of_effects(machine, today, free, records, fixes, [name for name in names if name not in MECHANICAL_PARAMETERS])
     if not base:
         return Changes(tuple(others))
-    here = _Today(machine, today, records, fixes, base)
+    here = _Today(machine, today, records, fixes, base, missing, free.values.get(LOAD, machine.actuator[LOAD]))
     return Changes((*_of_base(here), *others), here.error([]), here.doubt_Nm)
 
 

@@ -23,9 +23,10 @@ from ema_tools.select.healthy_records import check_against_all, check_apart, che
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
-from ema_tools.select.sensors import Suspect, suspect
+from ema_tools.select.sensors import LEAST_SIGNALS, VOLTAGE, Suspect, odd_signal, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
+from ema_tools.select.warmth import GreaseToday, MagnetsToday, as_on_healthy_runs, following
 
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 
@@ -148,6 +149,39 @@ def _terminals(lost_V: float) -> RecordRemark:
     )
 
 
+def _warm_magnets(found: MagnetsToday) -> RecordRemark:
+    flux = f"the magnets {100.0 * abs(found.loss):.1f} % {'weaker' if found.warmer_degC > 0.0 else 'stronger'}"
+    return _warm(found.warmer_degC, flux, "magnets that changed by so much")
+
+
+def _warm_grease(found: GreaseToday) -> RecordRemark:
+    flows = f"the grease {100.0 * abs(found.change):.0f} % {'thinner' if found.change < 0.0 else 'stiffer'}"
+    return _warm(found.warmer_degC, flows, "grease that changed by so much")
+
+
+def _warm(warmer_degC: float, what: str, hidden: str) -> RecordRemark:
+    how = f"{abs(warmer_degC):.0f} degC {'warmer' if warmer_degC > 0.0 else 'colder'}"
+    text = f"the winding is {how} than on the healthy records and {what}, as temperature makes them: {hidden} would not be told from it"
+    return RecordRemark("temperature", "weakens", text, "record healthy runs at today's temperature")
+
+
+_AS_ASKED = RecordRemark(
+    "voltage",
+    "weakens",
+    "the recorded voltage contradicts what the other signals agree on, and is left out: it may be what the controller asks of a supply that gives less",
+    "record what is applied to the motor as voltage_V",
+)
+
+
+def _without_contradiction(evidence: Evidence) -> tuple[Evidence, Diagnosis] | None:
+    """What the other signals say where the recorded voltage keeps all of them from saying anything; None where that is no more."""
+    if not evidence.relative or VOLTAGE not in evidence.channels or len(evidence.channels) <= LEAST_SIGNALS:
+        return None
+    others = evidence.without(VOLTAGE)
+    found = diagnose(others)
+    return (others, found) if found.verdict == "missing" and found.fit is not None and len(found.fit.effects) == 1 else None
+
+
 def answer(
     actuator: Actuator, record: Record, healthy: Sequence[Record] = (), holdout: Record | None = None, report: Report | None = None
 ) -> Answer:
@@ -167,6 +201,12 @@ def answer(
         gate = replace(gate, remarks=(_terminals(lost_V), *gate.remarks))
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
+    evidence, grease = following(evidence)
+    if grease is not None:
+        gate = replace(gate, remarks=(_warm_grease(grease), *gate.remarks))
+    evidence, magnets = as_on_healthy_runs(evidence)
+    if magnets is not None:
+        gate = replace(gate, remarks=(_warm_magnets(magnets), *gate.remarks))
     healthy_machine = fitted_machine(evidence, None)
     with (
         beside(lambda: state_doubt(evidence, same)) as doubted,
@@ -181,6 +221,13 @@ def answer(
         # what changed and what repeats no better cannot be told apart
         found = found.refuted([one.name for one in found.named])
     sensor = suspect(evidence) if found.verdict != "adequate" else None
+    if found.verdict == "unknown" and sensor is None:
+        tell(0.85, "what one signal alone says")
+        sensor = odd_signal(evidence)
+        as_asked = _without_contradiction(evidence) if sensor is None else None
+        if as_asked is not None:
+            evidence, found = as_asked
+            gate = replace(gate, remarks=(_AS_ASKED, *gate.remarks))
     if sensor is not None and found.verdict == "missing":
         # an effect that a sensor's error stands in for as well is the likelier: it is the one of the library
         sensor = sensor if sensor.cost < found.cost_after - LEAST_LIMIT else None
@@ -202,6 +249,7 @@ def answer(
     if found.verdict == "unknown" and not (wrong and shows_nothing(steps, errors)):
         tell(0.95, "what is unknown")
         left = unknowns.left_over(known.changed(kept), record, places)
-        table = unknowns.learned(left[0]) if left else None
+        # a sensor's error is not flown
+        table = unknowns.learned(left[0]) if left and sensor is None else None
     tell(1.0, "done")
     return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor, doubt)

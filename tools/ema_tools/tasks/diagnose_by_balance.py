@@ -271,8 +271,7 @@ def _against(
     known = machine.actuator
     forces = improve_by_forces(known, records, holdout, report, fixes, machine.veto)
     named = {step.effect for step in forces.steps}
-    apart = [record_of(name).base_value for name in named if record_of(name).base_value]
-    told = changes_of(machine, forces.actuator, records, fixes, apart)
+    told = changes_of(machine, forces.actuator, records, fixes, named)
     changes = (*told.values, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)

@@ -63,9 +63,7 @@ def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSet
     for record, answer in zip(records, answers, strict=True):
         unfit = [reason for reason in answer.reasons if reason in _NO_BASELINE]
         if unfit:
-            raise InputError(
-                f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: calibrate the actuator on it first, or leave it out of --healthy"
-            )
+            raise InputError(f"{record.file}: cannot serve as a healthy record: {'; '.join(unfit)}: {_instead(records)}")
         for estimate in answer.identified:
             if estimate.at_bound:
                 raise InputError(
@@ -84,6 +82,13 @@ def baseline_of(actuator: Actuator, records: Sequence[Record], search: SearchSet
         apart = math.hypot(stated[estimate.name], noise) if estimate.name in stated else max(scatter, noise)
         std[estimate.name] = apart / float(np.sqrt(count))
     return Baseline(values, std, count, {name: one * math.sqrt(count) for name, one in std.items()} if count > 1 else {})
+
+
+def _instead(records: Sequence[Record]) -> str:
+    """What to do about healthy records that the model does not explain each by itself."""
+    if len(records) == 1:
+        return "one healthy run does not show what this unit always has: record two more under today's command and give all with --healthy"
+    return "calibrate the actuator on it first, or leave it out of --healthy"
 
 
 def _stated(actuator: Actuator, record: Record, names: Sequence[str], search: SearchSettings) -> dict[str, float]:

@@ -25,7 +25,8 @@ from ema_tools.select.baseline import same_command
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, clipped, healthy_runs
+from ema_tools.select.warmth import MagnetsToday, as_on_healthy_runs
+from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
     KEYS,
@@ -41,7 +42,11 @@ from ema_tools.tasks.onboard_search import (
 
 _SAME_SIZE = 0.1  # nearer to what the file has, relative, it is the same effect [judgement]
 _BEYOND_SCATTER = 3.0  # standard deviations of its own scatter that a healthy machine does not exceed [chance]
-_SURELY_LESS = 1.645  # standard deviations below which a friction of another temperature must lie of the largest threshold to be healthy: 95 %, to one side [chance]
+_SURELY_LESS = (
+    1.645  # standard deviations by which a healthy machine must lie below what a healthy answer may not hide: 95 %, to one side [chance]
+)
+_USUALLY = 2.0  # standard deviations of its own scatter that a healthy machine seldom exceeds [chance]
+_HIDES_NONE = 3.0  # of a stated threshold: a wear that a healthy answer may not hide, however much a unit scatters: +15 % of CSJ as shipped [judgement]
 NOT_ADEQUATE, _NEAR_THRESHOLD = REASONS[2], REASONS[16]
 
 
@@ -78,6 +83,7 @@ class Identified:
     doubt: str = ""
     scatter: Mapping[str, float] = field(default_factory=dict)
     foretold: Foretold | None = None
+    magnets: MagnetsToday | None = None
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
@@ -135,6 +141,8 @@ class Identified:
             return checked.kind
         if checked.kind == "missing":
             return "missing" if checked.withheld or not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
+        if self.sound_by_scatter:
+            return None
         if self.answer.verdict == "undecided":
             return "open" if self.answer.reasons == (_NEAR_THRESHOLD,) and self.within_scatter() else None
         if self.doubt:
@@ -169,26 +177,47 @@ class Identified:
         """The shift beyond which a fault is one: what is called so, and what a healthy machine does not show by its scatter or by today's temperature, relative."""
         return max(self._least(name), self._most_by_scatter(name))
 
-    def _most_by_scatter(self, name: str) -> float:
+    def _most_by_scatter(self, name: str, stds: float = _BEYOND_SCATTER) -> float:
+        """The shift that a healthy machine shows as seldom as a normal one lies more than so many standard deviations above its mean."""
         if self.foretold is not None and name == DRY:
-            return self.foretold.within(float(special.ndtr(_BEYOND_SCATTER)))
-        return _BEYOND_SCATTER * self.healthy_std(name) / abs(self.healthy[name])
+            return self.foretold.within(float(special.ndtr(stds)))
+        return stds * self.healthy_std(name) / abs(self.healthy[name])
 
     def within_climate(self) -> bool:
         """Whether today's temperature is most of what makes a fault no more than what a healthy machine may do."""
-        return self._open_by_climate() or (self.within_scatter() and self._mostly_climate())
+        return self._open_by_climate() or (self.within_scatter() and self.mostly_climate())
 
-    def _mostly_climate(self) -> bool:
+    def mostly_climate(self) -> bool:
+        """Whether today's temperature is most of what is open of friction."""
         foretold = self.foretold
         return foretold is not None and foretold.by_temperature > math.sqrt(0.5) * foretold.std
 
     def _open_by_climate(self) -> bool:
         """Whether a healthy answer is one of a faulty machine at today's temperature as well."""
         shifts = self.checked.shift if self.checked is not None else {}
-        if self.foretold is None or self.answer.verdict != "healthy" or DRY not in shifts or not self._mostly_climate():
+        if self.foretold is None or self.answer.verdict != "healthy" or DRY not in shifts or not self.mostly_climate():
             return False
-        missed = max(self._least(DRY), 0.01 * clipped(self._stated_least(DRY), math.inf))
-        return shifts[DRY] + _SURELY_LESS * self.foretold.std > missed
+        return shifts[DRY] + _SURELY_LESS * self.foretold.std > self.not_hidden(DRY)
+
+    def not_hidden(self, name: str) -> float:
+        """The shift that a healthy answer may not hide, relative."""
+        return max(self._least(name), 0.01 * _HIDES_NONE * self._stated_least(name))
+
+    @property
+    def sound_by_scatter(self) -> bool:
+        """Whether a shift at or beyond its threshold is one that the unit's healthy runs show as well, and surely none that a healthy answer may not hide."""
+        checked = self.checked
+        if checked is None or checked.kind != "adequate" or checked.against == 0 or self.doubt or not self._shown:
+            return False
+        is_near = self.answer.verdict == "fault" or self.answer.reasons == (_NEAR_THRESHOLD,)
+        if not is_near or any(map(self._moved, self.answer.identified)):
+            return False
+        doubt = self._doubts(checked)
+        return all(
+            -self._threshold(name) <= shift <= max(self._least(name) - doubt[name], self._most_by_scatter(name, _USUALLY))
+            and shift + doubt[name] + self._most_by_scatter(name, _SURELY_LESS) <= self.not_hidden(name)
+            for name, shift in checked.shift.items()
+        )
 
     def _stated_least(self, name: str) -> float:
         """The shift that the actuator's file calls a fault, in %."""
@@ -233,6 +262,8 @@ class Identified:
     @property
     def verdict(self) -> str:
         """The module's verdict, undecided where all signals object to it."""
+        if self.sound_by_scatter:
+            return "healthy"
         if self.objects:
             return "undecided"
         return "fault" if self.sure_beside_remainder else self.answer.verdict
@@ -315,6 +346,10 @@ def identify(
     settings = replace(settings, seed=seed)
     same = repeats_of(record, healthy) if table is None else ()
     repeats = compared(actuator, record, same) if same else None
+    magnets: MagnetsToday | None = None
+    if repeats is not None:
+        unit, magnets = as_on_healthy_runs(repeats.unit)
+        repeats = replace(repeats, unit=unit)
     baseline: Baseline | None = None
     doubt = ""
     foretold: Foretold | None = None
@@ -398,4 +433,5 @@ def identify(
         doubt,
         scatter,
         foretold,
+        magnets,
     )

@@ -17,6 +17,9 @@ from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of
 
+# The column that is suspected where the recorder's clock is.
+_CLOCK = "time_s"
+
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 NEAR = 1.1  # an error this close to the noise level is at it [judgement]
@@ -124,6 +127,12 @@ def _sensor(result: Diagnosed) -> str:
     return found.sensor.channel if isinstance(found, DiagnosisResult) and result.verdict == "unknown" and found.sensor is not None else ""
 
 
+def _suspected(result: Diagnosed) -> str:
+    """Whose error is suspected, in words."""
+    channel = _sensor(result)
+    return "recorder's clock" if channel == _CLOCK else f"sensor of the {names.signal(channel).lower()}"
+
+
 def _sentence(result: Diagnosed) -> str:
     if result.added:
         fell = _fell(result)
@@ -138,7 +147,7 @@ def _sentence(result: Diagnosed) -> str:
         return f"The model does not hold. {first} {'are' if len(named) > 1 else 'is'} missing{worn}."
     if result.verdict == "unknown":
         if _sensor(result):
-            return f"The model does not explain this record: it looks as if the sensor of the {names.signal(_sensor(result)).lower()} reads wrong."
+            return f"The model does not explain this record: it looks as if the {_suspected(result)} is at fault."
         if _refuted(result):
             return "The model does not hold, but what would explain this record does not hold on the validation record: nothing is recommended."
         return "The model does not hold. Something is there that the library of effects does not know."
@@ -187,7 +196,7 @@ def _size(result: Diagnosed, value: float) -> str:
 def _where(result: Diagnosed) -> Reply:
     question = "Where does it fail?"
     if _sensor(result):
-        return Reply(question, f"Sensor of the {names.signal(_sensor(result)).lower()}", "the other signals are as they should be", "bad")
+        return Reply(question, _suspected(result).capitalize(), "the signals are else as they should be", "bad")
     found = telling(result)
     if result.added:
         return Reply(question, "Not asked", "ema diagnose with the new model says where")
@@ -225,7 +234,7 @@ def _missing(result: Diagnosed) -> Reply:
         )
     if result.verdict == "unknown" or not named:
         if _sensor(result):
-            return Reply(question, "Nothing in the machine", "a sensor explains it", "unsure")
+            return Reply(question, "Nothing of the library", f"the {_suspected(result)} explains it", "unsure")
         share = result.found.unexplained if not isinstance(result.found, Addition) else None
         told = f"{100.0 * share:.0f} % of the excess stays unexplained" if share is not None else "no effect of the library explains it"
         return Reply(question, "Not in the library", told, "bad")

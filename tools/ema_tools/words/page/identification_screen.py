@@ -20,7 +20,9 @@ _UM = 1000.0  # um in a mm [physics]
 # Beginning of a reason that says nothing of the model.
 _UNUSABLE = "nothing can be told from this record"
 # How a reason says that a sensor errs.
-_SENSOR = re.compile(r"looks like the sensor of the (.+?), not like the machine")
+_SENSOR = re.compile(
+    r"looks like the (sensor of the .+?), not like the machine|shows in the (.+?) alone: without|looks like (rows that are not evenly spaced)"
+)
 # Why there is no verdict, by what objects to the module's answer.
 _WHY = {
     "unknown": "something is missing from the model that the library of effects does not know",
@@ -72,8 +74,11 @@ def faults_of(result: ShownIdentification) -> tuple[str, ...]:
 
 
 def _sensor(result: ShownIdentification) -> str:
-    """The sensor that the reasons suspect, in words; empty where they do not."""
-    return next((found[1] for reason in result.reasons if (found := _SENSOR.search(reason))), "")
+    """What the reasons suspect beside the machine, in words; empty where they do not."""
+    found = next((found for reason in result.reasons if (found := _SENSOR.search(reason))), None)
+    if found is None:
+        return ""
+    return "recorder's clock" if found[3] else found[1] or f"sensor of the {found[2]}"
 
 
 def _why(result: ShownIdentification) -> str:
@@ -90,7 +95,7 @@ def _why(result: ShownIdentification) -> str:
             return f"{shown} is missing from the model"
         return f"{shown} stands behind what the search reads"
     if _sensor(result):
-        return f"it looks as if the sensor of the {_sensor(result)} reads wrong"
+        return f"it looks as if the {_sensor(result)} is at fault"
     if objection in _WHY:
         return _WHY[objection]
     return result.reasons[0].rstrip(".") if result.reasons else "no reason was given"

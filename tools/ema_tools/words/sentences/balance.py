@@ -11,12 +11,14 @@ from ema_tools.fit.temperature import COPPER_PER_DEGC
 from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
+from ema_tools.select.balance_bench import LOAD
 from ema_tools.select.force_steps import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
 from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits, units_of
+from ema_tools.words.sentences.sizes import significant
 
 # What is fitted and held out, in the plural.
 PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"}
@@ -80,8 +82,10 @@ def _told_of(step: ForceStep, units: MachineUnits) -> str:
         told.append(
             along_text({name.partition(".")[2]: value for name, value in step.values.items() if name.startswith(f"{step.effect}.")}, units)
         )
-    if step.alike:
-        told.append(f"looks like {', '.join(map(called, step.alike))}")
+    # a torque that is there at any motion may be read and not be
+    alike = [*map(called, step.alike), *(["a zero of the drive's sensor"] if record_of(step.effect).base_value == LOAD else [])]
+    if alike:
+        told.append(f"looks like {', '.join(alike)}")
     return f" ({'; '.join(told)})" if told else ""
 
 
@@ -122,7 +126,8 @@ def _changed(one: Change, units: MachineUnits) -> str:
     """One value that has changed."""
     row = row_of(one.name)
     (healthy, unit), (today, _) = units.told(one.healthy, row.unit), units.told(one.today, row.unit)
-    share = f" ({100.0 * (today - healthy) / abs(healthy):+.2g} %)" if healthy else ""
+    percent_off = 100.0 * (today - healthy) / abs(healthy) if healthy else 0.0
+    share = f" ({'+' if percent_off > 0.0 else ''}{significant(percent_off, 2)} %)" if healthy else ""
     text = f"{units.title(one.name)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
         text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"

@@ -10,7 +10,7 @@ from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
-from ema_tools.select.cross_check import CrossCheck
+from ema_tools.select.cross_check import LITTLE_LEFT, CrossCheck
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
@@ -41,8 +41,13 @@ def missing_words(checked: CrossCheck) -> str:
         )
     missing = "is not in the model at this size" if checked.there else "is missing from the model"
     alike = f", which looks like {', '.join(checked.effects[1:])} on this record" if checked.effects[1:] else ""
+    who = (
+        f"the signals without {checked.left_out} (does it record what is applied, or what is asked for?) say"
+        if checked.left_out
+        else "all signals say"
+    )
     return (
-        f"{_effect(checked, size)} {missing}{alike}, beside which all signals say {_shifts(checked)}: "
+        f"{_effect(checked, size)} {missing}{alike}, beside which {who} {_shifts(checked)}: "
         f"ema add ACTUATOR {checked.effects[0]} --fit REC {'--healthy REC ...' if checked.against else '--known'} -o NEW.toml puts it in"
     )
 
@@ -101,12 +106,12 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
 
 def reasons(found: Identified) -> tuple[str, ...]:
     """Why it is undecided: the module's reasons, and what all signals object behind the first of them."""
-    own = () if found.sure_beside_remainder else found.answer.reasons
+    own = () if found.sure_beside_remainder or found.sound_by_scatter else found.answer.reasons
     if not found.objects or found.checked is None:
         return tuple(own)
     words = objection_words(found, found.checked)
-    if found.checked.unusable:
-        # of a record that cannot answer, a residual says nothing about the model
+    if found.checked.unusable or (found.checked.kind == "unknown" and found.checked.sensor is not None):
+        # of a record that cannot answer, or a sensor that reads otherwise, a residual says nothing about the model
         return (words, *(reason for reason in own if reason != NOT_ADEQUATE))
     place = own.index(NOT_ADEQUATE) + 1 if NOT_ADEQUATE in own else 0
     return (*own[:place], words, *own[place:])
@@ -115,7 +120,24 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_warmth(found)}{few}"
+    return f"{_verdict(found)}{_left(found)}{_warmth(found)}{_magnets(found)}{few}"
+
+
+def _left(found: Identified) -> str:
+    """That a fault is not all there is, where what is left of the record is too little to change it."""
+    checked = found.checked
+    if checked is None or found.verdict != "fault" or checked.skipped != LITTLE_LEFT:
+        return ""
+    return " Something small is there beside it that changes nothing of it: ema diagnose with the same records says what."
+
+
+def _magnets(found: Identified) -> str:
+    """That magnets as warm as the winding are no effect, where they differ from those of the healthy records."""
+    if found.magnets is None:
+        return ""
+    degC, percent = found.magnets.warmer_degC, 100.0 * abs(found.magnets.loss)
+    how, flux = ("warmer", "weaker") if degC > 0.0 else ("colder", "stronger")
+    return f" The winding is {abs(degC):.0f} degC {how} than on the healthy records, and its magnets {percent:.1f} % {flux} as temperature makes them, which is taken off."
 
 
 def _warmth(found: Identified) -> str:
@@ -130,7 +152,17 @@ def _verdict(found: Identified) -> str:
     shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
     if found.verdict == "undecided":
         return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
-    return f"{found.verdict.capitalize()}: {shifts}."
+    return f"{found.verdict.capitalize()}: {shifts}.{_scatter(found) if found.sound_by_scatter else ''}"
+
+
+def _scatter(found: Identified) -> str:
+    """Why a shift near its threshold or beyond it is healthy."""
+    shifts = found.checked.shift if found.checked is not None else {}
+    near = max(shifts, key=lambda name: shifts[name] / found.least_percent[name])
+    explained = (
+        "another temperature than that of the healthy records explains" if found.mostly_climate() else "its healthy records differ by"
+    )
+    return f" {TITLES[near]} {100.0 * shifts[near]:+.1f} % is no more than {explained}; {100.0 * found.not_hidden(near):+.0f} % would be."
 
 
 def _shift(found: Identified, estimate: IdentifiedValue) -> str:

@@ -3,11 +3,29 @@
 from __future__ import annotations
 
 from ema_tools.compare.comparison import TITLES, UNITS
-from ema_tools.select.sensors import Suspect
+from ema_tools.select.sensors import CLOCK, Suspect
+
+# What may be behind a signal that alone reads otherwise.
+_BEHIND = {
+    "position_mm": "the rod's sensor, its mounting, or what lies between motor and rod",
+    "motor_position_mm": "the motor's encoder",
+    "current_A": "the current sensor",
+    "voltage_V": "how the voltage is recorded",
+}
 
 
 def sensor_sentence(found: Suspect) -> str:
     """What the sensor reads that the unknown looks like."""
+    if found.channel == CLOCK:
+        return (
+            f"what is there looks like rows that are not evenly spaced in time: every row is early or late by {1e3 * found.late_s:.2g} ms rms, the same in all signals "
+            f"({100.0 * found.share:.0f} % of the excess)"
+        )
+    if not found.has_form:
+        return (
+            f"what is there shows in the {TITLES[found.channel]} alone: without {found.channel} the other signals are as they should be, "
+            f"so it is {_BEHIND[found.channel]}"
+        )
     parts = []
     if found.factor != 1.0:
         parts.append(f"{found.factor:.3g} times the signal")
@@ -23,4 +41,7 @@ def sensor_sentence(found: Suspect) -> str:
 
 def sensor_next(found: Suspect) -> str:
     """What to do about it."""
-    return f"check the sensor of the {TITLES[found.channel]} (scale, zero, delay) and record again"
+    if found.channel == CLOCK:
+        return "record with a clock of the drive's own, or with the times at which the rows were really taken"
+    how = "scale, zero, delay" if found.has_form else "does it stick, saturate, slip or jump?"
+    return f"check the sensor of the {TITLES[found.channel]} ({how}) and record again"

@@ -12,6 +12,15 @@ _DECIMALS = 6  # of a number that is written without a power of ten [layout]
 _WHOLE = 1e6  # up to here a whole number is written without one [layout]
 
 
+_WRITTEN = 1e6  # below which a number's places before the point are written [layout]
+
+
+def significant(value: float, digits: int) -> str:
+    """A number with so many significant digits, without a power of ten while it has few places before its point."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < _WRITTEN else text
+
+
 def ends_text(low: float | None, high: float | None) -> str:
     """An interval with two digits of its width, as in `0.297 .. 0.303`; a dash where there is none."""
     if low is None or high is None:

@@ -15,6 +15,7 @@ from rich.table import Table
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import readable
+from ema_tools.words.sentences.sizes import significant
 
 _SHOW_AFTER_S = 0.5
 
@@ -107,4 +108,4 @@ def number(value: float | None, digits: int = 4) -> str:
     """A number with `digits` significant digits; a dash for none."""
     if value is None or value != value:
         return "-"
-    return f"{value:.{digits}g}"
+    return significant(value, digits)

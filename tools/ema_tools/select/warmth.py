@@ -1,0 +1,111 @@
+"""What a day of another temperature makes of a healthy machine: winding, grease and magnets as warm as each other are no effect.
+
+The winding is the thermometer, copper by its constant. What a degree does to magnets differs by their material from next to nothing (samarium-cobalt) to 0.2 % (ferrite), always to the same side
+(R. Krishnan, Permanent Magnet Synchronous and Brushless DC Motor Drives, 2010, ch. 1), so their change is read from the record itself, and what lies on the other side or beyond is none of theirs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_tools.data.actuator import Actuator
+from ema_tools.fit.evidence import Evidence
+from ema_tools.fit.temperature import COPPER_PER_DEGC, GREASE_PER_DEGC
+from ema_tools.select.known_machine import KnownMachine, MachineFit
+from ema_tools.select.strategies.strategy import LEAST_LIMIT
+
+_WINDING, _GREASE = "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
+# One property of the magnets, which move together [physics]
+_OF_MAGNETS = ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")
+_MOST_PER_DEGC = 0.0025  # ferrite loses 0.2 % of its flux in a degree [physics]
+_LEAST_DEGC = 2.0  # of a winding over its healthy runs: less is what days differ by anyway [judgement]
+_ALIKE = 3.0  # times as far from the healthy runs as the winding may the grease's temperature be: greases differ [judgement]
+_TRIED = (0.0, 0.4, 0.8)  # of the most, at which the rest of the machine is fitted again [precision]
+
+
+@dataclass(frozen=True)
+class MagnetsToday:
+    """How much warmer the winding is than on the healthy runs, and what share of their flux the magnets have lost with it: below none where it is colder."""
+
+    warmer_degC: float
+    loss: float
+
+
+def as_on_healthy_runs(evidence: Evidence) -> tuple[Evidence, MagnetsToday | None]:
+    """A record beside healthy runs without what another temperature makes of the magnets, and what that was; as it is where it shows nothing of the kind."""
+    known = KnownMachine(evidence)
+    if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
+        return evidence, None
+    base = known.base({})
+    if known.plain(base) or abs(_warmer_degC(known, base)) < _LEAST_DEGC:
+        return evidence, None
+    found = _read(known, base)
+    if found is None:
+        return evidence, None
+    today, fit = found
+    changes = _changed(known.actuator, today.loss)
+    by_magnets = known.signals({**fit.values, **changes}) - known.signals(fit.values)
+    return replace(evidence, target=evidence.target - by_magnets), today
+
+
+@dataclass(frozen=True)
+class GreaseToday:
+    """How much warmer the winding is than on the healthy runs, and by what share the grease is stiffer: below none where it is thinner."""
+
+    warmer_degC: float
+    change: float
+
+
+def following(evidence: Evidence) -> tuple[Evidence, GreaseToday | None]:
+    """A record beside healthy runs with winding and grease as free as today's temperature moves them where both tell of one, and how far that is; as it is where they do not."""
+    known = KnownMachine(evidence)
+    if not evidence.relative or not {_WINDING, _GREASE} <= known.scatter.keys():
+        return evidence, None
+    base = known.base({})
+    moved = {name: base.values[name] / known.actuator[name] - 1.0 for name in (_WINDING, _GREASE)}
+    warmer = _warmer_degC(known, base)
+    by_grease = -math.log1p(max(moved[_GREASE], -0.99)) / GREASE_PER_DEGC
+    if abs(warmer) < _LEAST_DEGC or not 1.0 / _ALIKE < by_grease / warmer < _ALIKE:
+        return evidence, None
+    spread = tuple(replace(one, std=max(one.std, abs(moved[one.title]))) if one.title in moved else one for one in evidence.spread)
+    return replace(evidence, spread=spread), GreaseToday(warmer, moved[_GREASE])
+
+
+def _warmer_degC(known: KnownMachine, fit: MachineFit) -> float:
+    return (fit.values[_WINDING] / known.actuator[_WINDING] - 1.0) / COPPER_PER_DEGC
+
+
+def _changed(actuator: Actuator, loss: float) -> Mapping[str, float]:
+    return {name: actuator[name] * (1.0 - loss) for name in _OF_MAGNETS}
+
+
+def _read(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineFit] | None:
+    """What the magnets have lost and the rest of the machine beside it, by the lowest point of the cost through three losses; None where that is not inside what temperature does."""
+    most = _MOST_PER_DEGC * _warmer_degC(known, base)
+    losses = [share * most for share in _TRIED]
+    costs = [base.cost]
+    for loss in losses[1:]:
+        fit = _beside(known, base, loss)
+        if fit is None:
+            return None
+        costs.append(fit.cost)
+    bend, slope, _ = np.polyfit(losses, costs, 2)
+    if not bend > 0.0:
+        return None
+    loss = float(-slope / (2.0 * bend))
+    fit = _beside(known, base, loss) if 0.0 < loss / most < 1.0 else None
+    if fit is None or base.cost - fit.cost < LEAST_LIMIT:
+        return None
+    warmer = _warmer_degC(known, fit)
+    is_theirs = abs(warmer) >= _LEAST_DEGC and 0.0 < loss / (_MOST_PER_DEGC * warmer) < 1.0
+    return (MagnetsToday(warmer, loss), fit) if is_theirs else None
+
+
+def _beside(known: KnownMachine, base: MachineFit, loss: float) -> MachineFit | None:
+    """CSJ, BLK and what scatters beside magnets that have lost so much."""
+    changed = KnownMachine(replace(known.evidence, actuator=known.actuator.changed(_changed(known.actuator, loss))))
+    return changed.fit("", {name: base.values[name] for name in known.free}, known.free, 20)
