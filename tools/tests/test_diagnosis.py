@@ -349,7 +349,7 @@ def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow()
 
 @needs_numba
 def test_repeats_of_another_command_or_too_few_are_refused(healthy: list[Record]) -> None:
-    with pytest.raises(InputError, match="give two or more"):
+    with pytest.raises(InputError, match="one healthy record tells nothing"):
         gather(reference_actuator(), healthy[-1], healthy[:1])
     worn = dataclasses.replace(run_of({"screw.csj_Nm": 0.2}, 780), file="worn.csv")
     with pytest.raises(
