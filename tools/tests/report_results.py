@@ -85,6 +85,52 @@ def judged(kind: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def compared_whole() -> dict[str, Any]:
+    """A result of `ema compare` with every signal and every equation, as the command writes it."""
+    curves = judged(JUDGED[0])["curves"]
+    told = {"unit": "", "noise_rms": 0.003, "method_rms": 0.004, "resting_percent": 2.0}
+    return compared(
+        name="today.csv",
+        curves={"start_s": 0.0, "period_s": 1e-3, "measured": curves["measured"], "model": curves["before"]},
+        channels={name: {"rmse": 0.1, "relative_percent": 5.0} for name in ("position_mm", "motor_position_mm", "current_A", "voltage_V")},
+        balances={
+            "mechanical": {**told, "unit": "Nm", "rms": 0.05, "relative_percent": 27.7, "excess_percent": 27.5},
+            "electrical": {**told, "unit": "V", "rms": 0.006, "relative_percent": 0.9, "excess_percent": 0.0},
+            "kinematic": {"rms": None, "relative_percent": None, "unit": "mm", "reason": "motor_position_mm is not recorded"},
+        },
+        where=[
+            {"name": "electrical balance: time 8 to 10 s", "share_percent": 42.0, "time_share": 0.2, "source": "electrical balance", "by": "time", "part": "8 to 10 s"},
+            {"name": "mechanical balance: current 3.45 to 5.17 A", "share_percent": 32.0, "time_share": 0.24, "source": "mechanical balance", "by": "current", "part": "3.45 to 5.17 A"},
+        ],
+        provenance={"command": "ema compare 'my unit.toml' runs/today.csv --json c.json"},
+    )  # fmt: skip
+
+
+def mapped(**changes: Any) -> dict[str, Any]:
+    """A result of `ema map` of four speeds, two of them in both directions; `changes` replace keys."""
+    points = [
+        {"speed_rad_s": speed, "torque_Nm": torque, "low_Nm": torque - 0.01, "high_Nm": torque + 0.01, "interval95": [torque - 0.002, torque + 0.002],
+         "model_Nm": model, "runs": 3, "seconds": 1.5, "records": ["slow.csv", "fast.csv"]}
+        for speed, torque, model in ((-40.0, -0.15, -0.1495), (-10.0, -0.17, -0.14), (10.0, 0.18, 0.15), (40.0, 0.16, 0.1595))
+    ]  # fmt: skip
+    return {
+        "command": "map",
+        "name": "slow.csv",
+        "actuator": "my unit",
+        "records": ["slow.csv", "fast.csv", "rest.csv"],
+        "sentence": "12 runs at constant speed in 2 records.",
+        "runs": 12,
+        "points": points,
+        "both_ways": [
+            {"speed_rad_s": 10.0, "friction_Nm": 0.175, "load_Nm": 0.005},
+            {"speed_rad_s": 40.0, "friction_Nm": 0.155, "load_Nm": 0.005},
+        ],
+        "left_out": {"rest.csv": "no speed is kept"},
+        "provenance": {"command": "ema map 'my unit.toml' runs --json m.json"},
+        **changes,
+    }
+
+
 def compared(**changes: Any) -> dict[str, Any]:
     """A result of `ema compare`; `changes` replace keys."""
     curves = identified()["curves"]

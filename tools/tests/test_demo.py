@@ -162,9 +162,12 @@ def test_page_is_one_file_of_modest_size(made: tuple[Path, str]) -> None:
     assert page.count(b'data-model="before"') == page.count(b'data-model="after"') == 11
     places = [
         page.index(text)
-        for text in (b"Which effect is missing?", b"stribeck_friction added", b"the data sheet&#x27;s model", b"Beside the paper")
+        for text in (b"Which effect is missing?", b"stribeck_friction added", b"the data sheet&#x27;s model", b'<section id="paper"')
     ]
     assert places[0] < places[3] and places[2] < places[3]
+    # what follows each result can be typed as it stands
+    commands = re.findall(r'<code id="[^"]*" tabindex="0">(.*?)</code>', page.decode("utf-8"))
+    assert len(commands) == 11 and not [one for one in commands if "ACTUATOR" in one or "RECORD" in one]
 
 
 def test_absent_recording_is_named_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -336,20 +336,20 @@ def test_wear_beside_an_effect_is_found_with_the_position_alone(healthy: list[Re
 
 def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow() -> None:
     steps = [
-        Rung((), "", 9.0, 8.0),
-        Rung((), "own", 5.0, 4.0),
-        Rung(("a",), "a", 2.0, 3.0),
-        Rung(("a", "b"), "b", 1.5, 3.5),
-        Rung(("a", "b", "c"), "c", 1.0, 2.0),
+        Rung((), "", 9.0, 8.0, (9.0, 8.0)),
+        Rung((), "own", 5.0, 4.0, (5.0, 4.0)),
+        Rung(("a",), "a", 2.0, 3.0, (2.0, 3.0)),
+        Rung(("a", "b"), "b", 1.5, 3.5, (1.5, 3.5)),
+        Rung(("a", "b", "c"), "c", 1.0, 2.0, (1.0, 2.0)),
     ]
     assert refuted(steps) == ("b", "c")
     assert refuted(steps[:3]) == ()
-    assert refuted([Rung((), "", 9.0, None), Rung(("a",), "a", 2.0, None)]) == ()
+    assert refuted([Rung((), "", 9.0, None, (9.0, None)), Rung(("a",), "a", 2.0, None, (2.0, None))]) == ()
 
 
 @needs_numba
 def test_repeats_of_another_command_or_too_few_are_refused(healthy: list[Record]) -> None:
-    with pytest.raises(InputError, match="give two or more"):
+    with pytest.raises(InputError, match="one healthy record tells nothing"):
         gather(reference_actuator(), healthy[-1], healthy[:1])
     worn = dataclasses.replace(run_of({"screw.csj_Nm": 0.2}, 780), file="worn.csv")
     with pytest.raises(

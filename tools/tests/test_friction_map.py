@@ -94,6 +94,6 @@ def test_the_command_writes_table_json_and_page(tmp_path: Path) -> None:
     assert all(one["low_Nm"] <= one["torque_Nm"] <= one["high_Nm"] for one in result["points"])
     assert "Both directions" in ran.out and "Friction is" in ran.out
     page = (tmp_path / "m.html").read_text(encoding="utf-8")
-    assert "Friction against speed" in page and "result-1-forward" in page and "result-1-backward" in page
+    assert "<h1>Friction is " in page and 'id="law-forward"' in page and 'id="law-backward"' in page
     again = run_ema("report", tmp_path / "m.json", "-o", tmp_path / "again.html")
     assert again.code == 0, again.err

@@ -1,4 +1,4 @@
-"""The pages of a diagnosis and of an identification in real Chromium, headless, with the network off: they draw without complaint, zoom and come back, say what the result says,
+"""The pages of a diagnosis, of an identification and of a comparison in real Chromium, headless, with the network off: they draw without complaint, zoom and come back, say what the result says,
 and can be used without a mouse."""
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 
 from diagnosis_results import BINS, KINDS, diagnosis, diagnosis_page
-from ema_tools.words.page.first_screen import first_screen
-from ema_tools.words.page.identification_screen import first_screen_of
-from ema_tools.words.page.results import ShownIdentification, parse_result
+from ema_tools.words.page.results import parse_result
+from ema_tools.words.page.several_page import own_answers
 from ema_tools.words.page.sheet import FirstScreen
 from in_browser import LAPTOP, PHONE, SMALL, hindrances, launched, not_reached
-from report_results import JUDGED, judged
+from report_results import JUDGED, compared_whole, judged
 
 # Whole record of the made-up results, s.
 _END = 9.999
+COMPARED = "compared"
 
 
 @pytest.fixture(scope="module")
@@ -80,14 +80,15 @@ class Opened:
 
 
 def made(kind: str) -> dict[str, Any]:
-    """A result of KINDS or JUDGED."""
+    """A result of KINDS or JUDGED, or a comparison."""
+    if kind == COMPARED:
+        return compared_whole()
     return judged(kind) if kind in JUDGED else diagnosis(kind)
 
 
 def said(data: dict[str, Any]) -> FirstScreen:
     """What the first screen of a result says."""
-    found = parse_result(data, "x", "x")
-    return first_screen_of(found) if isinstance(found, ShownIdentification) else first_screen(found)  # type: ignore[arg-type]
+    return own_answers(parse_result(data, "x", "x"))
 
 
 @pytest.fixture
@@ -109,14 +110,14 @@ def residual_rms(data: dict[str, Any], channel: str, model: str, scale: float, f
     return scale * float(np.sqrt(np.mean((here - simulated)[first:last] ** 2)))
 
 
-@pytest.mark.parametrize("kind", [*KINDS, *JUDGED])
+@pytest.mark.parametrize("kind", [*KINDS, *JUDGED, COMPARED])
 def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: str, opened: Any) -> None:
     page, data = opened(kind), made(kind)
     assert page.complaints == []
     expected = said(data)
     assert page.text("h1") == expected.sentence
     assert [" ".join(text.split()) for text in page.page.locator(".reply b").all_inner_texts()] == [one.short for one in expected.replies]
-    models = [key for key in ("before", "after") if key in data["curves"]]
+    models = [key for key in ("before", "after", "model") if key in data["curves"]]
     for channel, scale in (("position_mm", 1000.0), ("current_A", 1.0), ("voltage_V", 1.0)):
         for model in models:
             assert page.rms(channel, model) == pytest.approx(residual_rms(data, channel, model, scale), rel=6e-3)
@@ -128,7 +129,7 @@ def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: 
 
 
 @pytest.mark.parametrize("viewport", [SMALL, PHONE], ids=["laptop", "phone"])
-@pytest.mark.parametrize("kind", [*KINDS, *JUDGED])
+@pytest.mark.parametrize("kind", [*KINDS, *JUDGED, COMPARED])
 def test_ten_seconds_are_enough(kind: str, viewport: dict[str, int], opened: Any) -> None:
     """What a technician sees before anything is touched: the sentence, the five answers, the command, the sizes, and one whole curve, nothing of them cut."""
     touched = {"is_mobile": True, "has_touch": True} if viewport is PHONE else {}
@@ -246,7 +247,7 @@ def test_maps_and_plots_answer_to_keys(opened: Any) -> None:
 
 
 @pytest.mark.parametrize("look", ["laptop", "dark", "phone"])
-@pytest.mark.parametrize("kind", ["missing", JUDGED[0], JUDGED[2]])
+@pytest.mark.parametrize("kind", ["missing", JUDGED[0], JUDGED[2], COMPARED])
 def test_nothing_serious_stands_in_the_way_of_any_reader(kind: str, look: str, opened: Any) -> None:
     page = opened(kind, viewport=PHONE if look == "phone" else LAPTOP, color_scheme="dark" if look == "dark" else "light")
     assert hindrances(page.page) == []

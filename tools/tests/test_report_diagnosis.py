@@ -104,7 +104,8 @@ def words(html: str) -> str:
 def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
     text = words(page(tmp_path, made(), identified()))
     asked = [
-        "today.csv: jam_spot missing in the model",
+        "2 results: a fault in 1 and an effect missing in 1.",
+        "The model does not hold. Jam spot is missing.",
         "Can this record answer?",
         "Where does the model fail?",
         "Which effect is missing?",
@@ -119,6 +120,7 @@ def test_page_answers_in_the_order_of_the_questions(tmp_path: Path) -> None:
         "jam_spot.amplitude_Nm = 0.1000 Nm [95 %: 0.0961 … 0.1039]",
         "explains less",
         "separates jam_spot from pitch_ripple",
+        "Pitch ripple pitch_ripple",
         "ema diagnose mine.toml today.csv",
     ):
         assert said in text, said
@@ -141,7 +143,7 @@ def test_page_is_well_formed_beside_other_results(tmp_path: Path) -> None:
 
 def test_unknown_is_drawn_with_what_can_be_flown(tmp_path: Path) -> None:
     text = words(page(tmp_path, made(verdict="unknown", effects=[], steps=[]), identified()))
-    assert "today.csv: something is there that the library does not hold" in text
+    assert "Something is there that the library of effects does not know." in text
     assert "The unknown torque on the shaft repeats with position, against the motion" in text
     assert "Over position, against the motion:" in text and "learned_friction, a table over position" in text
 
@@ -149,7 +151,11 @@ def test_unknown_is_drawn_with_what_can_be_flown(tmp_path: Path) -> None:
 def test_adequate_and_bare_results_are_shown(tmp_path: Path) -> None:
     bare = {"command": "diagnose", "verdict": "adequate", "error": {"before": 1.0, "floor": 1.0, "after": None}}
     html = page(tmp_path, bare, bare)
-    assert "nothing exceeds what the machine repeats" in words(html) and 'class="curves"' not in _without_scripts(html)
+    assert (
+        "2 results: nothing missing in 2." in words(html)
+        and words(html).count("The model holds: nothing is missing.") == 2
+        and 'class="curves"' not in _without_scripts(html)
+    )
     assert "Which effect is missing?" not in words(html)
 
 
@@ -159,7 +165,7 @@ def test_addition_is_shown_with_its_fall(tmp_path: Path) -> None:
         "parameters": {"effects.jam_spot.width_mm": {"value": 2.0, "std": 0.01, "at_bound": True}}, "recommended": False, "reason": "width_mm lies on its bound",
     }  # fmt: skip
     text = words(page(tmp_path, added, identified()))
-    assert "jam_spot added: weighted error 3.20 → 1.05 on today.csv" in text
+    assert "Jam spot is in the model: the error falls from 3.20 to 1.05." in text
     assert (
         "jam_spot.width_mm = 2.000 mm [95 %: 1.980 … 2.020] (at its bound)" in text
         and "not recommended: width_mm lies on its bound" in text

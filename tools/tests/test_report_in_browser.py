@@ -1,4 +1,5 @@
-"""The page of several results, and that of `ema identify`, in real Chromium, headless, with the network off: every curve is drawn without complaint, and zooms with its neighbours."""
+"""The pages of several results and of a map in real Chromium, headless, with the network off: every curve is drawn without complaint and zooms with its neighbours, the first screen holds
+what is to be known first, what stands behind it is opened by its link, and no reader is hindered."""
 
 from __future__ import annotations
 
@@ -10,8 +11,8 @@ from typing import Any
 import pytest
 
 from ema_tools.words.page import write_report
-from in_browser import LAPTOP, PHONE, launched
-from report_results import compared, identified
+from in_browser import LAPTOP, PHONE, SMALL, hindrances, launched, not_reached
+from report_results import JUDGED, compared, identified, judged, mapped
 from test_report_diagnosis import made
 
 
@@ -37,9 +38,13 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
         page.on("pageerror", lambda one: complaints.append(str(one)))
         page.on("request", lambda one: complaints.append(one.url) if one.url.startswith("http") else None)
         page.goto((tmp_path / "page.html").as_uri())
-        for place in page.locator("[data-curves]").all():
+        # what is not opened is not drawn
+        for place in page.locator("[data-curves]:visible").all():
             place.scroll_into_view_if_needed()
-        page.wait_for_function("() => document.querySelectorAll('[data-curves]:not([data-drawn])').length === 0")
+        page.wait_for_function(
+            "() => [...document.querySelectorAll('[data-curves]:not([data-drawn])')].every((one) => !one.checkVisibility())"
+        )
+        page.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
         return page, complaints
 
     yield open_
@@ -98,3 +103,61 @@ def test_a_moment_of_a_diagnosis_zooms_its_curves(opened: Any) -> None:
     first, last = map(float, page.locator('[data-curves="result-1"]').first.get_attribute("data-view").split())
     assert first == pytest.approx(at - half, abs=1e-3) and last == pytest.approx(at + half, abs=1e-3)
     assert complaints == []
+
+
+MANY = (judged(JUDGED[0]), judged(JUDGED[1]), judged(JUDGED[2]), made(), compared(name="today.csv"), mapped())
+
+
+@pytest.mark.parametrize("viewport", [SMALL, PHONE], ids=["laptop", "phone"])
+def test_the_first_screen_says_what_each_result_concludes(viewport: dict[str, int], opened: Any) -> None:
+    page, complaints = opened(*MANY, viewport=viewport)
+    tiles = page.locator(".tiles .reply")
+    assert [" ".join(one.split()) for one in page.locator(".tiles .reply b").all_inner_texts()] == [
+        "Fault",
+        "Healthy",
+        "Undecided",
+        "Jam spot",
+        "Off by 4.08 %",
+        "Friction map",
+    ]
+    for place in range(tiles.count()):
+        box = tiles.nth(place).bounding_box()
+        assert box["y"] + box["height"] <= viewport["height"], place
+    assert page.locator("details.whole").count() == 6 and page.locator("details.whole[open]").count() == 0
+    assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
+    assert page.evaluate("document.documentElement.scrollHeight") <= (4_500 if viewport is SMALL else 7_500)
+    assert complaints == []
+
+
+def test_a_link_opens_what_it_leads_to_and_draws_it(opened: Any) -> None:
+    page, complaints = opened(*MANY)
+    page.click('.tiles a[href="#result-2"]')
+    assert [one.evaluate("(one) => one.parentElement.id") for one in page.locator("details.whole[open]").all()] == ["result-2"]
+    page.wait_for_function("() => document.querySelectorAll('[data-curves=\"result-2\"][data-drawn]').length === 2")
+    assert page.locator('[data-curves="result-2"] canvas').count() == 2 * 3 * 2
+    # each result has a command of its own to copy
+    beside = page.evaluate(
+        "[...document.querySelectorAll('[data-copy]')].map((one) => document.getElementById(one.dataset.copy) === one.previousElementSibling)"
+    )
+    assert beside == [True] * 6
+    assert complaints == []
+
+
+@pytest.mark.parametrize("look", [LAPTOP, PHONE], ids=["laptop", "phone"])
+@pytest.mark.parametrize("results", [MANY, (mapped(),)], ids=["several", "map"])
+def test_no_reader_is_hindered(results: tuple[dict[str, Any], ...], look: dict[str, int], opened: Any) -> None:
+    page, complaints = opened(*results, viewport=look)
+    assert hindrances(page) == [] and complaints == []
+    if look is LAPTOP:
+        assert not_reached(page) == []
+
+
+def test_a_map_answers_on_its_first_screen(opened: Any) -> None:
+    page, complaints = opened(mapped(), viewport=SMALL)
+    assert (
+        " ".join(page.inner_text("h1").split())
+        == "Friction is 0.175 Nm at 95.5 rpm and 0.155 Nm at 382 rpm; the model is off by up to 0.0300 Nm."
+    )
+    box = page.locator("#law svg.picture").first.bounding_box()
+    assert box["y"] + box["height"] <= SMALL["height"]
+    assert page.locator("#law svg.picture").count() == 2 and complaints == []

@@ -130,7 +130,7 @@ def test_healthy_verdict_is_not_called_a_fault(tmp_path: Path) -> None:
     page = _page(tmp_path, identified(verdict="healthy"))
     assert "<h1>The machine is healthy: friction (CSJ) " in page and "has a fault" not in _without_scripts(page)
     both = _page(tmp_path, identified(verdict="healthy"), compared())
-    assert "<h1>The record result_0 is of a healthy actuator: CSJ" in both and "carries" not in _without_scripts(both)
+    assert "<h1>2 results: 1 healthy and 1 compared with the model.</h1>" in both and "has a fault" not in _without_scripts(both)
 
 
 def test_result_without_curves_and_search_is_shown(tmp_path: Path) -> None:
@@ -190,15 +190,15 @@ def test_one_fault_alone_is_shown(tmp_path: Path) -> None:
 
 def test_comparison_names_the_worst_balance(tmp_path: Path) -> None:
     page = _page(tmp_path, compared(name="today.csv"))
-    assert "<h1>Model against today.csv: mechanical balance off by 4.08\u00a0%</h1>" in page
+    assert "<h1>The model leaves 4.08\u00a0% unexplained in the mechanics; the rod position is off by 5.00\u00a0%.</h1>" in page
     assert page.count("Most of the error is in the mechanical balance.") == 1
     page = _page(tmp_path, compared(name="today.csv", balances={}))
-    assert "<h1>Model against today.csv: rod position off by 5.00\u00a0%</h1>" in page
+    assert "<h1>No equation can be weighed on this record; the rod position is off by 5.00\u00a0%.</h1>" in page
 
 
 def test_rod_that_does_not_move_is_said(tmp_path: Path) -> None:
     still = compared(name="still", channels={"position_mm": {"rmse": 0.0, "relative_percent": None}})
-    assert "rod position does not move" in _page(tmp_path, still, identified())
+    assert "the rod does not move" in _page(tmp_path, still, identified())
 
 
 def test_other_json_and_missing_file_are_refused(tmp_path: Path) -> None:
@@ -315,7 +315,7 @@ def test_what_was_not_identified_is_shown_with_its_reason(tmp_path: Path) -> Non
     assert f"not identified: {why}</td>" in page and 'data-fault="blk_mm"' not in page
     assert "<h1>The machine has a fault: friction (CSJ) +117.4\u00a0%.</h1>" in page
     both = _page(tmp_path, data, compared())
-    assert f"<small>not identified: {why}</small>" in both and "carries CSJ +117.4\u00a0%." in both
+    assert f"BLK, backlash at the rod: not identified: {why}.</p>" in both and "has a fault: friction (CSJ) +117.4\u00a0%." in both
     assert gauges(result).count("data-fault=") == 1
     with pytest.raises(InputError, match=r"today.json: field blk_mm.estimate is missing"):
         parse_result(identified(blk_mm={"estimate": None, "std": None}), "today.json", "today")
@@ -329,5 +329,5 @@ def test_value_without_a_standard_error_is_shown_without_an_interval(tmp_path: P
         'class="interval"' in gauges(_made(data)).split('data-fault="blk_mm"')[1]
         and 'class="interval"' not in gauges(_made(data)).split('data-fault="blk_mm"')[0]
     )
-    assert "not determined by this record, healthy 0.138 Nm" in _page(tmp_path, data, data)
+    assert "<span>not determined by this record</span>" in _page(tmp_path, data, data)
     assert "not determined by this record" in _page(tmp_path, data)

@@ -14,6 +14,7 @@ import pytest
 from ema_tools.data.actuator import Actuator, actuator_of, read_actuator, reference_actuator
 from ema_tools.data.records import Record, read_record, start_of
 from ema_tools.design.typical import typical_change
+from ema_tools.fit.whitening import Whitener, counted, lines_of
 from ema_tools.library.definitions import Effect, load_definitions
 from ema_tools.plant.native import OUTPUTS, SearchSettings, library
 from ema_tools.tasks.export import header_text
@@ -180,6 +181,21 @@ def test_downloads_are_what_ema_writes(file: Path) -> None:
         text = found["answer"]["toml"]
         assert actuator_of(text, file.name) == changed
         assert text == changed.written_text(), sorted(changes, key=lambda name: order[name.removeprefix("effects.")])
+
+
+@needs_node
+@pytest.mark.parametrize(("rows", "channels"), [(2000, 4), (2 * 3 * 5 * 7 * 11 + 1, 3), (1155, 1)])
+def test_what_is_left_is_weighed_as_a_diagnosis_weighs_it(rows: int, channels: int) -> None:
+    """Whatever number of rows and signals: even, odd, and one of which the last row is not turned into lines."""
+    draw = np.random.default_rng(rows)
+    target, simulated = draw.normal(0.0, 1.0, (2, channels, rows))
+    whiten = Whitener.of(draw.uniform(0.5, 2.0, (channels, lines_of(rows))), rows)
+    names = ("position_mm", "motor_position_mm", "current_A", "voltage_V")[:channels]
+    sent = [{name: packed(values) for name, values in zip(names, of, strict=True)} for of in (target, whiten.weights, simulated)]
+    job = {"kind": "weighed", "rows": counted(rows), "target": sent[0], "weights": sent[1], "simulated": sent[2]}
+    (found,) = in_node([job], module=False)
+    expected = float(np.sqrt(np.sum(whiten(target - simulated) ** 2) / (channels * counted(rows))))
+    assert found["answer"] == pytest.approx(expected, rel=1e-12)
 
 
 @needs_node

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -12,11 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from demo_run import demo_run
 from ema_tools.data.actuator import Actuator, actuator_of, read_actuator
 from ema_tools.data.records import Record, read_record, start_of, write_record
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import CHANNELS, SearchSettings, library
 from ema_tools.tasks.export import header_text
+from ema_tools.words.page import write_report
 from in_browser import LAPTOP, PHONE, hindrances, not_reached
 from support import RECORDINGS, REFERENCE, run_ema
 from workbench_support import needs_module
@@ -352,3 +355,82 @@ def test_the_page_of_an_identification_with_its_workbench_hinders_no_reader(look
     if look == "laptop":
         assert not_reached(bench.page) == []
     context.close()
+
+
+@pytest.fixture(scope="module")
+def story(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The pages of the demo's diagnosis and of its addition, each by itself."""
+    folder = tmp_path_factory.mktemp("story")
+    for name in ("diagnose", "add"):
+        write_report([demo_run()[0] / f"{name}.json"], folder / f"{name}.html", "ema report")
+    return folder
+
+
+@pytest.fixture
+def of_story(story: Path, chromium: Any) -> Iterator[Any]:
+    contexts = []
+
+    def open_(name: str) -> tuple[Bench, dict[str, Any]]:
+        contexts.append(chromium.new_context(offline=True, viewport=LAPTOP))
+        found = json.loads((demo_run()[0] / f"{name}.json").read_text(encoding="utf-8"))
+        return Bench(contexts[-1].new_page()).open(story / f"{name}.html"), found
+
+    yield open_
+    for context in contexts:
+        context.close()
+
+
+@pytest.mark.parametrize("name", ["diagnose", "add"])
+def test_every_rung_is_loaded_with_the_error_that_the_ladder_says(name: str, of_story: Any, story: Path) -> None:
+    bench, found = of_story(name)
+    # 10 s at 1 kHz of five signals with all that belongs to them, workbench and weights
+    assert (story / f"{name}.html").stat().st_size <= 1_500_000 and bench.page.locator(".channel").count() == 5
+    assert bench.page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime") < 1000.0
+    assert bench.state()["error"] == pytest.approx(found["error"]["before"], rel=1e-6)
+    assert f"{found['error']['before']:.3g}" in bench.page.inner_text("#ladder")
+    buttons = bench.page.locator("#ladder [data-load]")
+    assert buttons.count() == len(found["steps"]) >= 3
+    for place, step in enumerate(found["steps"]):
+        before = bench.state()["redraws"]
+        buttons.nth(place).click()
+        state = bench.redrawn(before)
+        # the prior of what scatters counts in the ladder, too; and the last is as the fit saw it
+        assert state["error"] == pytest.approx(step["told_training"], rel=5e-3), step["added"]
+    # wear is not booked as scatter: what scatters takes off next to nothing here, though friction has risen by two fifths
+    assert found["steps"][1]["told_training"] > 0.9 * found["error"]["before"] > 4.0 * found["steps"][1]["error_training"]
+    buttons.nth(0).click()
+    bench.until(f"Math.abs(emaWorkbench.state().error - {found['error']['before']}) < 1e-4")
+    assert bench.complaints == []
+
+
+def test_an_effect_switched_on_with_its_values_gives_the_error_that_ema_add_reports(of_story: Any) -> None:
+    bench, found = of_story("add")
+    bench.page.locator(".bench").get_by_label("Stribeck friction").first.check()
+    # with what it was fitted beside: friction of the grease and the winding of the day
+    values = found["steps"][-1]["values"]
+    assert {name: values[name] for name in found["parameters"]} == {name: one["value"] for name, one in found["parameters"].items()}
+    for name, value in values.items():
+        before = bench.state()["redraws"]
+        bench.page.locator(f"#bench-{name.replace('.', '-')}").evaluate(
+            "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }", str(value)
+        )
+        bench.redrawn(before)
+    assert bench.state()["error"] == pytest.approx(found["error"]["after"], rel=5e-3)
+    assert bench.state()["median_ms"] <= _REDRAW_MS
+    assert "as the diagnosis weighs it" in bench.page.inner_text(".bench-error")
+    assert bench.complaints == []
+
+
+def test_a_fit_on_the_page_of_a_diagnosis_ends_at_its_noise_level(of_story: Any) -> None:
+    bench, found = of_story("diagnose")
+    bench.page.locator(".bench").get_by_label("Stribeck friction").first.check()
+    # beside both faults and the size the speed up to which it acts, which is not as usual here
+    bench.page.locator(".bench-row", has=bench.page.locator("#bench-effects-stribeck_friction-speed_rad_s")).locator(
+        "input[type=checkbox]"
+    ).check()
+    bench.press("Fit ticked values")
+    bench.until("/^Fitted/.test(emaWorkbench.state().message)")
+    state = bench.settled()
+    said = re.search(r"error ([\d.]+) before, ([\d.]+) after", state["message"])
+    assert said is not None and float(said[2]) == pytest.approx(state["error"], rel=1e-3)
+    assert state["error"] < 2.0 * found["error"]["floor"] < 0.1 * float(said[1])

@@ -19,6 +19,10 @@ const kinds = {
     const found = desk.fit(job.model, job.search, (run, cost, best) => runs.push([run, cost, best]) >= (job.stop_after ?? Infinity));
     return { ...found, random_state: String(found.random_state), model_steps: String(found.model_steps), runs };
   },
+  weighed: (desk, job) => {
+    const of = (columns) => Object.fromEntries(Object.entries(columns).map(([name, text]) => [name, unpacked(text)]));
+    return new Engine.Weighed(job.rows, of(job.target), of(job.weights)).error(of(job.simulated));
+  },
   noise: (desk, job, record) => Engine.noiseOf(record),
   csv: (desk, job) => {
     const record = Engine.readCsv(job.text, job.file, job.period_s);

@@ -108,10 +108,11 @@ def simulate(
 @cli.command(short_help="Say where ACTUATOR's model fails on REC.")
 @click.argument("actuator")
 @click.argument("record")
+@click.option("--report", "page", metavar="FILE.html", help="Write the page there: signals, where the model fails, and the workbench.")
 @precision_option("64")
 @pictures_option
 @json_option
-def compare(actuator: str, record: str, precision: str, pictures: str | None, json_path: str | None, force: bool) -> None:
+def compare(actuator: str, record: str, page: str | None, precision: str, pictures: str | None, json_path: str | None, force: bool) -> None:
     """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known."""
     from ema_tools.compare.comparison import compare as work
     from ema_tools.compare.motion_comparison import compare_motion
@@ -124,8 +125,9 @@ def compare(actuator: str, record: str, precision: str, pictures: str | None, js
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
+    from ema_tools.words.terminal.next_step import say_next
 
-    writable(*picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
+    writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
     model = read_actuator(actuator, complete=False)
     measured = read_any_record(record, model)
     with progress("comparing", 3) as bar:
@@ -134,9 +136,12 @@ def compare(actuator: str, record: str, precision: str, pictures: str | None, js
         found = replace(found, unlike=unlike(model, measured, found.simulation))
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
-    result = replace(result, workbench=bench(model, measured) if json_path and isinstance(measured, Record) else None)
+    result = replace(result, workbench=bench(model, measured) if (json_path or page) and isinstance(measured, Record) else None)
     save(json_path, result, force)
+    _page(page, result, force)
     show.comparison(output(), result, model.name)
+    say_next(output(), result)
+    _written(page)
     draw(pictures, result, record, force)
 
 
@@ -306,6 +311,7 @@ def identify(
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
+    from ema_tools.words.terminal.next_step import say_next
 
     healthy = record_files(healthy)
     drawn_to = picture_files(pictures, "identify", record)
@@ -363,6 +369,7 @@ def identify(
     show.identification(output(), result)
     if references and not asked:
         show.say(output(), f"held against {_few([one.file for one in references])}, on which {model.file} was calibrated")
+    say_next(output(), result)
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)
@@ -430,8 +437,12 @@ def diagnose(
         found = diagnosed(model, records, references, other, lambda share, text: bar.update(100.0 * share, text), way, fixes)
     drawn = entry = None
     if (json_path or page or pictures) and isinstance(measured, Record) and not model.absent:
-        entry = bench(found.known, measured)
-        drawn = curves(measured, before=simulated(found.known, measured), after=simulated(found.fitted, measured) if found.fits else None)
+        evidence = found.evidence if isinstance(found, Answer) else None
+        first = evidence.actuator if evidence is not None else found.known
+        # without healthy records the unit's own parameters have moved, though no effect was fitted
+        moved = found.fits or (evidence is not None and not evidence.relative)
+        entry = bench(first, measured, evidence)
+        drawn = curves(measured, before=simulated(first, measured), after=simulated(found.fitted, measured) if moved else None)
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
@@ -603,11 +614,11 @@ def add(
         found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
     found.actuator.changed({}, {"source": said}).write(out, force)
-    drawn = None
+    drawn, evidence = None, found.fit.view.evidence
     if json_path or page:
-        drawn = curves(measured, before=simulated(model, measured), after=simulated(found.fitted, measured))
+        drawn = curves(measured, before=simulated(evidence.actuator, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
-    result = replace(result, method_reason=way.because, workbench=bench(model, measured) if drawn else None)
+    result = replace(result, method_reason=way.because, workbench=bench(evidence.actuator, measured, evidence) if drawn else None)
     save(json_path, result, force)
     _page(page, result, force)
     show.added(output(), result)
@@ -891,6 +902,7 @@ def map_command(
     from ema_tools.results.provenance import provenance
     from ema_tools.words.answers.friction_map import friction_map
     from ema_tools.words.terminal.friction_map import print_map
+    from ema_tools.words.terminal.next_step import say_next
 
     records = record_files(records)
     writable(page, *picture_files(pictures, "map", records[0]), json_path=json_path, force=force, inputs=(actuator, *records))
@@ -901,6 +913,7 @@ def map_command(
     save(json_path, result, force)
     _page(page, result, force)
     print_map(output(), result)
+    say_next(output(), result)
     _written(page)
     draw(pictures, result, records[0], force)
 

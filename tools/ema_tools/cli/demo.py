@@ -6,6 +6,7 @@ Every step prints the command that does the same by hand; docs/WALK_THROUGH.md g
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -45,6 +46,7 @@ from ema_tools.words.page import write_report
 from ema_tools.words.page.results import FAULTS, ShownIdentification, identified
 from ema_tools.words.page.text import shift, signed
 from ema_tools.words.sentences.identification import TITLES
+from ema_tools.words.sentences.paths import with_paths
 from ema_tools.words.terminal import console as terminal
 from ema_tools.words.terminal import show
 
@@ -90,6 +92,7 @@ class _Unit:
     sheet_file: str
     today_file: str
     others: str
+    others_quoted: str  # the same without what a shell expands
 
 
 def recordings_folder() -> Path:
@@ -151,7 +154,8 @@ def _unit() -> _Unit:
     today, *healthy, held_out = (read_record(path, sheet) for path in paths)
     folder = _shown(paths[0].parent)
     others = f"--healthy={folder}/healthy_{{1..{story.HEALTHY_RUNS}}}.csv --holdout {folder}/{story.HELD_OUT}.csv"
-    return _Unit(sheet, today, tuple(healthy), held_out, _shown(sheet_file), _shown(paths[0]), others)
+    quoted = shlex.join(["--healthy", f"{folder}/healthy_*.csv", "--holdout", f"{folder}/{story.HELD_OUT}.csv"])
+    return _Unit(sheet, today, tuple(healthy), held_out, _shown(sheet_file), _shown(paths[0]), others, quoted)
 
 
 def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
@@ -164,13 +168,15 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 1, f"ema compare {unit.sheet_file} {unit.today_file}")
     with terminal.progress("comparing", 3) as bar:
         measured = compare(unit.sheet, unit.today, report=bar.update)
-    compared = comparison(measured, _origin(unit), curves(unit.today, model=measured.simulation))
+    compared = comparison(
+        measured, _origin(unit, f"ema compare {unit.sheet_file} {unit.today_file}"), curves(unit.today, model=measured.simulation)
+    )
     _write(folder / _COMPARED, compared)
     rod, current = (compared.channels[name].relative_percent for name in ("position_mm", "current_A"))
     _say(output, f"The rod is off by {terminal.number(rod, 2)} %, the current by {terminal.number(current, 2)} %. {compared.sentence}")
 
     _command(output, 2, f"ema identify {unit.sheet_file} {unit.today_file} --weight {_WEIGHTS}")
-    before = _searched(unit, unit.sheet, "the data sheet's model")
+    before = _searched(unit, unit.sheet, unit.sheet_file, "the data sheet's model")
     _write(folder / _ON_PAGE[2], before)
     _say(output, f"{_verdict(before)}, because")
     for reason in before.reasons:
@@ -179,8 +185,10 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 3, f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others}")
     with terminal.progress("diagnosing", 100) as bar:
         found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    drawn = curves(unit.today, before=simulated(found.known, unit.today), after=simulated(found.fitted, unit.today))
-    missing = replace(diagnosis(found, _origin(unit), drawn), workbench=bench(found.known, unit.today))
+    drawn = curves(unit.today, before=simulated(found.evidence.actuator, unit.today), after=simulated(found.fitted, unit.today))
+    asked = f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others_quoted}"
+    missing = replace(diagnosis(found, _origin(unit, asked), drawn), workbench=bench(found.evidence.actuator, unit.today, found.evidence))
+    missing = replace(missing, next_experiment=with_paths(missing.next_experiment, unit.sheet_file, [unit.today_file]))
     _write(folder / _ON_PAGE[0], missing)
     _say(output, missing.where.sentence)
     _say(output, missing.sentence)
@@ -192,8 +200,11 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
     added.actuator.write(folder / _MACHINE, True)
-    drawn = curves(unit.today, before=simulated(unit.sheet, unit.today), after=simulated(added.fitted, unit.today))
-    model = addition(added, unit.today.file, _MACHINE, _origin(unit), drawn)
+    drawn = curves(unit.today, before=simulated(added.fit.view.evidence.actuator, unit.today), after=simulated(added.fitted, unit.today))
+    asked = f"ema add {unit.sheet_file} {effect} --fit {unit.today_file} {unit.others_quoted} -o {_shown(folder / _MACHINE)}"
+    model = addition(added, unit.today.file, _shown(folder / _MACHINE), _origin(unit, asked), drawn)
+    seen = added.fit.view.evidence
+    model = replace(model, workbench=bench(seen.actuator, unit.today, seen))
     _write(folder / _ON_PAGE[1], model)
     show.steps(output, model.steps or (), model.error.floor)
     beside = " and ".join(TITLES[value] for name, value in CHANGEABLE.items() if name in added.fit.effects)
@@ -203,7 +214,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     )
 
     _command(output, 5, f"ema identify {_shown(folder / _MACHINE)} {unit.today_file} --weight {_WEIGHTS}")
-    after = _searched(unit, added.actuator, f"with {effect}")
+    after = _searched(unit, added.actuator, _shown(folder / _MACHINE), f"with {effect}")
     _write(folder / _ON_PAGE[3], after)
     _say(output, f"{_verdict(after)}; the model is {'adequate' if after.adequate else 'not adequate'}.")
     true = ", ".join(f"{name.split('.')[1]} {value:g}" for name, value in story.EFFECT_VALUES.items())
@@ -252,8 +263,11 @@ def _tell_flight(output: Console, folder: Path, unit: _Unit, healthy: tuple[Reco
         with terminal.progress("identifying", known.actuator["search.evaluation_budget"]) as bar:
             flown = identify(known.actuator, record, bits=_BITS, progress=partial(_tell, bar, 0.0), guarding=False)
         drawn = curves(record, before=simulated(flown.healthy, record), after=simulated(flown.actuator, record))
-        origin = provenance(COMMAND, actuator=known.actuator.name, record=f"recordings/unit/{record.file}")
-        said = identification(flown, f"{record.file}, the unit's own model", origin, drawn)
+        asked = f"ema identify {own_model} {records}/{record.file} --no-guard"
+        origin = provenance(asked, actuator=known.actuator.name, record=f"recordings/unit/{record.file}")
+        said = _with_paths(
+            identification(flown, f"{record.file}, the unit's own model", origin, drawn), own_model, f"{records}/{record.file}"
+        )
         _write(folder / file, said)
         _say(output, f"{_verdict(said)}{', because' if said.reasons else '.'}")
         for reason in said.reasons:
@@ -275,11 +289,24 @@ def _command(output: Console, place: int, line: str) -> None:
     output.print(Text(f"{place}  {line}", style="bold"))
 
 
-def _searched(unit: _Unit, actuator: Actuator, model: str) -> IdentificationResult:
+def _searched(unit: _Unit, actuator: Actuator, file: str, model: str) -> IdentificationResult:
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
         found = identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
     drawn = curves(unit.today, before=simulated(found.healthy, unit.today), after=simulated(found.actuator, unit.today))
-    return identification(found, f"{unit.today.file}, {model}", _origin(unit), drawn, shape_of(found))
+    said = identification(
+        found,
+        f"{unit.today.file}, {model}",
+        _origin(unit, f"ema identify {file} {unit.today_file} --weight {_WEIGHTS}"),
+        drawn,
+        shape_of(found),
+    )
+    return _with_paths(said, file, unit.today_file)
+
+
+def _with_paths(found: IdentificationResult, actuator: str, record: str) -> IdentificationResult:
+    """The commands in its words as they are typed for this record."""
+    reasons = tuple(with_paths(reason, actuator, [record]) for reason in found.reasons)
+    return replace(found, sentence=with_paths(found.sentence, actuator, [record]), reasons=reasons)
 
 
 def _verdict(found: IdentificationResult) -> str:
@@ -288,8 +315,9 @@ def _verdict(found: IdentificationResult) -> str:
     return f"{found.verdict.capitalize()}: {'the search reads ' if found.verdict == 'undecided' else ''}{shifts}"
 
 
-def _origin(unit: _Unit) -> Provenance:
-    return provenance(COMMAND, actuator=unit.sheet.name, record=f"recordings/story/{unit.today.file}")
+def _origin(unit: _Unit, command: str) -> Provenance:
+    """What made a result; `command` does the same by hand, and what follows it has its paths."""
+    return provenance(command, actuator=unit.sheet.name, record=f"recordings/story/{unit.today.file}")
 
 
 def _write(path: Path, result: Result) -> None:
@@ -322,7 +350,11 @@ def _identified(actuator: Actuator, shipped: Shipped, path: Path, progress: Prog
     record = read_record(path, actuator)
     found = identify(actuator, record, bits=_BITS, progress=progress)
     origin = provenance(
-        COMMAND, actuator=actuator.name, seed=found.seed, precision=f"float{_BITS}, as onboard", record=f"recordings/{shipped.file}"
+        f"ema identify reference {_shown(path)} --no-guard",
+        actuator=actuator.name,
+        seed=found.seed,
+        precision=f"float{_BITS}, as onboard",
+        record=f"recordings/{shipped.file}",
     )
     drawn = curves(record, before=simulated(found.healthy, record), after=simulated(found.actuator, record))
     return identification(

@@ -462,6 +462,14 @@ def raw_cost(evidence: Evidence) -> float:
     return float(np.sum(evidence.whiten(evidence.target - evidence.simulate({}, own)) ** 2))
 
 
+def cost_at(evidence: Evidence, values: Mapping[str, float], deviations: Reals) -> float:
+    """Cost of the record against effects at `values` and what scatters at `deviations` [spread + additive], that of the scatter included: one run of the model.
+
+    Raises InputError when the model refuses.
+    """
+    return _place(evidence, values, deviations).cost
+
+
 def settled(
     evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = _CREDIBLE
 ) -> View:

@@ -29,6 +29,7 @@ class BalanceErrorEntry:
     noise_rms: float | None = None  # what the record's white sensor noise makes of it
     method_rms: float | None = None  # what the method leaves on a record of the model
     resting_percent: float | None = None  # of the time at rest, where friction answers whatever there is
+    excess_percent: float | None = None  # what of relative_percent neither noise nor method explains; 0 within their margin
     reason: str | None = None  # why it cannot be drawn
 
 

@@ -84,6 +84,16 @@ class StepEntry:
     added: str  # what came last, in words where it is no effect
     error_training: float  # on the record that was fitted, as in `Errors`
     error_holdout: float | None  # on the record held out; None without one
+    # the same with what scatters no farther than is credible, which is what one reads: wear is no scatter; None in older files, and by the balance
+    told_training: float | None = field(default=None, metadata=SPARE)
+    told_holdout: float | None = field(default=None, metadata=SPARE)
+    # what makes this model of the first, by full name: its effects, and what scatters as far as it moved; None in older files, and by the balance
+    values: dict[str, float] | None = field(default=None, metadata=SPARE)
+
+    @property
+    def told(self) -> tuple[float, float | None]:
+        """The errors that one reads, on the record that was fitted and on the one held out."""
+        return (self.error_training, self.error_holdout) if self.told_training is None else (self.told_training, self.told_holdout)
 
 
 @dataclass(frozen=True)

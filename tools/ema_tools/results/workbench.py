@@ -4,6 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ema_tools.results.codec import SPARE
+
+
+@dataclass(frozen=True, kw_only=True)
+class WeighedEntry:
+    """How a diagnosis weighs a record: its errors are the rms of what is left of `target`, each line of the spectrum times its weight. By channel, packed as columns are."""
+
+    rows: int  # that are turned into lines
+    target: dict[str, str]  # what the model should show, all rows of the record
+    weights: dict[str, str]  # of the lines
+
 
 @dataclass(frozen=True, kw_only=True)
 class BenchEntry:
@@ -19,3 +30,6 @@ class BenchEntry:
     usual: dict[str, float] = field(
         default_factory=dict
     )  # values of each effect at the lower end of its usual size on this machine, by full name
+    weighed: WeighedEntry | None = field(
+        default=None, metadata=SPARE
+    )  # of a diagnosis or an addition; without, signals are weighed by their white noise

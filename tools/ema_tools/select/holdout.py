@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import Evidence, raw_cost, settled
+from ema_tools.fit.evidence import Evidence, cost_at, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import Fit
 from ema_tools.select.baseline import against_known, alone_against_known
@@ -50,12 +50,16 @@ class ErrorFall:
 
 @dataclass(frozen=True)
 class Rung:
-    """One model of the way: its effects, what came last (mostly one, both faults where they came together), and the weighted errors; None where there is no record held out."""
+    """One model of the way: its effects, what came last (mostly one, both faults where they came together), and the weighted errors; None where there is no record held out.
+    What scatters is free in them along its directions, as verdicts need it. `told`: the same two with what scatters no farther than is credible, so that wear is not booked as scatter; of the
+    last model the errors themselves. `values`: what makes it of the first model, what scatters included."""
 
     effects: tuple[str, ...]
     added: str
     error: float
     holdout: float | None
+    told: tuple[float, float | None]
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 def refuted(steps: Sequence[Rung]) -> tuple[str, ...]:
@@ -94,11 +98,6 @@ def held_out(evidence: Evidence, known: Actuator, record: Record, healthy: Seque
     return alone_against_known(evidence, known, record)
 
 
-def error_of(evidence: Evidence, values: Mapping[str, float]) -> float:
-    """Weighted error of effects on a record, what scatters at its best."""
-    return weighted(settled(evidence, values, rounds=_SETTLE_ROUNDS).cost, evidence)
-
-
 def walk(
     diagnosis: Diagnosis, evidence: Evidence, holdout: Record | None = None, healthy: Sequence[Record] = ()
 ) -> tuple[ErrorFall, tuple[Rung, ...]]:
@@ -107,20 +106,29 @@ def walk(
     `healthy`: repeats of the command of `holdout`, where there are any.
     """
 
-    def other(fit: Fit | None) -> float | None:
-        if holdout is None:
-            return None
-        return error_of(held_out(evidence, fitted_machine(evidence, fit), holdout, healthy), fit.values if fit is not None else {})
+    def rung(fit: Fit | None, added: str, cost: float) -> Rung:
+        values = fit.values if fit is not None else {}
+        deviations = fit.deviations() if fit is not None else settled(evidence, {}).deviations
+        error, told = weighted(cost, evidence), weighted(cost_at(evidence, values, deviations), evidence)
+        held = told_held = None
+        if holdout is not None:
+            other = held_out(evidence, fitted_machine(evidence, fit), holdout, healthy)
+            there = settled(other, values, rounds=_SETTLE_ROUNDS)
+            held, told_held = weighted(there.cost, other), weighted(there.plain_cost, other)
+        effects = fit.effects if fit is not None else ()
+        return Rung(effects, added, error, held, (told, told_held), {**moved(evidence.actuator, evidence.spread, deviations), **values})
 
     first = held_out(evidence, evidence.actuator, holdout, healthy) if holdout is not None else None
-    steps = [Rung((), "", weighted(raw_cost(evidence), evidence), weighted(raw_cost(first), first) if first is not None else None)]
-    steps.append(Rung((), SCATTER if evidence.relative else UNIT, weighted(diagnosis.cost_before, evidence), other(None)))
+    given = weighted(raw_cost(evidence), evidence)
+    given_held = weighted(raw_cost(first), first) if first is not None else None
+    steps = [Rung((), "", given, given_held, (given, given_held))]
+    steps.append(rung(None, SCATTER if evidence.relative else UNIT, diagnosis.cost_before))
     known: tuple[str, ...] = ()
     for fit in diagnosis.steps:
         added = " and ".join(effect for effect in fit.effects if effect not in known) or fit.effects[-1]
-        steps.append(Rung(fit.effects, added, weighted(fit.cost, evidence), other(fit)))
+        steps.append(rung(fit, added, fit.cost))
         known = fit.effects
-    last = steps[-1]
+    steps[-1] = last = replace(steps[-1], told=(steps[-1].error, steps[-1].holdout))
     floor = weighted(diagnosis.cost_floor, evidence)
     return ErrorFall(
         steps[0].error,

@@ -16,13 +16,14 @@ from ema_tools.compare.localisation import where
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, View, settled
+from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import Fit, polished, refit
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather
 from ema_tools.select.beside_fault import beside_faults
 from ema_tools.select.candidates import signatures
-from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, walk
+from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, walk, weighted
 from ema_tools.select.known_machine import known_machine
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis
@@ -141,12 +142,15 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     answerable(actuator, record, ())
     evidence = known_machine(actuator, record)
     alone, together = beside_faults(evidence, effect)
-    before = settled(evidence, alone).cost
+    faulty = settled(evidence, alone)
+    before = faulty.cost
     fit = polished(refit(settled(evidence, together, rounds=1), together), _ROUNDS)
     diagnosis = Diagnosis("missing", fit, (), (), (fit,), before, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout)
-    steps = (steps[0], replace(steps[1], added=_FAULTS_ALONE, holdout=None), *steps[2:])
+    told = weighted(faulty.plain_cost, evidence), None
+    own = {**moved(evidence.actuator, evidence.spread, faulty.deviations), **alone}
+    steps = (steps[0], replace(steps[1], added=_FAULTS_ALONE, holdout=None, told=told, values=own), *steps[2:])
     correlations = tuple(_correlations(fit))
     judgement = _judged(fit, effect, errors, before, correlations)
     tell(1.0, "done")

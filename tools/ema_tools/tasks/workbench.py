@@ -10,16 +10,21 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.design.typical import typical_change
+from ema_tools.fit.evidence import Evidence
+from ema_tools.fit.whitening import counted
 from ema_tools.library.definitions import load_definitions
-from ema_tools.results.workbench import BenchEntry
+from ema_tools.results.workbench import BenchEntry, WeighedEntry
 from ema_tools.tasks.export import header_text
 
 # Longer records are left out: the page would grow beyond what a browser opens at once [layout]
 _ROWS_MAX = 60_000
 
 
-def bench(actuator: Actuator, record: Record) -> BenchEntry | None:
-    """The workbench's part of a result; None for a very long record, and for an actuator whose controller is not known, which cannot be simulated."""
+def bench(actuator: Actuator, record: Record, evidence: Evidence | None = None) -> BenchEntry | None:
+    """The workbench's part of a result; None for a very long record, and for an actuator whose controller is not known, which cannot be simulated.
+
+    `evidence`: by which a diagnosis weighs the record; the page's errors are then those of the diagnosis.
+    """
     if record.rows > _ROWS_MAX or actuator.absent:
         return None
     usual: dict[str, float] = {}
@@ -35,7 +40,16 @@ def bench(actuator: Actuator, record: Record) -> BenchEntry | None:
         period_s=record.period_s,
         columns={name: _packed(record.recorded(name)) for name in record.present},
         usual=usual,
+        weighed=_weighed(evidence) if evidence is not None else None,
     )
+
+
+def _weighed(evidence: Evidence) -> WeighedEntry:
+    target, weights = (
+        {name: _packed(values) for name, values in zip(evidence.channels, of, strict=True)}
+        for of in (evidence.target, evidence.whiten.weights)
+    )
+    return WeighedEntry(rows=counted(evidence.record.rows), target=target, weights=weights)
 
 
 def _packed(values: Reals) -> str:

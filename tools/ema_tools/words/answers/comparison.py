@@ -27,7 +27,9 @@ def comparison(found: Comparison, provenance: Provenance, curves: CurvesEntry | 
 def _balance(error: BalanceError) -> result.BalanceErrorEntry:
     if error.reason:
         return result.BalanceErrorEntry(None, None, error.unit, reason=error.reason)
-    return result.BalanceErrorEntry(error.rms, error.relative_percent, error.unit, error.noise_rms, error.method_rms, error.resting_percent)
+    return result.BalanceErrorEntry(
+        error.rms, error.relative_percent, error.unit, error.noise_rms, error.method_rms, error.resting_percent, error.excess_percent
+    )
 
 
 def _place(place: ErrorPart) -> Place:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ema_tools.data.actuator import row_of, shown
 from ema_tools.results import parts
 from ema_tools.select.forward_errors import Forward
 from ema_tools.select.holdout import ErrorFall, Rung
@@ -21,7 +22,17 @@ def errors(found: ErrorFall) -> parts.WeightedErrors:
 
 def steps(way: Sequence[Rung]) -> tuple[parts.StepEntry, ...]:
     """Model by model."""
-    return tuple(parts.StepEntry(tuple(step.effects), step.added or FIRST, step.error, step.holdout) for step in way)
+    return tuple(
+        parts.StepEntry(
+            tuple(step.effects),
+            step.added or FIRST,
+            step.error,
+            step.holdout,
+            *step.told,
+            {shown(row_of(name)): value for name, value in step.values.items()},
+        )
+        for step in way
+    )
 
 
 def forward(found: Forward) -> parts.ForwardErrors:

@@ -3,30 +3,24 @@ what is still unknown."""
 
 from __future__ import annotations
 
-import itertools
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from html import escape
-from typing import Protocol
 
 import numpy as np
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
-from ema_tools.words.page import base_values, diagnosis_figures, figures
+from ema_tools.words.page import base_values, diagnosis_figures, figures, names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, Picture, ShownSuspect, Value
-from ema_tools.words.page.recorded import Curves
+from ema_tools.words.page.gathered import Gathered, draw_curves
+from ema_tools.words.page.sheet import kept, table
 from ema_tools.words.page.tables import CHANNEL_TITLES
-
-DrawCurves = Callable[[Curves, str, dict[str, str]], None]
 
 _BIN_PICTURES_MAX = 6
 _UNKNOWN_PICTURES_MAX = 6
-_LEFT = ' class="left"'
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
-_VERDICT = {"adequate": "nothing missing", "missing": "effect missing", "unknown": "unknown effect"}
 _PICTURE_TITLES = {
     "torque without inertia": "Torque against speed",
     "torque over a turn": "Torque over one turn of the motor, less base values",
@@ -38,117 +32,52 @@ _PICTURE_TITLES = {
 _OTHER = {"model": "model", "healthy": "healthy repeats"}
 
 
-class Sheet(Protocol):
-    """What collects the page."""
-
-    def add(self, *html: str) -> None:
-        """Appends HTML."""
-
-    def figure(self, identity: str, figure: figures.Figure) -> str:
-        """Registers a figure; the element that it is drawn into."""
-
-
-def headline(result: Diagnosed) -> str:
-    """The answer for the page's title."""
-    if result.added:
-        return f"{result.added} added: {'force error, %,' if result.by_forces else 'weighted error'} {_fall(result)} on {result.name}"
-    if result.verdict == "adequate":
-        return f"{result.name}: nothing exceeds what the machine repeats"
-    if result.verdict == "unknown":
-        return f"{result.name}: something is there that the library does not hold"
-    accepted = [one.name for one in result.suspects if one.accepted]
-    return f"{result.name}: {' and '.join(accepted) or 'an effect'} missing in the model"
-
-
-def tile(result: Diagnosed) -> str:
-    """The result in a few words, for the overview."""
-    verdict = result.verdict if not result.added else "fine"
-    shown = "added" if result.added else _VERDICT[result.verdict]
-    accepted = ", ".join(one.name for one in result.suspects if one.accepted) or result.added or "no effect named"
-    return (
-        f'<span class="head"><span>{escape(result.name)}</span><span class="verdict {verdict}">{shown}</span></span>'
-        f'<span class="big">{escape(accepted)}</span><span class="small">weighted error {escape(_fall(result))}</span>'
-    )
-
-
-def _fall(result: Diagnosed) -> str:
-    before, after = result.errors.get("before"), result.errors.get("after")
-    if before is None:
-        return "not known"
-    return f"{words.number(before)} → {words.number(after)}" if after is not None else words.number(before)
-
-
-def section(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> None:
-    """Everything about one diagnosis."""
-    page.add(f'<h2 id="{identity}-title">{escape(result.title)}</h2>')
-    # the sentence of the first result stands in the head of the page
-    sentence = "" if identity == "result-1" else escape(result.sentence)
-    verdict = "" if result.added else f'<span class="verdict {result.verdict}">{_VERDICT[result.verdict].capitalize()}.</span> '
-    if verdict or sentence:
-        page.add(f"<p>{verdict}{sentence}</p>")
+def section(page: Gathered, result: Diagnosed, identity: str) -> None:
+    """Everything about one diagnosis, below its answers."""
+    if result.sentence:
+        page.add(f"<p>{kept(result.sentence)}</p>")
     _gate(page, result)
     _where(page, result, identity)
     _which(page, result, identity)
-    _fell(page, result, identity, draw)
+    _fell(page, result, identity)
     _unknown(page, result, identity)
     if result.next_experiment:
-        page.add(f"<h3>What to measure next</h3><p>{escape(result.next_experiment)}</p>")
+        page.add(f"<h3>What to measure next</h3><p>{kept(result.next_experiment)}</p>")
 
 
-def _table(label: str, caption: str, heads: str, rows: list[str]) -> str:
-    """A table whose rows stand as blocks where the page is narrow, each cell with the head of its column beside it."""
-    titles = [re.sub(r"<[^>]*>", " ", head) for head in re.findall(r"<th[^>]*>(.*?)</th>", heads)]
-
-    def titled(row: str) -> str:
-        left = itertools.chain(titles, itertools.repeat(""))
-        return re.sub(r"<(td|th)\b", lambda cell: f'{cell[0]} data-head="{next(left)}"', row)
-
-    return (
-        f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="stacks"><caption>{caption}</caption><thead><tr>{heads}</tr></thead><tbody>'
-        + "".join(map(titled, rows))
-        + "</tbody></table></div>"
-    )
-
-
-def _heads(*names: str, left: int = 1, texts: tuple[int, ...] = ()) -> str:
-    """Heads of columns, the first `left` of them and those at `texts` aligned left."""
-    classes = [_LEFT if place < left or place in texts else "" for place in range(len(names))]
-    return "".join(f'<th{kind} scope="col">{name}</th>' for kind, name in zip(classes, names, strict=True))
-
-
-def _gate(page: Sheet, result: Diagnosed) -> None:
+def _gate(page: Gathered, result: Diagnosed) -> None:
     if not result.gate_sentence and not result.remarks:
         return
     page.add("<h3>Can this record answer?</h3>", f"<p>{escape(result.gate_sentence)}</p>")
     rows = [
-        f'<tr><th scope="row">{escape(one.topic)}</th><td class="left"><span class="verdict {one.severity}">{_SEVERITY[one.severity]}</span></td>'
-        f'<td class="reason">{escape(one.text)}</td><td class="reason">{escape(one.next or "")}</td></tr>'
+        f'<tr><th scope="row">{escape(one.topic)}</th><td class="words"><span class="verdict {one.severity}">{_SEVERITY[one.severity]}</span></td>'
+        f'<td class="words">{escape(one.text)}</td><td class="words">{escape(one.next or "")}</td></tr>'
         for one in result.remarks
     ]
     if rows:
         page.add(
-            _table(
+            table(
                 "what was looked at in the record",
                 "What was looked at before anything was concluded.",
-                _heads("Looked at", "", "Found", "What to do", left=4),
+                ("Looked at", "<State", "<Found", "<What to do"),
                 rows,
             )
         )
 
 
-def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
+def _where(page: Gathered, result: Diagnosed, identity: str) -> None:
     if not result.where_sentence and not result.blocks:
         if result.pictures:
             page.add("<h3>What does the machine look like?</h3>")
             _pictures(page, result, identity)
         return
     against = "the mean of the healthy repeats" if result.relative else "the model"
-    page.add("<h3>Where does the model fail?</h3>", f"<p>{escape(result.where_sentence)}</p>")
+    page.add("<h3>Where does the model fail?</h3>", f"<p>{kept(result.where_sentence)}</p>")
     rows = []
     for block in result.blocks:
-        head = f'<tr><th scope="row">{escape(block.name)}</th>'
+        head = f'<tr><th scope="row">{escape(names.block(block.name))}</th>'
         if block.rms is None:
-            rows.append(f'{head}<td colspan="4" class="reason">{escape(block.reason or "")}</td></tr>')
+            rows.append(f'{head}<td colspan="4" class="words">{escape(block.reason or "")}</td></tr>')
             continue
         floor = "–" if block.floor_rms is None else f"{words.number(block.floor_rms)} {escape(block.unit)}"
         told = next(
@@ -159,16 +88,14 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
             ),
             "no simple term",
         )
-        term = told if block.telling else "nothing beyond the floor"
+        term = told if block.telling else "within its noise level"
         rows.append(
-            f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="reason">{term}</td></tr>'
+            f'{head}<td>{words.number(block.rms)} {escape(block.unit)}</td><td>{floor}</td><td>{words.number(block.share_percent, 2)} %</td><td class="words">{term}</td></tr>'
         )
     if rows:
         beneath = "repeats" if result.relative else "noise and method"
-        caption = f"Each balance uses measured signals and one group of blocks; the excess is the record minus {against}. The floor is what {beneath} leave."
-        page.add(
-            _table("excess of the balances", caption, _heads("Balance", "Excess, rms", "Floor", "Share", "Described as", texts=(4,)), rows)
-        )
+        caption = f"Equation residual: measured signals against one group of blocks; the excess is the record minus {against}. The noise level is what {beneath} leave."
+        page.add(table("excess of the balances", caption, ("Equation", "Excess, rms", "Noise level", "Share", "<Described as"), rows))
     rows = [
         f'<tr><th scope="row">{escape(CHANNEL_TITLES.get(one.name, one.name))}</th><td>{words.number(one.rms)} {escape(one.unit)}</td>'
         f"<td>{'–' if one.floor_rms is None else f'{words.number(one.floor_rms)} {escape(one.unit)}'}</td><td>{words.number(one.share_percent, 2)} %</td></tr>"
@@ -177,10 +104,10 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
     ]
     if rows:
         page.add(
-            _table(
+            table(
                 "residual of the signals",
                 f"Closed loop: record minus {against}, signal by signal; shares of the weighted square.",
-                _heads("Signal", "Residual, rms", "Floor", "Share"),
+                ("Signal", "Residual, rms", "Noise level", "Share"),
                 rows,
             )
         )
@@ -199,7 +126,7 @@ def _where(page: Sheet, result: Diagnosed, identity: str) -> None:
     _pictures(page, result, identity)
 
 
-def _pictures(page: Sheet, result: Diagnosed, identity: str) -> None:
+def _pictures(page: Gathered, result: Diagnosed, identity: str) -> None:
     """The fixed pictures, then the worst balance over the axes along which it is least even."""
     fixed = [one for one in result.pictures if one.share is None]
     if fixed:
@@ -212,7 +139,7 @@ def _pictures(page: Sheet, result: Diagnosed, identity: str) -> None:
     bins.sort(key=_unevenness, reverse=True)
     if worst is not None and bins:
         page.add(
-            f'<p class="note">The excess of the {escape(worst.name)} balance over every state, the most uneven first: mean and band of one standard deviation.'
+            f'<p class="note">What is left over of the {escape(names.block(worst.name).lower())} over every state, the most uneven first: mean and band of one standard deviation.'
             " A point of the time axis zooms the curves.</p>"
         )
         page.add('<div class="thirds">')
@@ -234,7 +161,7 @@ def _over(shown: Picture) -> str:
     return f"Over {shown.by}{', against the motion' if shown.friction else ''}"
 
 
-def _picture(page: Sheet, identity: str, shown: Picture, title: str, zooms: str = "") -> None:
+def _picture(page: Gathered, identity: str, shown: Picture, title: str, zooms: str = "") -> None:
     drawn = diagnosis_figures.picture(shown)
     if zooms and shown.by == "time":
         x = shown.lines["excess"].x
@@ -261,7 +188,7 @@ def _shown(value: Value) -> str:
     return f"{escape(name)} = {words.number(value.value, 4)}{' ' + escape(unit) if unit else ''}{spread}{bound}"
 
 
-def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
+def _which(page: Gathered, result: Diagnosed, identity: str) -> None:
     """What was tried, best first; what these records cannot show below it, by reason; the scores where they are held against limits."""
     if not result.suspects:
         return
@@ -270,7 +197,7 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
     limited = any(one.limit > 0.0 for one in result.suspects)
     rows = []
     for one in tried:
-        alike = ", ".join(name for name in one.alike if name != one.name) or "–"
+        alike = names.listed([names.within(name) for name in one.alike if name != one.name]) or "–"
         values = "<br>".join(_shown(value).removeprefix(f"{escape(one.name)}.") for value in one.values) or "–"
         state = (
             '<span class="verdict fine">accepted</span>'
@@ -279,7 +206,7 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
         )
         score = f"<td>{words.number(one.score)}</td><td>{words.number(one.limit)}</td>" if limited else ""
         rows.append(
-            f'<tr><th scope="row">{escape(one.name)}</th>{score}<td class="reason">{state}</td><td class="left sizes">{values}</td><td class="reason">{escape(alike)}</td></tr>'
+            f'<tr><th scope="row">{names.titled(one.name)}</th>{score}<td class="words">{state}</td><td class="words">{values}</td><td class="words">{escape(alike)}</td></tr>'
         )
     caption = "Size with its 95 % interval. What looks alike cannot be told apart on " + (
         "these records." if result.records > 1 else "this record."
@@ -288,10 +215,9 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
         caption += " An effect counts when its score exceeds the limit, which healthy repeats set."
     if any(not one.accepted and one.score > one.limit > 0.0 for one in result.suspects):
         caption += " What is not accepted shows what it would take off alone: beside the accepted ones, which explain the record better, it adds too little."
-    heads = ("Effect", *(("Score", "Limit") if limited else ()), "", "Size", "Looks alike")
-    texts = tuple(range(3, 6)) if limited else tuple(range(1, 4))
+    heads = ("Effect", *(("Score", "Limit") if limited else ()), "<Named", "<Size", "<Looks alike")
     if rows:
-        page.add(_table("effects", caption, _heads(*heads, texts=texts), rows))
+        page.add(table("effects", caption, heads, rows))
     _not_shown(page, [one for one in result.suspects if one not in tried])
     if not limited:
         return
@@ -305,17 +231,17 @@ def _which(page: Sheet, result: Diagnosed, identity: str) -> None:
     )
 
 
-def _not_shown(page: Sheet, suspects: Sequence[ShownSuspect]) -> None:
+def _not_shown(page: Gathered, suspects: Sequence[ShownSuspect]) -> None:
     """Effects of which nothing was fitted, one line a reason."""
     reasons: dict[str, list[str]] = {}
     for one in suspects:
-        reasons.setdefault(one.reason, []).append(one.name)
+        reasons.setdefault(one.reason, []).append(names.within(one.name))
     if reasons:
-        lines = "".join(f"<li>{escape(', '.join(names))}{f': {escape(why)}' if why else ''}</li>" for why, names in reasons.items())
+        lines = "".join(f"<li>{escape(', '.join(shown))}{f': {escape(why)}' if why else ''}</li>" for why, shown in reasons.items())
         page.add(f'<p class="note">Not tried here:</p><ul class="note">{lines}</ul>')
 
 
-def _changed(page: Sheet, result: Diagnosed) -> None:
+def _changed(page: Gathered, result: Diagnosed) -> None:
     """Values of the healthy machine beside those of today."""
     if not result.changes:
         return
@@ -326,19 +252,19 @@ def _changed(page: Sheet, result: Diagnosed) -> None:
         spread = words.interval(low, high) if low is not None and high is not None else "–"
         state = '<span class="verdict missing">changed</span>' if entry.counts else ""
         rows.append(
-            f'<tr><th scope="row">{escape(one.name)}</th><td class="left">{escape(entry.unit)}</td><td>{words.number(entry.healthy, 4)}</td>'
-            f'<td>{words.number(entry.today, 4)}</td><td>{spread}</td><td>{words.number(entry.limit, 2)}</td><td class="left">{state}</td></tr>'
+            f'<tr><th scope="row">{escape(one.name)}</th><td class="words">{escape(entry.unit)}</td><td>{words.number(entry.healthy, 4)}</td>'
+            f'<td>{words.number(entry.today, 4)}</td><td>{spread}</td><td>{words.number(entry.limit, 2)}</td><td class="words">{state}</td></tr>'
         )
     caption = "Values of the healthy machine beside today's; a change must exceed what healthy records differ by."
-    heads = _heads("Value", "Unit", "Healthy", "Today", "Change, 95 %", "Must exceed", "", left=2, texts=(6,))
-    page.add("<h3>What has changed?</h3>", _table("values of the healthy machine", caption, heads, rows))
+    heads = ("Value", "<Unit", "Healthy", "Today", "Change, 95 %", "Must exceed", "<State")
+    page.add("<h3>What has changed?</h3>", table("values of the healthy machine", caption, heads, rows))
 
 
-def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> None:
+def _fell(page: Gathered, result: Diagnosed, identity: str) -> None:
     """The steps, and the curves before and after them."""
     if result.steps and "before" in result.errors:
         page.add("<h3>Does the error fall?</h3>")
-        held = any(step.holdout is not None for step in result.steps)
+        held = any(step.read[1] is not None for step in result.steps)
         first = result.errors.get("holdout_before")
         rows = [
             f'<tr><th scope="row">first model</th><td>{words.number(result.errors["before"])}</td><td>{"–" if first is None else words.number(first)}</td><td></td><td></td></tr>'
@@ -353,49 +279,51 @@ def _fell(page: Sheet, result: Diagnosed, identity: str, draw: DrawCurves) -> No
                 else '<span class="verdict blocks">not recommended</span>'
             )
             why = (": " if state else "") + escape(step.reason) if step.reason else ""
-            holdout = "–" if step.holdout is None else words.number(step.holdout)
+            here, apart = step.read
+            holdout = "–" if apart is None else words.number(apart)
             name = escape(step.added or " + ".join(step.effects))
             rows.append(
-                f'<tr><th scope="row">+ {name}</th><td>{words.number(step.training)}</td><td>{holdout}</td><td class="left sizes">{values}</td><td class="reason">{state}{why}</td></tr>'
+                f'<tr><th scope="row">+ {name}</th><td>{words.number(here)}</td><td>{holdout}</td><td class="words">{values}</td><td class="words">{state}{why}</td></tr>'
             )
         page.add(
-            _table(
+            table(
                 "steps",
                 f"{'Force error in %' if result.by_forces else 'Weighted rms error'} after each addition, all values refitted together.",
-                _heads(
+                (
                     "Step",
                     "Parts fitted" if result.by_forces else "This record",
-                    "Held out" if result.by_forces else "Held-out record",
-                    "Values",
-                    "",
-                    texts=(3,),
+                    "Held out" if result.by_forces else "Validation record",
+                    "<Values",
+                    "<Advice",
                 ),
                 rows,
             )
         )
         page.add(
-            '<figure><div class="figure-head"><h3>From the first model to the floor</h3><ul class="legend"><li><span class="key dot"></span>left on this record</li>'
+            '<figure><div class="figure-head"><h3>From the first model to the noise level</h3><ul class="legend"><li><span class="key dot"></span>left on this record</li>'
         )
         page.add(
             '<li><span class="key join"></span>taken off</li>'
-            + ('<li><span class="key before"></span>held-out record</li>' if held else "")
+            + ('<li><span class="key before"></span>validation record</li>' if held else "")
         )
-        page.add('<li><span class="key dashed"></span>floor</li></ul></div>' if "floor" in result.errors else "</ul></div>")
+        page.add('<li><span class="key dashed"></span>noise level</li></ul></div>' if "floor" in result.errors else "</ul></div>")
         page.add(page.figure(f"{identity}-waterfall", diagnosis_figures.waterfall(result)), "</figure>")
     if result.forward_sentence:
         page.add(f"<p>{escape(result.forward_sentence)}</p>")
     _changed(page, result)
     if result.base:
-        heads = _heads(*base_values.HEADS)
-        page.add("<h3>Base values</h3>", _table("base values", base_values.CAPTION, heads, base_values.rows(result.base, result.units)))
+        page.add(
+            "<h3>Base values</h3>",
+            table("base values", base_values.CAPTION, base_values.HEADS, base_values.rows(result.base, result.units)),
+        )
         page.add(*base_values.notes(result.base, result.units))
     if result.curves is not None:
-        names = " and ".join(result.steps[-1].effects) if result.steps else result.added
-        titles = {"before": "Before: the first model", "after": f"After: with {names}" if names else "After: the new model"}
-        draw(result.curves, identity, {key: titles[key] for key in result.curves.models})
+        held_in = names.listed([names.within(one) for one in (result.steps[-1].effects if result.steps else filter(None, [result.added]))])
+        titles = {"before": "Before: the first model", "after": f"After: with {held_in}" if held_in else "After: the new model"}
+        draw_curves(page, result.curves, identity, {key: titles[key] for key in result.curves.models})
 
 
-def _unknown(page: Sheet, result: Diagnosed, identity: str) -> None:
+def _unknown(page: Gathered, result: Diagnosed, identity: str) -> None:
     if result.verdict != "unknown" or not (result.unknown_sentence or result.unknown_pictures):
         return
     page.add(

@@ -95,7 +95,7 @@ def ranking(result: Diagnosed) -> Figure:
 
 def waterfall(result: Diagnosed) -> Figure:
     """Weighted error from the first model to the floor: what each addition takes off, what is left, and the held-out record beside it."""
-    training = [result.errors["before"], *(step.training for step in result.steps)]
+    training = [result.errors["before"], *(step.read[0] for step in result.steps)]
     steps = ["first model", *(f"+ {escape(step.added or ' + '.join(step.effects))}" for step in result.steps)]
     # The error stands under the bar: a small one has no room inside.
     names = [f"{step}<br><b>{number(value)}</b>" for step, value in zip(steps, training, strict=True)]
@@ -104,7 +104,7 @@ def waterfall(result: Diagnosed) -> Figure:
     taken = _bar(names[1:], falls, training[1:], "taken off", "join")
     taken["text"] = [f"−{number(fall)}" if fall > 0.0 else "" for fall in falls]
     traces = [left, taken]
-    holdout = [result.errors.get("holdout_before"), *(step.holdout for step in result.steps)]
+    holdout = [result.errors.get("holdout_before"), *(step.read[1] for step in result.steps)]
     if any(value is not None for value in holdout):
         traces.append(
             {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from html import escape
 
@@ -24,7 +25,7 @@ from ema_tools.words.page.first_screen import (
     rungs,
     telling,
 )
-from ema_tools.words.page.sheet import Chapter, document, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, document, kept, line_of, origin, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
@@ -50,14 +51,8 @@ def render(result: Diagnosed, command: str) -> str:
     return document(result.name, first_screen(result), "", chapters, data, result.workbench is not None)
 
 
-def _effect(name: str) -> str:
-    """Display name with the code name small."""
-    shown = names.display(name)
-    return f"{escape(shown)} <code>{escape(name)}</code>"
-
-
 def _where(result: Diagnosed, drawn: list[heat.Map]) -> str:
-    parts = [f"<p>{escape(result.where_sentence)}</p>"] if result.where_sentence else []
+    parts = [f"<p>{kept(result.where_sentence)}</p>"] if result.where_sentence else []
     parts.append(heat.section(result, drawn))
     rows = []
     for one in sorted(result.blocks, key=lambda block: (-block.telling, -block.share_percent)):
@@ -116,7 +111,7 @@ def _which(result: Diagnosed) -> str:
     floor = result.errors.get("floor")
     if known:
         rows = [_candidate(one, values.get(one.entry.name, ())) for one in known]
-        label = "Error left when this effect alone is added to the model before it, times the sensor noise; effects that were not refitted by their first look"
+        label = "Error left when this effect alone is added to the model before it, what scatters free beside it, times the sensor noise; effects that were not refitted by their first look"
         parts.append(charts.tracks(label, "Effect", "Error left, size, look-alikes", rows, floor, "dashed: noise level"))
     unknown = [one for one in tried if one.left is None]
     if unknown:
@@ -125,7 +120,7 @@ def _which(result: Diagnosed) -> str:
             sizes = "<br>".join(map(_value, values.get(one.entry.name, ()))) or "–"
             state = '<b class="good">named</b>' if one.entry.accepted else escape(one.entry.reason or "not named")
             rows_.append(
-                f'<tr><th scope="row">{_effect(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
+                f'<tr><th scope="row">{names.titled(one.entry.name)}</th><td class="words">{state}</td><td class="words">{sizes}</td><td class="words">{_alike(one)}</td></tr>'
             )
         parts.append(table("effects", "Size ± half of its 95 % interval.", ("Effect", "<Named", "<Size", "<Looks alike"), rows_))
     parts += _separates(result)
@@ -147,7 +142,7 @@ def _candidate(one: TriedEffect, values: tuple[Value, ...]) -> charts.Row:
     alike = _alike(one)
     looks = f"; looks like {alike}" if alike != "nothing" else ""
     state = '<b class="good">named</b> ' if named else ""
-    head = f"{state}{_effect(one.entry.name)}"
+    head = f"{state}{names.titled(one.entry.name)}"
     return charts.Row(
         head,
         (charts.Mark(one.left, "dot after" if named else "dot other", said),),
@@ -213,6 +208,7 @@ def _ladder(result: Diagnosed) -> str:
         return ""
     unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
     rows, last = [], len(found) - 1
+    loads = [{}, *(step.loads for step in result.steps)] if result.workbench is not None else [None] * len(found)
     drawn = list(result.curves.models) if result.curves is not None else []
     for place, (name, here, held) in enumerate(found):
         known = name in {one.name for one in result.suspects} or name in faults(result) or name == result.added
@@ -223,6 +219,10 @@ def _ladder(result: Diagnosed) -> str:
         key = "before" if place == 0 else "after" if place == last else ""
         shown = f'<button type="button" data-model="{key}">{escape(title)}</button>' if key in drawn else escape(title)
         told = f"<b>{words.number(here)}</b>" + (f" / {words.number(held)}" if held is not None else "")
+        changes = loads[place]
+        if changes is not None and workbench.takes(changes):
+            given = escape(json.dumps(changes, separators=(",", ":")))
+            told += f' <button type="button" class="load" data-load="{given}">load<span class="spoken"> {escape(title)} into the workbench</span></button>'
         rows.append(charts.Row(shown, tuple(marks), told))
     floor = result.errors.get("floor")
     other = ""
@@ -246,7 +246,12 @@ def _ladder(result: Diagnosed) -> str:
         ),
     ]
     if drawn:
-        parts.append('<p class="note">Choose the first or the last model to see it alone in the signals.</p>')
+        more = (
+            " “load” puts a model into the workbench, where it is simulated anew and its values can be moved."
+            if any(one is not None for one in loads)
+            else ""
+        )
+        parts.append(f'<p class="note">Choose the first or the last model to see it alone in the signals.{more}</p>')
     values = [value for step in result.steps for value in step.values]
     if values:
         items = "".join(f"<li>{_value(value)}</li>" for value in values)
@@ -347,7 +352,7 @@ def _records(result: Diagnosed) -> str:
 def _provenance(result: Diagnosed, command: str) -> str:
     hidden = result.found.cannot_see if isinstance(result.found, DiagnosisResult) else None
     method = result.found.method_reason if isinstance(result.found, DiagnosisResult | DiagnosisByBalanceResult | Addition) else ""
-    parts = [f'<p class="full">{escape(result.sentence)}</p>' if result.sentence else ""]
+    parts = [f'<p class="full">{kept(result.sentence)}</p>' if result.sentence else ""]
     parts.append(f"<p>{escape(hidden)}</p>" if hidden else "")
     parts.append(f"<p>By {result.found.method}: {escape(method)}.</p>" if method else "")
     parts.append(origin(command, result.provenance))

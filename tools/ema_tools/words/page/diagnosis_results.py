@@ -73,7 +73,8 @@ class Picture:
 
 @dataclass(frozen=True)
 class ShownSignal:
-    """One addition: the effects that the model then holds, the error on both records, and of the last one the values; `recommended` is None where nothing is said about it."""
+    """One addition: the effects that the model then holds, the error on both records, and of the last one the values; `recommended` is None where nothing is said about it; `loads`: what makes
+    it of the first model, None where it is not known."""
 
     effects: tuple[str, ...]
     added: str
@@ -82,6 +83,13 @@ class ShownSignal:
     values: tuple[Value, ...] = ()
     recommended: bool | None = None
     reason: str = ""
+    loads: dict[str, float] | None = None
+    told: tuple[float, float | None] | None = None
+
+    @property
+    def read(self) -> tuple[float, float | None]:
+        """The errors on both records that the ladder shows: what scatters no farther than is credible, where that is known."""
+        return self.told if self.told is not None else (self.training, self.holdout)
 
 
 @dataclass(frozen=True)
@@ -218,7 +226,10 @@ def _full_name(effect: str, field_name: str) -> str:
 
 def _steps(found: DiagnosisResult | DiagnosisByBalanceResult | Addition, suspects: tuple[ShownSuspect, ...]) -> tuple[ShownSignal, ...]:
     """The steps of a diagnosis; for one without, and for an addition, the one step from before to after."""
-    steps = [ShownSignal(one.effects, one.added, one.error_training, one.error_holdout) for one in found.steps or ()]
+    steps = [
+        ShownSignal(one.effects, one.added, one.error_training, one.error_holdout, loads=one.values, told=one.told)
+        for one in found.steps or ()
+    ]
     # the model as it was given is the first model, which the page shows anyhow
     given = bool(steps) and not steps[0].effects and steps[0].training == found.error.before
     if given:

@@ -338,7 +338,7 @@ def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
     if "before" not in result.errors:
         return []
     found = [("as given", result.errors["before"], result.errors.get("holdout_before"))]
-    found += [(step.added or " + ".join(step.effects), step.training, step.holdout) for step in result.steps]
+    found += [(step.added or " + ".join(step.effects), *step.read) for step in result.steps]
     return found
 
 

@@ -94,7 +94,7 @@ def _effect(result: ShownIdentification) -> str:
     alike = names.listed([names.within(name) for name in effect.alike if name != effect.name]) or "nothing of the library"
     against = f"beside {effect.against_healthy_records} healthy records" if effect.against_healthy_records else "without healthy records"
     row = (
-        f'<tr><th scope="row">{escape(names.display(effect.name))} <code>{escape(effect.name)}</code></th><td class="words">{kept(sizes)}</td>'
+        f'<tr><th scope="row">{names.titled(effect.name)}</th><td class="words">{kept(sizes)}</td>'
         f'<td class="words">{kept(beside)}</td><td class="words">{escape(alike)}</td></tr>'
     )
     caption = f"What stands behind it, {against}; size ± half of its 95 % interval."

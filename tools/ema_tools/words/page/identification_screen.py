@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import shlex
+from pathlib import Path
 
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
@@ -234,12 +235,19 @@ def _follow(question: str, result: ShownIdentification, line: CommandLine) -> Re
     if guard is None and result.found.table is None:
         again = shlex.join(["ema", "identify", line.actuator, *record, *healthy])
         return Reply(question, "Hold it against all signals", "this is what the onboard module says alone", "", again)
-    kept = line.options.get("--json", ("today.json",))[-1]
     short = "Repair, and follow it" if result.verdict == "fault" else "Nothing; follow it"
-    return Reply(
-        question,
-        short,
-        "over its dates: put the unit's earlier results before this one",
-        "",
-        shlex.join(["ema", "report", kept, "-o", "unit.html"]),
-    )
+    kept = line.options.get("--json")
+    if kept:
+        follow = shlex.join(["ema", "report", kept[-1], "-o", "unit.html"])
+        return Reply(question, short, "over its dates: put the unit's earlier results before this one", "", follow)
+    # not kept so far: the same again, with a file named after the record
+    keep = [
+        "ema",
+        "identify",
+        line.actuator,
+        *record,
+        *line.again("--healthy", "--table", "--weight"),
+        "--json",
+        Path(record[0]).with_suffix(".json").name,
+    ]
+    return Reply(question, short, "over its dates: keep the result, then ema report draws it beside earlier ones", "", shlex.join(keep))

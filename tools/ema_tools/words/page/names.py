@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from html import escape
 
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval_of
@@ -44,6 +45,11 @@ def within(name: str) -> str:
         return f"{_FAULTS[name]} ({name.upper()})"
     shown = display(name)
     return shown if shown.split(" ")[0] in _SPELT.values() else shown[:1].lower() + shown[1:]
+
+
+def titled(name: str) -> str:
+    """Markup of the display name of an effect, its code name small behind it."""
+    return f"{escape(display(name))} <code>{escape(name)}</code>"
 
 
 def listed(names: list[str]) -> str:

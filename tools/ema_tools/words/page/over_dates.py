@@ -10,6 +10,7 @@ import numpy as np
 from ema_tools.results.over_dates import UnitOverDates
 from ema_tools.results.store import FleetRow
 from ema_tools.words.page import text as words
+from ema_tools.words.page.sheet import table
 from ema_tools.words.page.trend import SHORT, Beside, drawing
 
 _LEGEND = (
@@ -19,28 +20,29 @@ _LEGEND = (
     ("key dashed threshold", "threshold of a fault"),
     ("key noise", "limit of service"),
 )
+_WORDS = ' class="words"'
+_IN_WORDS = (0, 1, 6)  # cells of a row that hold words: record, verdict, what counts [layout]
 _ORDER = "results in the order given"
 
 
-def section(units: Sequence[UnitOverDates]) -> str:
-    """Markup of all units; empty without any."""
+def section(units: Sequence[UnitOverDates], said: bool = False) -> str:
+    """Markup of all units; empty without any. `said`: the sentence of the only one stands above already."""
     if not units:
         return ""
-    keys = "".join(f'<li><span class="{kind}"></span>{escape(said)}</li>' for kind, said in _LEGEND)
-    return f'<ul class="legend">{keys}</ul>' + "".join(map(_unit, units))
+    keys = "".join(f'<li><span class="{kind}"></span>{escape(title)}</li>' for kind, title in _LEGEND)
+    return f'<ul class="legend">{keys}</ul>' + "".join(_unit(one, said) for one in units)
 
 
-def _unit(one: UnitOverDates) -> str:
+def _unit(one: UnitOverDates, said: bool) -> str:
     figures = "".join(_figure(one, name) for name in SHORT if any(row.reading(name)[0] is not None for row in one.rows))
-    rows = "".join(map(_row, one.rows, one.days, [one.dated] * len(one.rows)))
-    heads = "".join(
-        f'<th scope="col">{head}</th>'
-        for head in ("Date" if one.dated else "Place", "Record", "Verdict", "CSJ", "95 %", "BLK", "95 %", "Counts")
-    )
+    rows = list(map(_row, one.rows, one.days, [one.dated] * len(one.rows)))
+    heads = ("Date" if one.dated else "Place", "<Record", "<Verdict", "CSJ", "95 %", "BLK", "95 %", "<Counts")
+    title = "" if said else f"<h3>{escape(one.sentence)}</h3>"
+    caption = "A reading counts where the model explains the record and the record determines the value."
+    listed = table(f"results of {escape(one.unit)}", caption, heads, rows)
     return (
-        f'<div class="unit"><h3>{escape(one.sentence)}</h3><div class="pair cards">{figures}</div>'
-        f'<details><summary>{len(one.rows)} results of {escape(one.unit)}</summary><div class="scroll" role="region" aria-label="Table: results of {escape(one.unit)}" tabindex="0">'
-        f'<table class="plain"><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table></div></details><p class="note">{escape(one.whence)}</p></div>'
+        f'<div class="unit">{title}<div class="pair cards">{figures}</div>'
+        f'<details><summary>{len(one.rows)} results of {escape(one.unit)}</summary>{listed}</details><p class="note">{escape(one.whence)}</p></div>'
     )
 
 
@@ -74,4 +76,5 @@ def _row(row: FleetRow, day: float, dated: bool) -> str:
     counts = [short for name, short in SHORT.items() if row.counts(name)]
     cells = (row.file, row.verdict or "–", *value("csj"), *value("blk"), " and ".join(counts) or "no")
     head = row.date.date().isoformat() if dated else f"{day:g}"
-    return f'<tr><th scope="row">{head}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+    shown = "".join(f"<td{_WORDS if place in _IN_WORDS else ''}>{escape(cell)}</td>" for place, cell in enumerate(cells))
+    return f'<tr><th scope="row">{head}</th>{shown}</tr>'

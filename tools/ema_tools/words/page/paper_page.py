@@ -11,11 +11,14 @@ from html import escape
 import numpy as np
 
 from ema_tools.results.paper import PaperResponses, PaperRun
+from ema_tools.words.page import gathered, identified_part
 from ema_tools.words.page import text as words
+from ema_tools.words.page.gathered import Gathered
 from ema_tools.words.page.line_charts import LineChart, NamedCurve
-from ema_tools.words.page.page import Page, document, identified_section, origin_section, paper_section
 from ema_tools.words.page.paper_figures import LEAST, SIZES, best_so_far, box_surface
 from ema_tools.words.page.results import ShownIdentification
+from ema_tools.words.page.several_page import origins
+from ema_tools.words.page.sheet import Chapter, FirstScreen, Reply, document
 from ema_tools.words.page.uplot import ABSENT, library
 
 CITED = (
@@ -28,54 +31,96 @@ _UM = 1000.0  # um in a mm [physics]
 
 def paper_page(found: PaperResponses, results: Sequence[ShownIdentification], command: str) -> str:
     """The page as text; `results` are those of the paper's cases, and `command` made it."""
-    page = Page()
-    page.add('<a class="skip" href="#main">Skip to the results</a>', '<header><div class="wrap">')
-    page.add('<p class="eyebrow">Electromechanical actuator: the paper’s cases, simulated and searched anew</p>')
-    page.add(f"<h1>{escape(_title(results))}</h1>")
-    page.add(
-        f'<p class="lead">After {escape(CITED)} The paper prints no electrical data, gear ratio, gains or sweep: the reference actuator is an estimate that agrees with all it does print. '
-        "Curves and surfaces are this project’s own.</p>",
-        '</div></header><main id="main">',
+    page = Gathered()
+    absent = "" if library().there else f'<p class="absent">{escape(ABSENT)}</p>'
+    beside = (
+        f'<p class="note">After {escape(CITED)} The paper prints no electrical data, gear ratio, gains or sweep: the reference actuator is an estimate that agrees with all it does print. '
+        f"Curves and surfaces are this project’s own.</p>{absent}"
     )
-    if not library().there:
-        page.add(f'<div class="wrap"><p class="absent">{escape(ABSENT)}</p></div>')
     _responses(page, found)
-    _one_value(page, found, "csj", "What static dry friction does", found.csj, _CSJ_WORDS)
-    _one_value(page, found, "blk", "What backlash does", found.blk, _BLK_WORDS)
+    chapters = [Chapter("responses", "Command and response", page.taken())]
+    for name, title, runs, told in (
+        ("csj", "What static dry friction does", found.csj, _CSJ_WORDS),
+        ("blk", "What backlash does", found.blk, _BLK_WORDS),
+    ):
+        _one_value(page, found, name, runs, told)
+        chapters.append(Chapter(name, title, page.taken()))
     _objective(page, found, results)
+    chapters.append(Chapter("objective", "The objective, and how the annealer converges", page.taken()))
     for place, result in enumerate(results, start=1):
-        page.add(f'<section id="result-{place}" aria-labelledby="result-{place}-title"><div class="wrap">')
-        identified_section(page, result, f"result-{place}")
-        page.add("</div></section>")
-    paper_section(page, list(results))
-    origin_section(page, list(results), command)
-    page.add("</main>")
-    return document("The paper's cases", page)
+        identified_part.section(page, result, f"result-{place}")
+        chapters.append(Chapter(f"result-{place}", result.title, page.taken()))
+    identified_part.paper_section(page, results)
+    chapters += [Chapter("paper", "Beside the paper", page.taken()), Chapter("provenance", "Provenance", origins(results, command))]
+    return document(
+        "The paper’s cases", _first_screen(results), beside, chapters, page.data(), False, gathered.STYLES, (*gathered.SCRIPTS, "lines.js")
+    )
+
+
+def _first_screen(results: Sequence[ShownIdentification]) -> FirstScreen:
+    """What is reached here beside what the paper reaches."""
+    worst, paper = _worst(results), _worst_of_paper(results)
+    runs, times = [one.evaluations for one in results], [one.wall_s for one in results if one.wall_s is not None]
+    cited = [one.paper for one in results if one.paper is not None]
+    replies = [
+        Reply(
+            "How near to the truth?", f"{words.number(worst, 2)} % off at most", "of the healthy value, over all cases", "good", "", "paper"
+        ),
+        Reply("And the paper’s search?", f"{words.number(paper, 2)} % off at most", "as its tables print", "", "", "paper"),
+        Reply("How many model runs?", _span(runs), f"the paper’s {_span([one.paper_iterations for one in cited])}", "", "", "objective"),
+    ]
+    if times:
+        replies.append(
+            Reply(
+                "How long does it take?",
+                f"{words.number(max(times), 2)} s at most",
+                f"the paper’s {_span([one.paper_wall_s for one in cited])} s on its computer",
+            )
+        )
+    ask = "ema identify actuators/reference.toml recordings/case_a.csv --report case_a.html"
+    replies.append(Reply("What next?", "Look at one case", "with its workbench, from a clone of the project", "", ask))
+    return FirstScreen(_title(results), tuple(replies))
+
+
+def _span(numbers: Sequence[float]) -> str:
+    low, high = min(numbers), max(numbers)
+    return f"{low:.0f}" if low == high else f"{low:.0f} … {high:.0f}"
 
 
 _CSJ_WORDS = "The rod stays longer at each reversal and lags the command by more; the motor draws more current in both directions."
 _BLK_WORDS = "The rod lags by half the play after each reversal, whatever the speed; the motor, whose encoder closes the loop, notices nothing, and its current stays as it was."
 
 
-def _title(results: Sequence[ShownIdentification]) -> str:
-    worst = max(
+def _worst(results: Sequence[ShownIdentification]) -> float:
+    """The largest error of an estimate, % of the healthy value."""
+    return max(
         abs(one.faults[name].shift_percent - one.case.shift_percent(name)) for one in results if one.case is not None for name in one.faults
     )
-    paper = max(
+
+
+def _worst_of_paper(results: Sequence[ShownIdentification]) -> float:
+    """The same of what the paper prints."""
+    return max(
         abs(one.paper.paper_shift_percent(name) - one.paper.shift_percent(name))
         for one in results
         if one.paper is not None
         for name in one.faults
     )
-    return f"The paper’s {len(results)} cases are found to {words.number(worst, 2)} % of the healthy value, where the paper is off by up to {words.number(paper, 2)} %."
 
 
-def _charts(page: Page, charts: Sequence[LineChart], captions: Sequence[str], kind: str = "pair") -> None:
+def _title(results: Sequence[ShownIdentification]) -> str:
+    return (
+        f"The paper’s {len(results)} cases are found to {words.number(_worst(results), 2)} % of the healthy value, "
+        f"where the paper is off by up to {words.number(_worst_of_paper(results), 2)} %."
+    )
+
+
+def _charts(page: Gathered, charts: Sequence[LineChart], captions: Sequence[str], kind: str = "pair") -> None:
     page.lines += [one.data() for one in charts]
     page.add(f'<div class="{kind}">', *(one.markup(caption) for one, caption in zip(charts, captions, strict=True)), "</div>")
 
 
-def _zoom(page: Page, group: str) -> None:
+def _zoom(page: Gathered, group: str) -> None:
     near = " ".join(f"{end:g}" for end in _NEAR)
     page.add(
         f'<div class="bar"><div class="zoom" role="group" aria-label="Zoom of these curves"><button type="button" data-lines-of="{group}">Whole record</button>'
@@ -83,11 +128,8 @@ def _zoom(page: Page, group: str) -> None:
     )
 
 
-def _responses(page: Page, found: PaperResponses) -> None:
+def _responses(page: Gathered, found: PaperResponses) -> None:
     """Command, healthy and faulty response."""
-    page.add(
-        '<section id="responses" aria-labelledby="responses-title"><div class="wrap"><h2 id="responses-title">Command and response</h2>'
-    )
     seconds = found.period_s * found.command_mm.size
     page.add(
         f"<p>A linear sweep of the position command, {seconds:.0f} s, unloaded; the healthy actuator, and case A with more friction and a little more play.</p>"
@@ -119,14 +161,12 @@ def _responses(page: Page, found: PaperResponses) -> None:
     )
     captions = ("", "", "", "What the rod lags behind the command by: friction adds to it at every reversal.")
     _charts(page, charts, captions)
-    page.add('<p class="note">Drag across a plot to zoom, all of a group follow; double click shows the whole record.</p></div></section>')
+    page.add('<p class="note">Drag across a plot to zoom, all of a group follow; double click shows the whole record.</p>')
 
 
-def _one_value(page: Page, found: PaperResponses, name: str, title: str, runs: Sequence[PaperRun], told: str) -> None:
+def _one_value(page: Gathered, found: PaperResponses, name: str, runs: Sequence[PaperRun], told: str) -> None:
     """What one value alone does to position and current, in rising sizes."""
-    page.add(
-        f'<section id="{name}" aria-labelledby="{name}-title"><div class="wrap"><h2 id="{name}-title">{escape(title)}</h2><p>{escape(told)}</p>'
-    )
+    page.add(f"<p>{escape(told)}</p>")
     _zoom(page, name)
     rod = [NamedCurve(one.name, role, _UM * (one.position_mm - found.healthy.position_mm)) for one, role in zip(runs, SIZES, strict=True)]
     drive = [NamedCurve("healthy", "after", found.healthy.current_A)] + [
@@ -141,7 +181,6 @@ def _one_value(page: Page, found: PaperResponses, name: str, title: str, runs: S
         LineChart(f"{name}-current", "Motor current", "A", name, found.period_s, drive, _NEAR),
     ]
     _charts(page, charts, ("", _largest(runs, found), ""), "thirds")
-    page.add("</div></section>")
 
 
 def _largest(runs: Sequence[PaperRun], found: PaperResponses) -> str:
@@ -151,12 +190,9 @@ def _largest(runs: Sequence[PaperRun], found: PaperResponses) -> str:
     )
 
 
-def _objective(page: Page, found: PaperResponses, results: Sequence[ShownIdentification]) -> None:
+def _objective(page: Gathered, found: PaperResponses, results: Sequence[ShownIdentification]) -> None:
     """The objective of one case over the whole box, and the annealer's way down on every case."""
     box = found.box
-    page.add(
-        '<section id="objective" aria-labelledby="objective-title"><div class="wrap"><h2 id="objective-title">The objective, and how the annealer converges</h2>'
-    )
     page.add(
         f"<p>The integrated squared position error of case {escape(box.case)} for every CSJ and BLK that the search may try. A valley runs along BLK: "
         "there the error hardly says which value is right, and this, not the search, is what makes backlash hard to find.</p>"
@@ -178,4 +214,4 @@ def _objective(page: Page, found: PaperResponses, results: Sequence[ShownIdentif
             f"<figcaption>From the healthy values. The paper’s search takes {paper} iterations and more; how often this one arrives, and from where, "
             "is counted over 500 searches a case in docs/RESULTS.md.</figcaption></figure>"
         )
-    page.add("</div></div></section>")
+    page.add("</div>")

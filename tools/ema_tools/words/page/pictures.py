@@ -200,7 +200,7 @@ def of_steps(errors: ErrorFall, steps: Sequence[Rung]) -> NotebookPicture:
     """The fall of the error of a diagnosis, from its answer itself; the first of `steps` is the model as given."""
     if not steps:
         raise InputError("no fall of an error: nothing was fitted to the record")
-    rungs = [(one.added or "as given", one.error, one.holdout) for one in steps]
+    rungs = [(one.added or "as given", *one.told) for one in steps]
     return NotebookPicture(_fall(rungs, errors.floor))
 
 
@@ -210,8 +210,8 @@ def of_error(result: Diagnosed) -> str:
         raise InputError(
             f"{result.name}: no fall of an error in the result: give the --json result of an `ema diagnose` that found something"
         )
-    held = [result.errors.get("holdout_before"), *(step.holdout for step in result.steps)]
-    training = [result.errors["before"], *(step.training for step in result.steps)]
+    held = [result.errors.get("holdout_before"), *(step.read[1] for step in result.steps)]
+    training = [result.errors["before"], *(step.read[0] for step in result.steps)]
     names = ["as given", *(step.added for step in result.steps)]
     return _fall(list(zip(names, training, held, strict=True)), result.errors["floor"])
 

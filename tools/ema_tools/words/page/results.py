@@ -137,10 +137,11 @@ class ShownIdentification:
 
 @dataclass(frozen=True)
 class ShownComparison:
-    """A result of `ema compare`: channels as (rms in the channel's unit, % of the measured), balances alike or why there is none."""
+    """A result of `ema compare`, `found` itself: channels as (rms in the channel's unit, % of the measured), balances alike or why there is none."""
 
     name: str
     sentence: str
+    found: ComparisonResult
     channels: dict[str, tuple[float, float | None]]
     balances: dict[str, tuple[float, float] | str]
     where: tuple[Place, ...]
@@ -287,6 +288,7 @@ def compared(found: ComparisonResult, source: str, stem: str) -> ShownComparison
     return ShownComparison(
         name=found.name or stem,
         sentence=found.sentence,
+        found=found,
         channels={name: (one.rmse, one.relative_percent) for name, one in found.channels.items()},
         balances=balances,
         where=tuple(sorted((place for place in found.where if place.surprise > 0.0), key=lambda place: -place.surprise)),

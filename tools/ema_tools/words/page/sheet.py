@@ -20,36 +20,43 @@ _SCRIPTS = "script-src 'unsafe-inline'"
 # A head that begins with this stands over words, not over numbers.
 _LEFT = "<"
 _WORDS = ' class="words"'
-# Of `ema diagnose`, `ema add` and `ema identify`: options that stand for themselves.
+# Commands whose lines are taken apart, and those of their options that stand for themselves.
+_COMMANDS = {"diagnose", "add", "identify", "compare", "map"}
 _FLAGS = {"--force", "--known", "--no-guard", "--exit-code"}
+# Of every page; further ones a page names itself.
+_STYLES = ("sheet.css", "gauges.css", "charts.css")
+_SCRIPTS_OF_ALL = ("sheet.js",)
 
 
 @dataclass(frozen=True)
 class Reply:
-    """One of the five answers. `tone`: good, bad, unsure or nothing; `command` to copy, where there is one."""
+    """One of the five answers. `tone`: good, bad, unsure or nothing; `command` to copy and `link`, the section that says more, where there is one."""
 
     question: str
     short: str
     more: str
     tone: str = ""
     command: str = ""
+    link: str = ""
 
 
 @dataclass(frozen=True)
 class FirstScreen:
-    """The sentence and the answers, in their order."""
+    """The sentence and the answers, in their order; `tiles`: whether the answers are of as many things, and not five to one."""
 
     sentence: str
     replies: tuple[Reply, ...]
+    tiles: bool = False
 
 
 @dataclass(frozen=True)
 class Chapter:
-    """One section of the sheet; one without markup is left out."""
+    """One section of the sheet; one without markup is left out. `listed`: whether the menu has it."""
 
     identity: str
     title: str
     html: str
+    listed: bool = True
 
 
 @dataclass(frozen=True)
@@ -66,12 +73,12 @@ class CommandLine:
 
 
 def line_of(command: str) -> CommandLine | None:
-    """The parts of a command line of `ema diagnose`, `ema add` or `ema identify`; None where it is none of these."""
+    """The parts of a command line that compares, identifies, diagnoses, adds or maps; None where it is none of these."""
     try:
         tokens = shlex.split(command)
     except ValueError:
         return None
-    if len(tokens) < 3 or tokens[0] != "ema" or tokens[1] not in ("diagnose", "add", "identify"):
+    if len(tokens) < 3 or tokens[0] != "ema" or tokens[1] not in _COMMANDS:
         return None
     places: list[str] = []
     options: dict[str, list[str]] = {}
@@ -90,14 +97,24 @@ def line_of(command: str) -> CommandLine | None:
     return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
 
 
-def document(name: str, first: FirstScreen, beside: str, chapters: Sequence[Chapter], data: Mapping[str, Any], computes: bool) -> str:
-    """The whole file. `beside`: markup between the answers and the sections; `data`: what the script draws; `computes`: whether a workbench stands in it."""
+def document(
+    name: str,
+    first: FirstScreen,
+    beside: str,
+    chapters: Sequence[Chapter],
+    data: Mapping[str, Any],
+    computes: bool,
+    styles: Sequence[str] = (),
+    scripts: Sequence[str] = (),
+) -> str:
+    """The whole file. `beside`: markup between the answers and the sections; `data`: what the scripts draw; `computes`: whether a workbench stands in it; `styles`, `scripts`: files of the
+    page's own beside those of every page."""
     assets = resources.files("ema_tools.words.page") / "assets"
-    style = "\n".join((assets / one).read_text(encoding="utf-8") for one in ("sheet.css", "gauges.css", "charts.css"))
-    script = (assets / "sheet.js").read_text(encoding="utf-8")
+    style = "\n".join((assets / one).read_text(encoding="utf-8") for one in (*_STYLES, *styles))
+    script = "\n".join((assets / one).read_text(encoding="utf-8") for one in (*_SCRIPTS_OF_ALL, *scripts))
     loaded = library()
     there = [one for one in chapters if one.html]
-    menu = "".join(f'<li><a href="#{one.identity}">{escape(one.title)}</a></li>' for one in there)
+    menu = "".join(f'<li><a href="#{one.identity}">{escape(one.title)}</a></li>' for one in there if one.listed)
     body = "".join(
         f'<section id="{one.identity}" aria-labelledby="{one.identity}-title"><h2 id="{one.identity}-title">{escape(one.title)}</h2>{one.html}</section>'
         for one in there
@@ -124,7 +141,7 @@ def document(name: str, first: FirstScreen, beside: str, chapters: Sequence[Chap
 <main id="main">
 <header>
 <h1>{kept(first.sentence)}</h1>
-<dl class="replies answers">{"".join(map(_reply, first.replies))}</dl>
+{replies(first)}
 {beside}</header>
 {body}
 </main>
@@ -139,21 +156,28 @@ def document(name: str, first: FirstScreen, beside: str, chapters: Sequence[Chap
 
 
 def kept(text: str) -> str:
-    """Escaped text in which a number stays on one line with its unit."""
-    return escape(re.sub(r"(?<=\d) (?=%|mm|Nm|µm|s\b)|(?<=mm²) (?=s\b)", "\u00a0", text))
+    """Escaped text in which a number stays on one line with its unit, and the ends of an interval stand as on a page."""
+    return escape(re.sub(r"(?<=\d) (?=%|mm|Nm|µm|s\b)|(?<=mm²) (?=s\b)", "\u00a0", re.sub(r"(?<=\d) \.\. (?=[-\d])", " … ", text)))
 
 
-def _reply(one: Reply) -> str:
+def replies(first: FirstScreen, identity: str = "command") -> str:
+    """The answers as they stand on a page; `identity`: of the command among all of the page."""
+    kind = "tiles" if first.tiles else "answers"
+    return f'<dl class="replies {kind}">{"".join(_reply(one, identity) for one in first.replies)}</dl>'
+
+
+def _reply(one: Reply, identity: str) -> str:
     copied = ""
     if one.command:
         # a line ends between words of the command, not at the dash of an option
         parts = " ".join(f"<span>{escape(part)}</span>" for part in one.command.split(" "))
         copied = (
-            f'<div class="copy"><code id="command" tabindex="0">{parts}</code>'
-            '<button type="button" data-copy="command">copy<span class="spoken"> the next command</span></button></div>'
+            f'<div class="copy"><code id="{identity}" tabindex="0">{parts}</code>'
+            f'<button type="button" data-copy="{identity}">copy<span class="spoken"> the next command</span></button></div>'
         )
     more = f"<small>{kept(one.more)}</small>" if one.more else ""
-    return f'<div class="reply {one.tone}"><dt>{escape(one.question)}</dt><dd><b>{kept(one.short)}</b>{more}{copied}</dd></div>'
+    question = f'<a href="#{one.link}">{escape(one.question)}</a>' if one.link else escape(one.question)
+    return f'<div class="reply {one.tone}"><dt>{question}</dt><dd><b>{kept(one.short)}</b>{more}{copied}</dd></div>'
 
 
 def table(label: str, caption: str, heads: tuple[str, ...], rows: Sequence[str]) -> str:

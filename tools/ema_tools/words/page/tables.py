@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from ema_tools.words.page import text as words
-from ema_tools.words.page.results import BALANCES, FAULTS, ShownComparison, ShownIdentification
+from ema_tools.words.page.results import FAULTS, ShownIdentification
 
 _LABELS = {"csj_Nm": ("CSJ", "Nm"), "blk_mm": ("BLK", "mm")}
 _CHANNELS = {
@@ -16,13 +16,6 @@ _CHANNELS = {
     "voltage_V": ("Motor voltage", "V"),
 }
 CHANNEL_TITLES = {name: title for name, (title, _) in _CHANNELS.items()}
-_BALANCES = {
-    "mechanical": ("Mechanical", "Nm", "torque of the motor against what the mechanics take"),
-    "electrical": ("Electrical", "V", "applied voltage against resistance, inductance and back-EMF"),
-    "kinematic": ("Kinematic", "mm", "rod position against motor position"),
-    "controller": ("Controller", "V", "applied command against the control law"),
-}
-
 
 _SUB, _HERE = ' class="sub"', ' class="here"'
 _PAPER_HERE = '<th scope="col">paper</th><th scope="col">here</th>'
@@ -70,36 +63,3 @@ def _cell(text: str | None, rows: int = 1, here: bool = False) -> str:
     """A number's cell over `rows` rows; a dash where there is none."""
     span = f' rowspan="{rows}"' if rows > 1 else ""
     return f"<td{span}{_HERE if here else ''}>{text if text is not None else '–'}</td>"
-
-
-def compared_tables(result: ShownComparison) -> str:
-    """Error per channel, and the four balances."""
-    rows = []
-    for name, (rmse, relative) in result.channels.items():
-        label, unit = _CHANNELS.get(name, (name, ""))
-        share = None if relative is None else f"{words.number(relative)} %"
-        rows.append(f'<tr><th scope="row">{escape(label)}</th><td>{words.number(rmse)} {unit}</td>{_cell(share)}</tr>')
-    channels = (
-        '<div class="scroll" role="region" aria-label="Table: error per channel" tabindex="0"><table><caption>Measured minus simulated; a few rows at the ends of the record are left out.</caption>'
-        '<thead><tr><th class="left" scope="col">Channel</th><th scope="col">rms</th><th scope="col">of the measured</th></tr></thead><tbody>'
-        + "".join(rows)
-        + "</tbody></table></div>"
-    )
-    rows = []
-    for name in (*BALANCES, *(extra for extra in result.balances if extra not in BALANCES)):
-        if name not in result.balances:
-            continue
-        label, unit, meaning = _BALANCES.get(name, (name, "", ""))
-        value = result.balances[name]
-        head = f'<th scope="row">{escape(label)}</th><td class="reason">{escape(meaning)}</td>'
-        if isinstance(value, str):
-            rows.append(f'<tr>{head}<td colspan="2" class="reason">{escape(value)}</td></tr>')
-        else:
-            rows.append(f"<tr>{head}<td>{words.number(value[0])} {unit}</td><td>{words.number(value[1])} %</td></tr>")
-    balances = (
-        '<div class="scroll" role="region" aria-label="Table: balances" tabindex="0"><table><caption>Each balance uses measured signals alone; its residual accuses one group of blocks.</caption>'
-        '<thead><tr><th class="left" scope="col">Balance</th><th class="left" scope="col">What it weighs</th><th scope="col">rms</th><th scope="col">of the driving side</th></tr></thead><tbody>'
-        + "".join(rows)
-        + "</tbody></table></div>"
-    )
-    return channels + balances

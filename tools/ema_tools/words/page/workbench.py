@@ -10,7 +10,7 @@ import base64
 import json
 import math
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -21,7 +21,7 @@ import numpy as np
 from ema_tools.data.actuator import Actuator, Row, actuator_of, shown
 from ema_tools.library.definitions import Effect, EffectParameter, library_folder, load_definitions
 from ema_tools.library.registry import record_of
-from ema_tools.results.workbench import BenchEntry
+from ema_tools.results.workbench import BenchEntry, WeighedEntry
 
 # What a page that holds a workbench must allow beside its own scripts.
 POLICY = "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
@@ -39,6 +39,12 @@ _SHAPE_REACH = 6.0  # and from a share of a shape's usual value to as many times
 _OTHER_REACH = 3.0  # and alike of a value of the machine [judgement]
 _FAULT_REACH = 4.0  # and up to so many times a healthy value [judgement]
 _WHOLE = "periods"  # a value that is a whole number: tried, not fitted
+
+
+def takes(changes: Mapping[str, float]) -> bool:
+    """Whether the workbench has all of these values, by full name, so that they can be loaded into it."""
+    known = {shown(row) for effect in load_definitions().physical for row in effect.parameters} | set(_FAULTS) | set(_OTHERS)
+    return module_path().is_file() and changes.keys() <= known
 
 
 def module_path() -> Path:
@@ -101,10 +107,22 @@ def payload(entry: BenchEntry) -> dict[str, Any]:
             "rows": int(columns["command_mm"].size),
             "columns": {name: _deflated(_planes(column)) for name, column in columns.items()},
         },
+        "weighed": _weighed(entry.weighed),
         "actuator": {"name": actuator.name, "file": entry.actuator_file, "toml": entry.actuator, "header": entry.header},
         # the module's position in the list of a value that it refuses
         "names": list(known.ids),
     }
+
+
+def _weighed(weighed: WeighedEntry | None) -> dict[str, Any] | None:
+    """How a diagnosis weighs the record, packed as its columns are."""
+    if weighed is None:
+        return None
+
+    def packed(columns: dict[str, str]) -> dict[str, str]:
+        return {name: _deflated(_planes(np.frombuffer(base64.b64decode(text), dtype="<f4"))) for name, text in columns.items()}
+
+    return {"rows": weighed.rows, "target": packed(weighed.target), "weights": packed(weighed.weights)}
 
 
 def _deflated(raw: bytes) -> str:

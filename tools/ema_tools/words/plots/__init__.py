@@ -10,7 +10,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.files import write_bytes
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.first_screen import first_screen, model_titles
-from ema_tools.words.page.page import sentence
+from ema_tools.words.page.identification_screen import headline
 from ema_tools.words.page.results import Mapped, Result, ShownIdentification
 from ema_tools.words.page.signals import traces
 from ema_tools.words.plots.friction import map_picture, torque_picture
@@ -63,7 +63,7 @@ def _pictures(result: Result) -> Iterator[tuple[str, _Draw]]:
         titles = {"before": "healthy values", "after": "identified values"}
         curves = result.curves
         if curves is not None:
-            yield "signals", lambda: signals_picture(curves, curves.channels(), titles, sentence(result))
+            yield "signals", lambda: signals_picture(curves, curves.channels(), titles, f"{result.title}: {headline(result)}")
         yield "objective", lambda: objective_picture(result)
         yield "search", lambda: search_picture(result)
     else:

@@ -9,8 +9,6 @@ from ema_tools.data.actuator import row_of
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 
 _DECIMALS = 6  # of a number that is written without a power of ten [layout]
-
-
 _WRITTEN = 1e6  # below which a number's places before the point are written [layout]
 
 
@@ -30,6 +28,8 @@ def ends_text(low: float | None, high: float | None) -> str:
     decimals = 1 - math.floor(math.log10(width))
     if 0 <= decimals <= _DECIMALS:
         return f"{low:.{decimals}f} .. {high:.{decimals}f}"
+    if decimals < 0 and largest < _WRITTEN:
+        return f"{round(low, decimals) + 0.0:.0f} .. {round(high, decimals) + 0.0:.0f}"
     digits = max(2, math.floor(math.log10(largest)) + 1 + decimals)
     return f"{low:.{digits}g} .. {high:.{digits}g}"
 

@@ -29,7 +29,8 @@ def table(title: str, *columns: str, text_columns: int = 1) -> Table:
     """An empty table; all columns but the first `text_columns` are numbers."""
     made = Table(title=title, title_justify="left", title_style="bold", header_style="bold", box=None, padding=(0, 2, 0, 0))
     for place, column in enumerate(columns):
-        made.add_column(column, justify="left" if place < text_columns else "right", no_wrap=place >= text_columns)
+        # a name that is cut cannot be typed: what does not fit goes on below
+        made.add_column(column, justify="left" if place < text_columns else "right", no_wrap=place >= text_columns, overflow="fold")
     return made
 
 

@@ -290,13 +290,14 @@ def _candidates(console: Console, found: Searched) -> None:
     if not telling:
         say(console, f"No effect of the library would take off a tenth of what it must, {number(found.limit, 3)} for most.")
         return
-    rows = table("What would lower the error", "effect", "looks like", "size", "takes off", "limit", "", text_columns=3)
+    # a column that would be empty takes its width from the others
+    alike = ("looks like",) if any(one.alike[1:] for one in telling) else ()
+    rows = table("What would lower the error", "effect", *alike, "size", "takes off", "limit", "", text_columns=2 + len(alike))
     for one in telling:
         size = next(iter(one.values), None)
         shown_size = size_text(size, one.values[size], one.std.get(size)) if size is not None else ""
-        rows.add_row(
-            one.name, ", ".join(one.alike[1:]), shown_size, number(one.score, 4), number(one.limit, 3), "accepted" if one.accepted else ""
-        )
+        others = (", ".join(one.alike[1:]),) if alike else ()
+        rows.add_row(one.name, *others, shown_size, number(one.score, 4), number(one.limit, 3), "accepted" if one.accepted else "")
     console.print(rows)
 
 
@@ -430,11 +431,12 @@ def _size_of(step: ForceStepEntry, last: ForceStepEntry, units: MachineUnits) ->
 
 def steps(console: Console, way: Sequence[StepEntry], floor: float | None, what: str = "Weighted error") -> None:
     """The fall of the error."""
-    held = any(step.error_holdout is not None for step in way)
+    held = any(step.told[1] is not None for step in way)
     rows = table(what, "model", "on the record", *(("held out",) if held else ()))
     for place, step in enumerate(way):
         title = step.added if place == 0 else f"+ {step.added}"
-        rows.add_row(title, number(step.error_training, 4), *((number(step.error_holdout, 4),) if held else ()))
+        here, apart = step.told
+        rows.add_row(title, number(here, 4), *((number(apart, 4),) if held else ()))
     rows.add_row("floor", number(floor, 4), *(("",) if held else ()))
     console.print(rows)
 

@@ -30,6 +30,18 @@
   }, { rootMargin: "-20% 0px -70% 0px" });
   for (const section of all("main > section")) seen.observe(section);
 
+  // what a link leads to is seen at once
+  for (const link of all('a[href^="#"]')) link.addEventListener("click", () => { for (const one of all(`${link.hash} > details.whole`)) one.open = true; });
+
+  // A rung of the ladder in the workbench, which may still be unpacking.
+  for (const button of all("[data-load]")) {
+    button.addEventListener("click", () => {
+      if (!window.emaWorkbench) return;
+      window.emaWorkbench.load(JSON.parse(button.dataset.load), true);
+      document.getElementById("workbench").scrollIntoView();
+    });
+  }
+
   const cells = all("button.cell");
   for (const table of all("table.heat")) {
     table.addEventListener("keydown", (event) => {
@@ -51,6 +63,10 @@
     cell.addEventListener("pointerenter", () => say(cell));
     cell.addEventListener("focus", () => say(cell));
   }
+
+  // Paper is light; this listener comes before those that draw.
+  addEventListener("beforeprint", () => { document.documentElement.dataset.light = ""; });
+  addEventListener("afterprint", () => { delete document.documentElement.dataset.light; });
 
   if (typeof uPlot === "undefined" || !data.channels) return;
 
@@ -290,11 +306,10 @@
   let asked = 0;
   new ResizeObserver(() => { cancelAnimationFrame(asked); asked = requestAnimationFrame(resize); }).observe(document.getElementById("plots"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-  // Paper is light, and narrower than the screen.
+  // Paper is narrower than the screen.
   addEventListener("beforeprint", () => {
-    document.documentElement.dataset.light = "";
     for (const { plot } of plots) plot.setSize({ width: 340, height: plot.height > 150 ? 120 : 90 });
   });
-  addEventListener("afterprint", () => { delete document.documentElement.dataset.light; resize(); });
+  addEventListener("afterprint", resize);
   document.documentElement.dataset.drawnMs = (performance.now() - started).toFixed(0);
 })();

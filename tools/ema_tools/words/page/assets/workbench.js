@@ -1,12 +1,15 @@
 // The workbench in the page: one model and one record in memory, a worker that fits, and what is drawn of them. States errors, never a verdict.
 (async () => {
   "use strict";
-  const { CHANNELS, Desk, noiseOf, weightsOf, errorOf, startOf, readCsv } = EmaWorkbench;
+  const { CHANNELS, Desk, Weighed, noiseOf, weightsOf, errorOf, startOf, readCsv } = EmaWorkbench;
   const root = document.querySelector("[data-workbench]");
   const data = JSON.parse(document.getElementById("workbench-data").textContent);
   const FITTED_MAX = 4; // EMA_IDENTIFIED_MAX
   const TIMES = 101; // redraws that the median is taken of
-  const SHOWN = { position_mm: ["Rod position", "mm"], motor_position_mm: ["Motor position", "mm"], current_A: ["Motor current", "A"], voltage_V: ["Motor voltage", "V"] };
+  // title, unit, and of the residual its unit and how many of them are in one
+  const SHOWN = {
+    position_mm: ["Rod position", "mm", "\u00b5m", 1000], motor_position_mm: ["Motor position", "mm", "\u00b5m", 1000], current_A: ["Motor current", "A", "A", 1], voltage_V: ["Motor voltage", "V", "V", 1],
+  };
 
   function make(tag, attributes = {}, ...children) {
     const element = document.createElement(tag);
@@ -45,6 +48,12 @@
   const desk = await Desk.open(module);
   const given = { ...data.record };
   for (const [name, text] of Object.entries(data.record.columns)) given[name] = await column(text, data.record.rows);
+  if (data.weighed) {
+    const [target, weights] = [{}, {}];
+    for (const [name, text] of Object.entries(data.weighed.target)) target[name] = await column(text, data.record.rows);
+    for (const [name, text] of Object.entries(data.weighed.weights)) weights[name] = await column(text, Math.floor(data.weighed.rows / 2) + 1);
+    given.weighed = new Weighed(data.weighed.rows, target, weights);
+  }
   let record = null;
   let noise = null;
   let startMm = 0;
@@ -122,6 +131,13 @@
 
   const weights = () => weightsOf(noise, rodAlone);
   const errorAt = (objective) => errorOf(objective, record, noise, weights());
+  // Of a diagnosis' own record the error is the diagnosis'; what a search lowers is its objective, by each signal's white noise.
+  const weighed = () => (rodAlone ? undefined : record.weighed);
+  const measured = (simulated, objective) => weighed()?.error(simulated) ?? errorAt(objective);
+  function errorWith(changed) {
+    const other = { values: changed, options: model.options };
+    return measured(desk.simulate(other, startMm), weighed() ? 0 : desk.objective(other, weights(), startMm));
+  }
   let shown = null;
   function compute() {
     const simulated = desk.simulate(model, startMm);
@@ -133,17 +149,19 @@
       const whole = norm(record[name]);
       signals[name] = { measured: record[name], simulated: simulated[name], residual, rms: norm(residual) / Math.sqrt(residual.length), percent: whole > 0 ? (100 * norm(residual)) / whole : null };
     }
-    shown = { objective, error: errorAt(objective), signals };
+    shown = { objective, error: measured(simulated, objective), signals };
   }
   function draw(mark = null) {
     for (const [name, { canvas, title }] of Object.entries(plots)) {
       const signal = shown.signals[name];
-      EmaPlots.draw(canvas, signal, view, record.start_s, record.period_s, mark);
+      const [shownAs, , unit, scale] = SHOWN[name];
+      EmaPlots.draw(canvas, signal, view, record.start_s, record.period_s, mark, scale, unit);
       let sum = 0;
       for (let k = view[0]; k <= view[1]; k += 1) sum += signal.residual[k] ** 2;
       const rms = Math.sqrt(sum / (view[1] - view[0] + 1));
-      title.textContent = `residual ${digits(rms, 3)} ${SHOWN[name][1]} rms in view${signal.percent === null ? "" : `, ${digits(signal.percent, 3)} % of the whole`}`;
-      canvas.setAttribute("aria-label", `${SHOWN[name][0]}, measured and simulated against time, and their difference: ${title.textContent}`);
+      const times = noise[name] ? `, ${digits(rms / noise[name], 3)} times its noise` : "";
+      title.textContent = `residual ${digits(scale * rms, 3)} ${unit} rms in view${times}${signal.percent === null ? "" : `; ${digits(signal.percent, 3)} % of the whole`}`;
+      canvas.setAttribute("aria-label", `${shownAs}, measured and simulated against time, and their difference: ${title.textContent}`);
     }
   }
   let pending = null;
@@ -171,7 +189,7 @@
   const medianTime = () => [...times].sort((a, b) => a - b)[times.length >> 1] ?? NaN;
   function tellError() {
     errorOut.value = digits(shown.error, 4);
-    errorOf1.textContent = rodAlone ? "times the sensor noise, rod position alone" : "times the sensor noise, all signals";
+    errorOf1.textContent = rodAlone ? "times the sensor noise, rod position alone" : weighed() ? "times the sensor noise, as the diagnosis weighs it" : "times the sensor noise, all signals";
   }
 
   // ---- values and effects
@@ -220,8 +238,9 @@
     switches[effect.name] = { box, rows: part, equation };
     return make("div", { class: "bench-effect" }, make("label", {}, box, make("span", {}, effect.title, " ", make("code", {}, effect.name))), equation, part);
   }
-  // Any values by name, as the actuator's file has them.
-  function load(changes) {
+  // Any values by name, as the actuator's file has them; `fresh`: all others as the model was given.
+  function load(changes, fresh = false) {
+    if (fresh) reset();
     for (const [name, value] of Object.entries(changes)) {
       if (!rowOf[name]) throw new Error(`${name}: the workbench has no such value: it has ${Object.keys(rowOf).join(", ")}`);
       setValue(rowOf[name], value, true);
@@ -271,7 +290,7 @@
     context.stroke();
     context.fillStyle = getComputedStyle(root).color;
     context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
-    context.fillText(`error ${digits(fallen[0][1], 3)}, now ${digits(end[1], 3)} after ${end[0]} model runs, logarithmic`, 4, 11);
+    context.fillText(`${weighed() ? "search: " : ""}error ${digits(fallen[0][1], 3)}, now ${digits(end[1], 3)} after ${end[0]} model runs, logarithmic`, 4, 11);
     fall.setAttribute("aria-label", `Error during the fit: ${digits(fallen[0][1], 3)} at first, ${digits(end[1], 3)} after ${end[0]} model runs`);
   }
   async function fit() {
@@ -293,16 +312,17 @@
         if (cost === lowest && tried) best = tried;
         fallen.push([runs, errorAt(lowest)]);
         requestAnimationFrame(drawFall);
-        say(`Fitting ${fitted.map((row) => row.label).join(", ")}: ${runs} model runs, error ${digits(errorAt(lowest), 4)}`);
+        say(`Fitting ${fitted.map((row) => row.label).join(", ")}: ${runs} model runs, ${weighed() ? "the search's own error" : "error"} ${digits(errorAt(lowest), 4)}`);
       });
       const numbers = found ? found.estimate : best;
       if (numbers) fitted.forEach((row, k) => setValue(row, numbers[k], true));
       if (found) last = { from: Array.from(from), search, ...found, random_state: String(found.random_state), model_steps: Number(found.model_steps) };
       redraw();
+      const [first, end] = found ? [errorWith(from), errorWith(Float64Array.from(values))] : [];
       const edge = found ? fitted.filter((_, k) => found.at_bound[k]).map((row) => row.label) : [];
       say(
         found
-          ? `Fitted by the module's annealer: error ${digits(errorAt(found.objective_before), 4)} before, ${digits(errorAt(found.objective_after), 4)} after ${found.evaluations} model runs in ${((performance.now() - began) / 1000).toFixed(1)} s${edge.length ? `; on a bound of the search: ${edge.join(", ")}` : ""}.`
+          ? `Fitted by the module's annealer: error ${digits(first, 4)} before, ${digits(end, 4)} after ${found.evaluations} model runs in ${((performance.now() - began) / 1000).toFixed(1)} s${edge.length ? `; on a bound of the search: ${edge.join(", ")}` : ""}.`
           : "Stopped; the model has the best values so far.",
       );
     } catch (error) {
@@ -333,8 +353,12 @@
           const changes = Object.fromEntries([...candidate.rows.map((row) => [row.name, from[row.id]]), ...fitted.map((row, k) => [row.name, found.estimate[k]])]);
           best = { candidate, changes, objective: found.objective_after, runs: found.evaluations, edge: fitted.filter((_, k) => found.at_bound[k]) };
         }
-        if (best) ranked.push(best);
-        ranked.sort((a, b) => a.objective - b.objective);
+        if (best) {
+          const there = Float64Array.from(values);
+          for (const [name, value] of Object.entries(best.changes)) there[rowOf[name].id] = value;
+          ranked.push({ ...best, error: errorWith(there) });
+        }
+        ranked.sort((a, b) => a.error - b.error);
         showRank(ranked);
       }
       say(`Ranked ${ranked.length}: least error first. This is no verdict: ema diagnose weighs them.`);
@@ -347,12 +371,12 @@
   }
   function showRank(ranked) {
     rankBody.replaceChildren(
-      ...ranked.map(({ candidate, changes, objective, edge }) => {
+      ...ranked.map(({ candidate, changes, error, edge }) => {
         const faults = ["screw.csj_Nm", "screw.blk_mm"].map((name) => changes[name] ?? values[rowOf[name].id]);
         const own = candidate.rows.map((row) => `${row.field} ${digits(changes[row.name], 3)}${edge.includes(row) ? " (on a bound)" : ""}`).join(", ");
         return make("tr", { "data-effect": candidate.name },
           make("th", { scope: "row" }, candidate.title),
-          make("td", {}, digits(errorAt(objective), 4)),
+          make("td", {}, digits(error, 4)),
           make("td", {}, digits(faults[0], 4)),
           make("td", {}, digits(faults[1], 4)),
           make("td", { class: "left" }, own || "\u2013"),

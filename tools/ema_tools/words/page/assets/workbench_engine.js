@@ -211,6 +211,70 @@ const EmaWorkbench = (() => {
     return Math.sqrt(objective / (seconds * weight.filter((one) => one > 0).length)) / noise.position_mm;
   }
 
+  // How a diagnosis weighs a record: lines of the spectrum of what is left, each times its weight; the rms of the whole. A transform takes two signals, as the parts of complex numbers.
+  class Weighed {
+    constructor(rows, target, weights) {
+      Object.assign(this, { rows, target, weights, names: Object.keys(target) });
+      const turn = (2 * Math.PI) / rows;
+      this.cos = Float64Array.from({ length: rows }, (_, k) => Math.cos(turn * k));
+      this.sin = Float64Array.from({ length: rows }, (_, k) => -Math.sin(turn * k));
+      for (const name of ["inRe", "inIm", "re", "im", "partRe", "partIm"]) this[name] = new Float64Array(rows);
+    }
+
+    // Of `size` numbers from `from` on in steps of `stride`, to `to` and on: by the smallest factor, whatever the factors are.
+    transform(size, from, stride, to) {
+      const { re, im, partRe, partIm, cos, sin, rows } = this;
+      if (size === 1) {
+        re[to] = this.inRe[from];
+        im[to] = this.inIm[from];
+        return;
+      }
+      let factor = 2;
+      while (size % factor) factor += 1;
+      const part = size / factor;
+      for (let k = 0; k < factor; k += 1) this.transform(part, from + k * stride, stride * factor, to + k * part);
+      for (let k = 0; k < part; k += 1) {
+        for (let q = 0; q < factor; q += 1) {
+          const step = ((k + q * part) * stride) % rows;
+          let sumRe = re[to + k];
+          let sumIm = im[to + k];
+          for (let r = 1, place = step; r < factor; r += 1, place = (place + step) % rows) {
+            const at = to + r * part + k;
+            sumRe += re[at] * cos[place] - im[at] * sin[place];
+            sumIm += re[at] * sin[place] + im[at] * cos[place];
+          }
+          partRe[q] = sumRe;
+          partIm[q] = sumIm;
+        }
+        for (let q = 0; q < factor; q += 1) {
+          re[to + q * part + k] = partRe[q];
+          im[to + q * part + k] = partIm[q];
+        }
+      }
+    }
+
+    error(simulated) {
+      const { rows, names, re, im } = this;
+      let sum = 0;
+      for (let k = 0; k < names.length; k += 2) {
+        const [first, second] = [names[k], names[k + 1]];
+        for (let row = 0; row < rows; row += 1) {
+          this.inRe[row] = this.target[first][row] - simulated[first][row];
+          this.inIm[row] = second ? this.target[second][row] - simulated[second][row] : 0;
+        }
+        this.transform(rows, 0, 1, 0);
+        const one = this.weights[first];
+        const other = second && this.weights[second];
+        for (let line = 0; line < one.length; line += 1) {
+          const mirror = (rows - line) % rows;
+          sum += ((re[line] + re[mirror]) ** 2 + (im[line] - im[mirror]) ** 2) * 0.25 * one[line] ** 2;
+          if (other) sum += ((im[line] + im[mirror]) ** 2 + (re[mirror] - re[line]) ** 2) * 0.25 * other[line] ** 2;
+        }
+      }
+      return Math.sqrt(sum / rows / (rows * names.length));
+    }
+  }
+
   // Where a simulation starts from rest: at the command where the rod may rest there, else at the first rod position.
   function startOf(record, blkUpperMm, noiseMm) {
     const command = record.command_mm[0];
@@ -267,6 +331,6 @@ const EmaWorkbench = (() => {
     return { ...columns, period_s: periodS, start_s: time[0], file };
   }
 
-  return { CHANNELS, OUTPUTS, Desk, noiseOf, weightsOf, errorOf, startOf, readCsv };
+  return { CHANNELS, OUTPUTS, Desk, Weighed, noiseOf, weightsOf, errorOf, startOf, readCsv };
 })();
 if (typeof module !== "undefined") module.exports = EmaWorkbench;

@@ -53,8 +53,8 @@ const EmaPlots = (() => {
     context.stroke();
   }
 
-  // One signal: {measured, simulated, residual}, of which rows view[0] to view[1] are drawn; times in s.
-  function draw(canvas, signal, view, startS, periodS, mark) {
+  // One signal: {measured, simulated, residual}, of which rows view[0] to view[1] are drawn; times in s. The residual's axis counts `scale` of `unit` in one unit of the signal.
+  function draw(canvas, signal, view, startS, periodS, mark, scale = 1, unit = "") {
     const ratio = window.devicePixelRatio || 1;
     const width = canvas.clientWidth;
     const height = canvas.clientHeight;
@@ -70,12 +70,13 @@ const EmaPlots = (() => {
     const [first, last] = view;
     const x = (row) => PAD.left + ((row - first) / Math.max(last - first, 1)) * (width - PAD.left - PAD.right);
     const inner = height - PAD.top - PAD.bottom - PAD.gap;
-    const panel = (top, size, lists, lines, wanted) => {
+    const panel = (top, size, lists, lines, wanted, times = 1, told = "") => {
       const [low, high] = ends(lists, first, last);
       const y = (value) => top + size - ((value - low) / (high - low)) * size;
       context.textAlign = "right";
       context.textBaseline = "middle";
-      for (const tick of ticks(low, high, wanted)) {
+      for (const shown of ticks(low * times, high * times, wanted)) {
+        const tick = shown / times;
         context.strokeStyle = css("grid", "#eceef0");
         context.lineWidth = 1;
         context.beginPath();
@@ -83,7 +84,15 @@ const EmaPlots = (() => {
         context.lineTo(width - PAD.right, Math.round(y(tick)) + 0.5);
         context.stroke();
         context.fillStyle = css("soft", "#5b6673");
-        context.fillText(String(tick).replace("-", "\u2212"), PAD.left - 6, y(tick));
+        context.fillText(String(shown).replace("-", "\u2212"), PAD.left - 6, y(tick));
+      }
+      if (told) {
+        context.save();
+        context.translate(9, top + 0.5 * size);
+        context.rotate(-0.5 * Math.PI);
+        context.textAlign = "center";
+        context.fillText(told, 0, 0);
+        context.restore();
       }
       for (const [list, colour, thick] of lines) {
         context.strokeStyle = colour;
@@ -94,7 +103,7 @@ const EmaPlots = (() => {
     const upper = inner * (1 - RESIDUAL);
     const { measured, simulated, residual } = signal;
     panel(PAD.top, upper, [measured, simulated], [[measured, css("measured", "#9aa5b1"), 3], [simulated, css("after", "#0a6aa8"), 1.4]], 4);
-    panel(PAD.top + upper + PAD.gap, inner * RESIDUAL, [residual], [[residual, css("before", "#c8501e"), 1.2]], 3);
+    panel(PAD.top + upper + PAD.gap, inner * RESIDUAL, [residual], [[residual, css("before", "#c8501e"), 1.2]], 4, scale, unit);
     context.textAlign = "center";
     context.textBaseline = "top";
     context.fillStyle = css("soft", "#5b6673");

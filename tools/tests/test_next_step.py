@@ -1,0 +1,105 @@
+"""What the terminal says last: what to do next, with a command that runs as it stands; and that tables keep to eighty columns without cutting a name."""
+
+from __future__ import annotations
+
+import io
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from ema_tools.results.codec import to_json
+from ema_tools.results.identification import IdentificationResult
+from ema_tools.results.reading import result_of
+from ema_tools.select.outcome import Diagnosis, Named
+from ema_tools.words.sentences.sizes import ends_text
+from ema_tools.words.terminal import show
+from ema_tools.words.terminal.next_step import say_next
+from report_results import JUDGED, judged
+from support import RECORDINGS, REFERENCE, run_ema
+
+TODAY = RECORDINGS / "story" / "today.csv"
+
+
+def printed(width: int = 200) -> Console:
+    return Console(file=io.StringIO(), width=width, highlight=False)
+
+
+def text_of(console: Console) -> str:
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue()
+
+
+def last_line(out: str) -> str:
+    """The `Next:` of an answer, which is its last line but for files that were written."""
+    lines = [line for line in out.strip().splitlines() if not line.endswith(" written")]
+    return lines[-1]
+
+
+def test_a_comparison_ends_with_a_command_that_runs(tmp_path: Path) -> None:
+    ran = run_ema("compare", REFERENCE, TODAY)
+    assert ran.code == 0 and last_line(ran.out).startswith("Next: ask what is missing: ema diagnose ")
+    command = shlex.split(last_line(ran.out).rpartition(": ")[2])
+    assert command[2:4] == [str(REFERENCE), str(TODAY)] and all(Path(path).is_file() for path in command[2:4])
+
+
+def test_an_identification_that_was_not_kept_ends_with_keeping_it(tmp_path: Path) -> None:
+    ran = run_ema("identify", REFERENCE, RECORDINGS / "case_b.csv", "--no-guard")
+    assert last_line(ran.out).startswith("Next: hold it against all signals: ema identify ")
+    again = run_ema(
+        "identify", REFERENCE, RECORDINGS / "case_b.csv", "--no-guard", "--json", tmp_path / "b.json", "--report", tmp_path / "b.html"
+    )
+    # the page says the same
+    said = json.loads((tmp_path / "b.json").read_text(encoding="utf-8"))
+    assert last_line(again.out).rpartition(": ")[2] in (tmp_path / "b.html").read_text(encoding="utf-8").replace("<span>", "").replace(
+        "</span>", ""
+    )
+    assert said["verdict"] == "fault"
+
+
+def test_what_a_reason_has_said_is_not_said_again() -> None:
+    found = result_of(judged(JUDGED[2]), "x")
+    assert isinstance(found, IdentificationResult)
+    console = printed()
+    say_next(console, found)
+    # the reason itself names the command that puts the effect in
+    assert text_of(console) == ""
+    other = result_of({**to_json(found), "reasons": ["stribeck_friction (rise 0.30) is missing from the model"]}, "x")
+    assert isinstance(other, IdentificationResult)
+    say_next(console, other)
+    assert text_of(console).startswith("Next: ask without the healthy records: ema identify mine.toml today.csv")
+
+
+@pytest.mark.parametrize("alike", [(), ("spring_load", "constant_load")])
+def test_candidates_keep_to_eighty_columns_with_their_names_whole(alike: tuple[str, ...]) -> None:
+    size = {"effects.concave_viscous.drag_Nm_per_sqrt_rad_s": -0.0073}
+    named = tuple(
+        Named(name, (name, *alike), values, dict.fromkeys(values, 0.3), score, 30.0, False)
+        for name, values, score in (
+            ("directional_stribeck", {}, 1.1e6),
+            ("load_dependent_stribeck", {}, 9e5),
+            ("concave_viscous", size, 8e5),
+        )
+    )
+    console = printed(80)
+    show._candidates(console, Diagnosis("missing", None, named, (), (), 1.0, 1.0, 1.0, 0.0, 30.0))
+    lines = text_of(console).splitlines()
+    assert max(map(len, lines)) <= 80 and ("looks like" in lines[1]) is bool(alike)
+    if not alike:
+        assert all(any(line.startswith(f"{one.name} ") for line in lines) for one in named)
+    assert "…" not in text_of(console)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (-131.2, 409.8, "-130 .. 410"),
+        (0.29561, 0.30312, "0.2956 .. 0.3031"),
+        (-4000.0, 123456.0, "0 .. 120000"),
+        (1e6, 9e6, "1e+06 .. 9e+06"),
+    ],
+)
+def test_an_interval_has_no_powers_of_ten_where_none_are_needed(low: float, high: float, expected: str) -> None:
+    assert ends_text(low, high) == expected
