@@ -2,7 +2,9 @@
  * friction as a search may try, over commands that no ground test has; and whole sessions on records that no machine
  * makes. Run it with -icount shift=6, as ema_count.
  *
- * Prints a line for each: name, command, and the most that a slice, a step and the preparation of a run have taken.
+ * Prints a line for each: name, command, and the most that a slice, a step and the preparation of a run have taken; at
+ * the end the most of all slices, the most work that one was counted for, which is the same in every build, and the
+ * bytes of stack that the sessions used. `ema_worst slices` leaves single steps out.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -13,9 +15,9 @@
 #include "ema_counter.h"
 #include "ema_recorded.h"
 
-/* 25 ticks are 1000 ns, 1000 / 64 instructions. */
-#define TICKS 8U
-#define INSTRUCTIONS 5U
+/* Of the time that an instruction takes, and that a tick is. */
+#define INSTRUCTION_NS 64U
+#define TICK_NS (1000000000U / EMA_COUNTER_HZ)
 #define ROWS 2000U
 #define SLICE 200U
 /* Model runs of a session: enough for every kind of slice. */
@@ -43,9 +45,55 @@ typedef struct {
     uint32_t spent; /* of the same */
 } worst_t;
 
+/* Of everything that was looked at. */
+static uint32_t most_ticks;
+static uint32_t most_work; /* of a slice of model steps */
+static uint32_t most_stack;
+
+static bool also_steps;
+
+static void keep_most(uint32_t* most, uint32_t value)
+{
+    *most = (value > *most) ? value : *most;
+}
+
+/* Stack below the function that says so, painted before its calls and looked at afterwards. */
+#define PAINTED_WORDS 2048U
+#define PAINT 0xA5C3F00DU
+#if defined(__arm__)
+#define STACK_POINTER(place) __asm__ volatile("mov %0, sp" : "=r"(place))
+#elif defined(__riscv)
+#define STACK_POINTER(place) __asm__ volatile("mv %0, sp" : "=r"(place))
+#elif defined(__powerpc__)
+#define STACK_POINTER(place) __asm__ volatile("mr %0, 1" : "=r"(place))
+#elif defined(__x86_64__)
+#define STACK_POINTER(place) __asm__ volatile("mov %%rsp, %0" : "=r"(place))
+#else
+#define STACK_POINTER(place) ((place) = 0U)
+#endif
+
+#define PAINT_STACK(lowest)                                                                                            \
+    do {                                                                                                               \
+        uintptr_t place = 0U;                                                                                          \
+        STACK_POINTER(place);                                                                                          \
+        (lowest) = (volatile uint32_t*)((place != 0U) ? (place - (PAINTED_WORDS * sizeof(uint32_t))) : 0U);            \
+        for (uint32_t word = 0; ((lowest) != NULL) && (word < PAINTED_WORDS); ++word) {                                \
+            (lowest)[word] = PAINT;                                                                                    \
+        }                                                                                                              \
+    } while (false)
+
+static void take_stack(const volatile uint32_t* lowest)
+{
+    uint32_t same = 0U;
+    while ((lowest != NULL) && (same < PAINTED_WORDS) && (lowest[same] == PAINT)) {
+        ++same;
+    }
+    keep_most(&most_stack, (lowest != NULL) ? ((PAINTED_WORDS - same) * (uint32_t)sizeof(uint32_t)) : 0U);
+}
+
 static unsigned long long instructions(uint64_t ticks)
 {
-    return (unsigned long long)(((ticks * INSTRUCTIONS) + (TICKS - 1U)) / TICKS);
+    return (unsigned long long)(((ticks * TICK_NS) + (INSTRUCTION_NS - 1U)) / INSTRUCTION_NS);
 }
 
 /* Between -1 and 1, the same on every run. */
@@ -128,6 +176,8 @@ static uint32_t run(const char* name, const ema_actuator_t* actuator, uint32_t s
         from = ema_counter_now();
         state = ema_objective_run(&objective, slice);
         const uint32_t ticks = ema_counter_now() - from;
+        keep_most(&most_ticks, (slice == SLICE) ? ticks : 0U);
+        keep_most(&most_work, (slice == SLICE) ? objective.model.work.spent : 0U);
         if (ticks > worst->ticks) {
             worst->ticks = ticks;
             worst->spent = objective.model.work.spent;
@@ -156,7 +206,9 @@ static void look(const char* name, const ema_actuator_t* actuator, const char* f
         worst_t slice = {0};
         worst_t step = {0};
         const uint32_t start = run(name, actuator, SLICE, &slice);
-        (void)run(name, actuator, 1U, &step);
+        if (also_steps) {
+            (void)run(name, actuator, 1U, &step);
+        }
         (void)printf("%s %s %s slice %llu of %" PRIu32 " step %llu of %" PRIu32 " start %llu\n", name, commands[k].name,
                      friction, instructions(slice.ticks), slice.spent, instructions(step.ticks), step.spent,
                      instructions(start));
@@ -204,12 +256,16 @@ static void look_session(const char* name, const ema_actuator_t* actuator, ema_f
         status = ema_session_feed(&session, &sample);
     }
     uint32_t worst = 0U;
+    volatile uint32_t* lowest = NULL;
+    PAINT_STACK(lowest);
     while ((status == EMA_OK) && (ema_session_phase(&session) != EMA_PHASE_DONE)) {
         const uint32_t from = ema_counter_now();
         status = ema_session_run(&session, SLICE);
         const uint32_t ticks = ema_counter_now() - from;
-        worst = (ticks > worst) ? ticks : worst;
+        keep_most(&worst, ticks);
     }
+    take_stack(lowest);
+    keep_most(&most_ticks, worst);
     if (status != EMA_OK) {
         fail(name, status);
     }
@@ -223,9 +279,10 @@ static void look_sessions(const char* name, const ema_actuator_t* actuator)
     }
 }
 
-int main(void)
+int main(int argc, char* argv[])
 {
     ema_actuator_t healthy;
+    also_steps = (argc < 2) || (strcmp(argv[1], "slices") != 0);
     ema_counter_start();
     (void)ema_actuator_defaults(&healthy);
     ema_actuator_t actuator = healthy;
@@ -243,6 +300,8 @@ int main(void)
     (void)ema_actuator_set(&healthy, EMA_EFFECT_VALUE_ID(presliding, stretch_rad), EMA_R(0.02));
     (void)ema_actuator_set(&healthy, EMA_EFFECT_VALUE_ID(pitch_ripple, ratio), EMA_R(0.03));
     look_sessions("presliding+pitch_ripple", &healthy);
+    (void)printf("most slice %llu work %" PRIu32 " stack %" PRIu32 "\n", instructions(most_ticks), most_work,
+                 most_stack);
     (void)printf("looked everywhere\n");
     return 0;
 }
