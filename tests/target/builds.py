@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import json
 import os
 import re
 import shutil
@@ -18,7 +19,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import emulate
@@ -30,8 +31,6 @@ EXACT = ("-std=c11", "-ffp-contract=off", "-fno-math-errno", "-ffunction-section
 ANSWER = ("a", "1", "1000", "real")
 # What ema_worst ends with.
 MOST = re.compile(r"^most slice (\d+) work (\d+) stack (\d+)$", re.MULTILINE)
-# Of QEMU's plugin interface: each QEMU takes some.
-PLUGIN_VERSIONS = range(1, 9)
 WASI = Path("/usr/include/wasm32-wasi"), Path("/usr/lib/wasm32-wasi")
 
 
@@ -110,22 +109,6 @@ def version_of(compiler: str) -> str:
 def counts_wasm() -> bool:
     """Whether this Python runs WebAssembly and counts its instructions."""
     return importlib.util.find_spec("wasmtime") is not None
-
-
-def plugin_for(emulator: str, root: Path, work: Path) -> Path:
-    """The plugin that counts, as this emulator takes it. Raises BuildError."""
-    source = root / "tests/target/counted/qemu_count.c"
-    counter = work / "tried"
-    counter.write_bytes(bytes(8))
-    said = ""
-    for version in PLUGIN_VERSIONS:
-        made = work / f"qemu_count_{version}.so"
-        ran(["gcc", "-std=c11", "-O2", "-shared", "-fPIC", f"-DQEMU_PLUGIN_VERSION={version}", source, "-o", made], source.name)
-        command = [emulator, "-plugin", f"{made},counter={counter}", "no_such_program"]
-        said = subprocess.run(command, capture_output=True, text=True, check=False).stderr
-        if "plugin" not in said:
-            return made
-    raise BuildError(f"{emulator} takes no plugin: {said.strip()}")
 
 
 @dataclass(frozen=True)
@@ -220,8 +203,16 @@ class Build:
             raise BuildError(f"{self.machine.title} {self.level}: ended with {done.exit_code}: {done.output.strip()[-200:]}")
         return done.output
 
+    def found(self) -> Built:
+        """All that is told of it, kept in its folder. Raises BuildError and what it calls."""
+        kept = self.folder / "built.json"
+        if not kept.is_file():
+            built = self.made()
+            kept.write_text(json.dumps(asdict(built)), encoding="utf-8")
+        return Built(**json.loads(kept.read_text(encoding="utf-8")))
+
     def made(self) -> Built:
-        """All that is told of it. Raises BuildError and what it calls."""
+        """The same, built and run. Raises BuildError and what it calls."""
         module = self.objects(sorted((self.root / "src").glob("*/*.c")), "module")
         sizer = "llvm-size" if self.machine.wasm else self.machine.compiler.replace("gcc", "size") if self.machine.graph else "size"
         tool = (
@@ -307,14 +298,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tables", type=Path, required=True, help="folder of ema_recorded_tables.inc")
     parser.add_argument("--work", type=Path, required=True, help="folder of the objects, made anew")
+    parser.add_argument("--resume", action="store_true", help="keep what a run before, of the same sources, has finished in it")
     parser.add_argument("-o", "--output", type=Path, required=True, help="the document, overwritten")
     given = parser.parse_args()
     root = Path(__file__).resolve().parents[2]
     if not (given.tables / "ema_recorded_tables.inc").is_file():
         print(f"{given.tables}: no ema_recorded_tables.inc: run cmake --workflow --preset cortex-m4f first", file=sys.stderr)
         return 1
-    shutil.rmtree(given.work, ignore_errors=True)
-    given.work.mkdir(parents=True)
+    if not given.resume:
+        shutil.rmtree(given.work, ignore_errors=True)
+    given.work.mkdir(parents=True, exist_ok=True)
     found: list[tuple[Machine, str, Built]] = []
     left_out, versions = [], {}
     for machine in MACHINES:
@@ -328,9 +321,11 @@ def main() -> int:
         for level in machine.levels:
             print(f"{machine.title} {level}", flush=True)
             try:
-                plugin = plugin_for(machine.emulator, root, given.work.resolve()) if machine.emulator else None
-                found.append((machine, level, Build(root, given.tables.resolve(), machine, level, given.work.resolve(), plugin).made()))
-                print(f"  {found[-1][2].slice} instructions, {found[-1][2].used} bytes", flush=True)
+                counts = root / "tests/target/counted/qemu_count.c"
+                plugin = emulate.plugin_for(machine.emulator, counts, "counter", given.work.resolve()) if machine.emulator else None
+                built = Build(root, given.tables.resolve(), machine, level, given.work.resolve(), plugin).found()
+                found.append((machine, level, built))
+                print(f"  {built.slice} instructions, {built.used} bytes", flush=True)
             except (BuildError, same_answer.WrongAnswerError, stack.StackError, FileNotFoundError) as error:
                 print(error, file=sys.stderr)
                 return 1

@@ -209,7 +209,7 @@ def measured(**changed: float) -> budgets.Measured:
     }
     counts |= {
         f"model_step_{name}_{which}": 300
-        for name in ("healthy", "effect_stribeck_friction", "effect_torque_ripple")
+        for name in ("healthy", "effect_stribeck_friction", "effect_cogging_torque", "effect_torque_ripple")
         for which in ("mean", "most")
     }
     counts |= {
@@ -234,6 +234,7 @@ def measured(**changed: float) -> budgets.Measured:
         "table_products": 184,
         "table_bin_rows": 40,
     }
+    counts |= {f"{budgets.STEP}{name}_mean": limit + 1 for name, (_, limit) in budgets.STEPS.items()}
     counts["size_ema_guarded_t"] = 7300
     counts |= {
         f"{name}_{which}": 300
