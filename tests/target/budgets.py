@@ -31,6 +31,7 @@ LOOKED_ALL = "looked everywhere"
 LOOKED = re.compile(r"^(\w+) (\w+) (free|seized) slice (\d+) of (\d+) step (\d+) of (\d+) start (\d+)$", re.MULTILINE)
 LOOKED_SESSION = re.compile(r"^session (\S+) (\w+) slice (\d+)$", re.MULTILINE)
 SHOWN = 8
+SHOWN_SESSIONS = 4
 CALLS = ("init", "feed", "run", "result")
 # Ways to keep the command of a guarded session, by the names of their counts.
 GUARDED = {"guarded": "the command recorded", "guarded_function": "the command a function"}
@@ -117,6 +118,16 @@ class Worst:
     def steps(self) -> list[Looked]:
         """The run with the longest step of each effect, the longest first."""
         return self._of_each(lambda run: run.step)
+
+    def fed(self) -> set[str]:
+        """What sessions were fed."""
+        return {fed for _, fed in self.sessions}
+
+    def longest_sessions(self) -> list[tuple[tuple[str, str], int]]:
+        """Those with the longest slices of each actuator, the longest first."""
+        names = dict.fromkeys(name for name, _ in self.sessions)
+        ordered = sorted(self.sessions.items(), key=lambda found: -found[1])
+        return [found for name in names for found in [found for found in ordered if found[0][0] == name][:SHOWN_SESSIONS]]
 
     def _of_each(self, key: Callable[[Looked], int]) -> list[Looked]:
         names = dict.fromkeys(run.name for run in self.runs)
@@ -511,8 +522,8 @@ def worst_section(found: Measured) -> list[str]:
         "",
         "The work of a slice is counted in plain steps: a model step is one, and what has to be located in it, or asked of effects, counts besides as much as it takes (`ema_work.h`). A slice",
         "ends with the step that reaches its length. Looked for with every effect, free and with the highest friction of a search, under the chirp's quick end, a jump from end to end in every step,",
-        "noise over the whole travel, a square wave, a dither and long drives against the ends of travel; and in whole sessions on records of a reversed sensor, of noise, and of a rod that",
-        "does not move.",
+        "noise over the whole travel, a square wave, a dither and long drives against the ends of travel; and in whole sessions on records of noise, of a rod at rest, and spoilt in every way",
+        f"of [FAULTS](FAULTS.md) that is not refused: {len(worst.fed())} kinds of records, with and without standing effects; the {SHOWN_SESSIONS} with the longest slices of each are shown.",
         "",
     ]
     lines += table(
@@ -530,7 +541,7 @@ def worst_section(found: Measured) -> list[str]:
             ),
             *(
                 [f"session, {name.replace('+', ' and ')}", fed.replace("_", " "), grouped(taken), f"{taken * 1e6 / CLOCK_HZ:.0f}", ""]
-                for (name, fed), taken in worst.sessions.items()
+                for (name, fed), taken in worst.longest_sessions()
             ),
         ],
     )

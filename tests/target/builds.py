@@ -281,7 +281,7 @@ def document(found: Sequence[tuple[Machine, str, Built]], versions: Sequence[str
             "",
             "The longest slice is of 200, in the build's own instructions, found by [ema_worst](../tests/target/ema_worst.c) in whole sessions on records that no machine makes and, with the",
             "effects that have the longest slices where all were looked at ([BUDGETS](BUDGETS.md#the-longest-slice), the Cortex-M4F), free and with the highest friction, under six commands each.",
-            "They are counted by the emulator of the board; by a plugin of QEMU's user emulation, for x86-64 too; and of WebAssembly by wasmtime, whose instructions are those of the format, each some",
+            "They are counted by the emulator of the board; by a plugin of QEMU's user emulation, for x86-64 too; and of WebAssembly by wasmtime, whose instructions are the format's own, each some",
             "of a processor. They are no times.",
             f"In the module's own measure the longest slice of model steps was counted {work_of(found)} plain steps, in every build the same: the command fails where one differs.",
             "",

@@ -137,6 +137,7 @@ static ema_real jumps(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 static ema_real noise(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 {
     (void)row;
+    (void)drawn;
     return draw(drawn) * travel_mm;
 }
 
@@ -150,6 +151,7 @@ static ema_real square(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 static ema_real dither(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 {
     (void)row;
+    (void)drawn;
     (void)travel_mm;
     return draw(drawn) * EMA_R(0.05);
 }
@@ -235,13 +237,77 @@ static void look_free_and_seized(const char* name, ema_actuator_t* actuator)
     look(name, actuator, "seized");
 }
 
-/* What a session is fed in the place of the sensors' signals. */
-typedef enum { EMA_FED_WRONG_SIGN, EMA_FED_NOISE, EMA_FED_NOTHING, EMA_FED_KINDS } ema_fed_t;
+/* What a session is fed in the place of the sensors' signals, the first three of them with slices alone: what no
+ * machine makes, and the kinds of docs/FAULTS.md that are not refused. */
+#define EMA_FED_LIST(ROW)                                                                                              \
+    ROW(wrong_sign, (void)drawn, position_mm = -position_mm)                                                           \
+    ROW(noise, command_mm = draw(drawn) * travel_mm, position_mm = draw(drawn) * travel_mm)                            \
+    ROW(nothing, (void)drawn, position_mm = EMA_R(0.0))                                                                \
+    ROW(swapped, command_mm = position_mm, position_mm = recorded->command_mm)                                         \
+    ROW(as_recorded, (void)drawn, (void)position_mm)                                                                   \
+    ROW(resolution, (void)drawn, position_mm = (ema_real)(int32_t)(position_mm * EMA_R(10.0)) / EMA_R(10.0))           \
+    ROW(stuck, (void)drawn, position_mm = position_of((row < 500U) ? row : 500U))                                      \
+    ROW(old_values, (void)drawn, position_mm = position_of(row - (row % 20U)))                                         \
+    ROW(dropout, (void)drawn, position_mm = ((row / 500U) == 1U) ? EMA_R(0.0) : position_mm)                           \
+    ROW(lost_rows, (void)drawn, position_mm = position_of((row < 500U) ? row : (row + 100U)))                          \
+    ROW(spikes, (void)drawn, position_mm += ((row % 40U) == 20U) ? EMA_R(5.0) : EMA_R(0.0))                            \
+    ROW(saturation, (void)drawn, position_mm = within(position_mm, EMA_R(1.0)))                                        \
+    ROW(jitter, (void)drawn, position_mm = position_of(row + ((draw(drawn) > EMA_R(0.0)) ? 2U : 0U)))                  \
+    ROW(clock, (void)drawn, position_mm = position_of((row * 101U) / 100U))                                            \
+    ROW(late, (void)drawn, position_mm = position_of((row < 50U) ? 0U : (row - 50U)))                                  \
+    ROW(early, (void)drawn, position_mm = position_of(row + 5U))                                                       \
+    ROW(command_sign, command_mm = -command_mm, (void)drawn)                                                           \
+    ROW(scale, (void)drawn, position_mm *= EMA_R(0.98))                                                                \
+    ROW(offset, (void)drawn, position_mm += EMA_R(1.0))                                                                \
+    ROW(drift, (void)drawn, position_mm += (ema_real)row * EMA_R(5.0e-5))                                              \
+    ROW(current, (void)drawn, position_mm = recorded->channel[EMA_CHANNEL_CURRENT])                                    \
+    ROW(other_command, command_mm *= EMA_R(1.1), (void)drawn)
 
-static const char* const fed_names[EMA_FED_KINDS] = {"wrong_sign", "noise", "nothing"};
+#define EMA_FED_SLICES_ALONE 4U
+
+/* The rod of the recorded case. */
+static ema_real position_of(uint32_t row)
+{
+    ema_sample_t sample = {0};
+    (void)ema_recorded_row('b', row, &sample);
+    return sample.channel[EMA_CHANNEL_POSITION];
+}
+
+static ema_real within(ema_real value, ema_real limit)
+{
+    return (value > limit) ? limit : (value < -limit) ? -limit : value;
+}
+
+typedef void (*fed_fn)(uint32_t row, ema_real travel_mm, uint32_t* drawn, const ema_sample_t* recorded,
+                       ema_sample_t* fed);
+
+#define EMA_FED_FUNCTION(name, first, second)                                                                          \
+    static void fed_##name(uint32_t row, ema_real travel_mm, uint32_t* drawn, const ema_sample_t* recorded,            \
+                           ema_sample_t* fed)                                                                          \
+    {                                                                                                                  \
+        ema_real command_mm = recorded->command_mm;                                                                    \
+        ema_real position_mm = recorded->channel[EMA_CHANNEL_POSITION];                                                \
+        (void)row;                                                                                                     \
+        (void)drawn;                                                                                                   \
+        (void)travel_mm;                                                                                               \
+        first;                                                                                                         \
+        second;                                                                                                        \
+        fed->command_mm = command_mm;                                                                                  \
+        fed->channel[EMA_CHANNEL_POSITION] = position_mm;                                                              \
+    }
+EMA_FED_LIST(EMA_FED_FUNCTION)
+
+static const struct {
+    const char* name;
+    fed_fn at;
+} feds[] = {
+#define EMA_FED_ROW(name, first, second) {#name, fed_##name},
+    EMA_FED_LIST(EMA_FED_ROW)};
+
+#define EMA_FED_KINDS (sizeof feds / sizeof feds[0])
 
 /* The longest slice of a session on such a record, grease and winding of the day searched too. */
-static void look_session(const char* name, const ema_actuator_t* actuator, ema_fed_t fed)
+static void look_session(const char* name, const ema_actuator_t* actuator, size_t fed)
 {
     static ema_session_t session;
     static ema_session_config_t config;
@@ -256,16 +322,10 @@ static void look_session(const char* name, const ema_actuator_t* actuator, ema_f
         status = ema_session_init(&session, &config);
     }
     for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
-        ema_sample_t sample = {0};
-        (void)ema_recorded_row('b', row, &sample);
-        if (fed == EMA_FED_WRONG_SIGN) {
-            sample.channel[EMA_CHANNEL_POSITION] = -sample.channel[EMA_CHANNEL_POSITION];
-        } else if (fed == EMA_FED_NOISE) {
-            sample.command_mm = draw(&drawn) * actuator->params.travel_mm;
-            sample.channel[EMA_CHANNEL_POSITION] = draw(&drawn) * actuator->params.travel_mm;
-        } else {
-            sample.channel[EMA_CHANNEL_POSITION] = EMA_R(0.0);
-        }
+        ema_sample_t original = {0};
+        (void)ema_recorded_row('b', row, &original);
+        ema_sample_t sample = original;
+        feds[fed].at(row, actuator->params.travel_mm, &drawn, &original, &sample);
         status = ema_session_feed(&session, &sample);
     }
     uint32_t worst = 0U;
@@ -282,13 +342,14 @@ static void look_session(const char* name, const ema_actuator_t* actuator, ema_f
     if (status != EMA_OK) {
         fail(name, status);
     }
-    (void)printf("session %s %s slice %llu\n", name, fed_names[fed], instructions(worst));
+    (void)printf("session %s %s slice %llu\n", name, feds[fed].name, instructions(worst));
 }
 
 static void look_sessions(const char* name, const ema_actuator_t* actuator)
 {
-    for (uint32_t fed = 0; fed < (uint32_t)EMA_FED_KINDS; ++fed) {
-        look_session(name, actuator, (ema_fed_t)fed);
+    const size_t kinds = slices_alone ? EMA_FED_SLICES_ALONE : EMA_FED_KINDS;
+    for (size_t fed = 0; fed < kinds; ++fed) {
+        look_session(name, actuator, fed);
     }
 }
 
