@@ -237,7 +237,7 @@ static void look_free_and_seized(const char* name, ema_actuator_t* actuator)
     look(name, actuator, "seized");
 }
 
-/* What a session is fed in the place of the sensors' signals, the first three of them with slices alone: what no
+/* What a session is fed in the place of the sensors' signals, the first four of them with slices alone: what no
  * machine makes, and the kinds of docs/FAULTS.md that are not refused. */
 #define EMA_FED_LIST(ROW)                                                                                              \
     ROW(wrong_sign, (void)drawn, position_mm = -position_mm)                                                           \
