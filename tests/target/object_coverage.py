@@ -189,7 +189,7 @@ def main() -> int:
         plugin = emulate.plugin_for(emulate.QEMU, source, "reached", given.work)
         functions = functions_of(given.objdump, given.objects)
         # tests of builds that leave something out are of other code
-        runs = [(program, ()) for program in sorted(given.programs.glob("test_*_f32"))]
+        runs: list[tuple[Path, tuple[str, ...]]] = [(program, ()) for program in sorted(given.programs.glob("test_*_f32"))]
         runs += [(given.answer.with_name(name), arguments) for name, arguments in IDENTIFIES]
         for program, arguments in runs:
             reached = given.work / "reached"

@@ -31,7 +31,7 @@ def main() -> int:
     linker.define_wasi()
 
     def counted() -> int:
-        low = (FUEL - store.get_fuel()) & 0xFFFFFFFF
+        low = (FUEL - int(store.get_fuel())) & 0xFFFFFFFF
         return low - (1 << 32) if low >> 31 else low
 
     linker.define_func("ema", "counted", wasmtime.FuncType([], [wasmtime.ValType.i32()]), counted)
