@@ -62,21 +62,28 @@ def said(command: list[str]) -> list[str]:
     return done.stdout.splitlines()
 
 
-def functions_of(objdump: str, objects: Path) -> dict[tuple[str, int], Function]:
+def symbols_of(nm: str, program: Path) -> list[tuple[str, int, int]]:
+    """Name, address without the bit that says Thumb, and bytes of every function. Raises ObjectCoverageError."""
+    rows = [line.split() for line in said([nm, "-S", str(program)])]
+    return [(row[3], int(row[0], 16) & ~1, int(row[1], 16)) for row in rows if len(row) == 4 and row[2] in "tT"]
+
+
+def functions_of(objdump: str, nm: str, objects: Path) -> dict[tuple[str, int], Function]:
     """Every function of the library's objects, by name and bytes: copies of one that stands in a header are one. Raises ObjectCoverageError."""
     found: dict[tuple[str, int], Function] = {}
     for path in sorted([*objects.rglob("*.o"), *objects.rglob("*.obj")]):
         own: list[Function] = []
         first = 0
+        size_of = {name: size for name, _, size in symbols_of(nm, path)}
         for line in said([objdump, "-d", str(path)]):
             head, code = FUNCTION.match(line), INSTRUCTION.match(line)
             if head:
-                own.append(Function(head[1], path.name.split(".")[0]))
+                own.append(Function(head[1], path.name.split(".")[0], size_of.get(head[1], 0)))
                 first = int(line.split()[0], 16)
             elif code and own:
                 offset, size = int(code[1], 16) - first, len(code[2].replace(" ", "")) // 2
-                own[-1].bytes = offset + size
-                if not code[3].startswith("."):
+                # what fills up to a word is never reached
+                if not code[3].startswith((".", "nop")) and offset < own[-1].bytes:
                     own[-1].instructions[offset] = size
                     if CONDITIONAL.match(code[3]):
                         own[-1].branches.add(offset)
@@ -101,12 +108,6 @@ def take(functions: dict[tuple[str, int], Function], symbols: Sequence[tuple[str
             if at == end and offset in function.branches:
                 function.fell.update({offset} if fell else ())
                 function.branched.update({offset} if branched else ())
-
-
-def symbols_of(nm: str, program: Path) -> list[tuple[str, int, int]]:
-    """Name, address without the bit that says Thumb, and bytes of every function. Raises ObjectCoverageError."""
-    rows = [line.split() for line in said([nm, "-S", str(program)])]
-    return [(row[3], int(row[0], 16) & ~1, int(row[1], 16)) for row in rows if len(row) == 4 and row[2] in "tT"]
 
 
 def share(part: int, whole: int) -> str:
@@ -187,9 +188,11 @@ def main() -> int:
     try:
         given.work.mkdir(parents=True, exist_ok=True)
         plugin = emulate.plugin_for(emulate.QEMU, source, "reached", given.work)
-        functions = functions_of(given.objdump, given.objects)
+        functions = functions_of(given.objdump, given.nm, given.objects)
         # tests of builds that leave something out are of other code
-        runs: list[tuple[Path, tuple[str, ...]]] = [(program, ()) for program in sorted(given.programs.glob("test_*_f32"))]
+        runs: list[tuple[Path, tuple[str, ...]]] = [
+            (program, ()) for program in sorted([*given.programs.glob("test_*_f32"), *given.programs.glob("test_*_open")])
+        ]
         runs += [(given.answer.with_name(name), arguments) for name, arguments in IDENTIFIES]
         for program, arguments in runs:
             reached = given.work / "reached"
