@@ -5,13 +5,15 @@
  *     if (ema_selftest(&memory, EMA_SELFTEST_BUILD) != EMA_SELFTEST_PASSED) { no verdict }
  *
  * It does not replace a test of RAM, flash or the processor's own. It sees what a whole build or the processor's
- * settings change, and damage to the model's constants. Not looked at: constants of search, fit and command, and single
- * files that were compiled otherwise than the rest; effects, which differ between builds; the order of values in a
+ * settings change, and damage to the constants of model, search, its fit and the chirp. Not looked at: effects, which
+ * differ between builds, and modes that the reference actuator does not have; the assessment after the search; single
+ * files of those that were compiled otherwise than the rest (of what is run it sees them); the order of values in a
  * list whose length is the same; the configuration that is exported, which ema_actuator_check looks at.
  */
 #ifndef EMA_SELFTEST_H
 #define EMA_SELFTEST_H
 
+#include "ema/ema_command.h"
 #include "ema/ema_session.h"
 
 #ifdef __cplusplus
@@ -28,13 +30,19 @@ typedef enum {
                                  * and a sum are contracted: -ffp-contract=off, no part of -ffast-math, FPSCR or MXCSR at reset */
     EMA_SELFTEST_CONSTANTS = 4, /* nominal values, ranges, random numbers or elementary functions are not as built:
                                  * flash it again; after a change of the list see ema_selftest_known.h */
-    EMA_SELFTEST_MODEL = 5 /* a model run gives other bits than on any sound machine: likewise, and look at the flags */
+    EMA_SELFTEST_MODEL =
+        5, /* a model run gives other bits than on any sound machine: likewise, and look at the flags */
+    EMA_SELFTEST_SEARCH = 6 /* a search, its fit or a chirp does: likewise */
 } ema_selftest_outcome_t;
 
-/* The model that is run. Means nothing before and after. */
+/* What is run, one after the other. Means nothing before and after. */
 typedef struct {
     ema_actuator_t actuator;
-    ema_model_t model;
+    union {
+        ema_model_t model;
+        ema_annealer_t annealer;
+        ema_command_t command;
+    };
 } ema_selftest_t;
 
 /* What the caller's headers say of the library: widths of the structures and how many values there are. */
@@ -43,7 +51,8 @@ typedef struct {
      + ((uint32_t)sizeof(ema_selftest_t) * 31U) + (uint32_t)EMA_VALUE_COUNT + ((uint32_t)EMA_REAL64 << 31U))
 
 /* Runs the test; `build` is EMA_SELFTEST_BUILD. What is found first is told. Cost: 700 model steps, some of them with
- * reversals and both ends of the play; the drive stays within its limits: docs/BUDGETS.md. */
+ * reversals and both ends of the play; the drive stays within its limits; and 60 decisions of a search of three values:
+ * docs/BUDGETS.md. */
 ema_selftest_outcome_t ema_selftest(ema_selftest_t* memory, uint32_t build);
 
 #ifdef __cplusplus

@@ -117,7 +117,6 @@ typedef struct {
     bool assessed;       /* models beside the estimate could be made */
     const ema_session_config_t* config;
     uint32_t evaluations;
-    ema_real start_mm;
     uint64_t model_steps;
     ema_record_t record;
     ema_annealer_t annealer;

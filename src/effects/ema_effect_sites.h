@@ -93,7 +93,9 @@ static inline bool ema_tries_whole(const ema_plant_t* plant)
 /* Whether any keeps a temperature. */
 static inline bool ema_acts_by_warmth(const ema_plant_t* plant)
 {
-    return ema_acts(plant, EMA_SITE_WINDING) || ema_acts(plant, EMA_SITE_GREASE);
+    const uint32_t asked = (uint32_t)EMA_SITES_HELD
+                           & (((uint32_t)1 << (uint32_t)EMA_SITE_WINDING) | ((uint32_t)1 << (uint32_t)EMA_SITE_GREASE));
+    return ((uint32_t)plant->active.sites & asked) != 0U;
 }
 
 /* Whether the dry friction of a shaft that keeps its direction changes on the way. */

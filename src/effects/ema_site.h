@@ -11,7 +11,7 @@ typedef struct {
     ema_real angle_rad;
     ema_real position_mm; /* motor position expressed at the rod */
     ema_real current_A;
-    ema_real voltage_V; /* applied by the drive */
+    ema_real voltage_V; /* applied by the drive; where it regulates the current, whose voltage nobody asks for, that */
     ema_real direction; /* of dry friction, -1 or 1, where its level is asked for */
     ema_real grease;    /* relative change of dry and viscous friction by temperature */
 } ema_site_t;

@@ -9,10 +9,11 @@
 #define EMA_FADED EMA_R(18.0)
 #endif
 
-/* ratio^shape; the two usual shapes need no logarithm. */
-static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)
+ema_real ema_stribeck(ema_real rise_Nm, ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape)
 {
+    const ema_real ratio = ema_abs(speed_rad_s) / fallen_rad_s;
     ema_real power = EMA_R(0.0);
+    /* ratio^shape; the two usual shapes need no logarithm */
     if (shape == EMA_R(1.0)) {
         power = ratio;
     } else if (shape == EMA_R(2.0)) {
@@ -22,11 +23,5 @@ static ema_real ema_stribeck_power(ema_real ratio, ema_real shape)
     } else {
         /* at rest the rise is whole */
     }
-    return power;
-}
-
-ema_real ema_stribeck(ema_real rise_Nm, ema_real speed_rad_s, ema_real fallen_rad_s, ema_real shape)
-{
-    const ema_real power = ema_stribeck_power(ema_abs(speed_rad_s) / fallen_rad_s, shape);
     return rise_Nm * ((power < EMA_FADED) ? ema_exp_inside(-power) : EMA_R(0.0));
 }

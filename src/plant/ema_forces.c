@@ -81,7 +81,7 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
                        point->angle_rad,
                        plant->gearbox.lead_mm_per_rad * point->angle_rad,
                        point->current_A,
-                       ema_drive_follows(applied) ? applied->voltage_V : applied->input,
+                       applied->input,
                        EMA_R(0.0),
                        EMA_R(0.0)};
     const uint32_t sites = plant->active.sites;

@@ -7,11 +7,11 @@
 
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
 {
+    ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
     if (state->motion == (int32_t)EMA_MOTION_ELASTIC) {
         ema_site_presliding_keep(plant, state->effect_memory,
                                  ema_site_presliding(plant, state->effect_memory, turn_rad));
     }
-    ema_add_compensated(&state->angle_rad, &state->angle_low_rad, turn_rad);
 }
 
 /* Current and speed bend on their way to the segment's end by what their rates change from end to end. */

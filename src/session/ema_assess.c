@@ -31,7 +31,7 @@ void ema_assess_model(ema_session_t* session)
     ema_sensitivity_t* const sensitivity = &session->sensitivity;
     const uint32_t made = sensitivity->prepared;
     if (made == 0U) {
-        ema_assess_went(session, ema_sensitivity_model(sensitivity, &session->actuator, session->start_mm));
+        ema_assess_went(session, ema_sensitivity_model(sensitivity, &session->actuator, ema_runs_start_mm(session)));
     } else {
         const ema_identified_t* const identified = &config->identified[made - 1U];
         const ema_real value = ema_value_of(&session->actuator, identified->id);
@@ -39,8 +39,8 @@ void ema_assess_model(ema_session_t* session)
         if ((value + delta) > identified->upper) {
             delta = -delta;
         }
-        ema_assess_went(
-            session, ema_sensitivity_moved(sensitivity, &session->actuator, identified->id, delta, session->start_mm));
+        ema_assess_went(session, ema_sensitivity_moved(sensitivity, &session->actuator, identified->id, delta,
+                                                       ema_runs_start_mm(session)));
     }
     if (session->assessed && (sensitivity->prepared > sensitivity->parameters)) {
         ema_sensitivity_learned(sensitivity, config->actuator);

@@ -91,19 +91,15 @@ static void ema_guarded_score(ema_guarded_t* guarded, uint32_t steps)
     }
 }
 
-/* The session's own runs; where the table has said something, it has placed their start. */
-static ema_status_t ema_guarded_search(ema_guarded_t* guarded, uint32_t steps)
+/* After a slice of the session's own runs. */
+static void ema_guarded_searched(ema_guarded_t* guarded, ema_status_t status)
 {
-    ema_session_t* const session = &guarded->session;
-    const ema_status_t status = (guarded->finding.kind != EMA_FINDING_NONE) ? ema_session_run_placed(session, steps)
-                                                                            : ema_session_run(session, steps);
     if (status == EMA_OK) {
         guarded->phase = EMA_GUARDED_SESSION;
-        if (ema_session_phase(session) == EMA_PHASE_DONE) {
+        if (ema_session_phase(&guarded->session) == EMA_PHASE_DONE) {
             ema_guarded_ended(guarded);
         }
     }
-    return status;
 }
 
 ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
@@ -125,7 +121,11 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_GUARDED_LOOKING)) {
             ema_guarded_score(guarded, steps);
         } else if (guarded->phase != EMA_GUARDED_DONE) {
-            status = ema_guarded_search(guarded, steps);
+            /* the session's own runs, from here, where the stack is lowest; where the table has said something, it has
+             * placed their start */
+            status = (guarded->finding.kind != EMA_FINDING_NONE) ? ema_session_run_placed(&guarded->session, steps)
+                                                                 : ema_session_run(&guarded->session, steps);
+            ema_guarded_searched(guarded, status);
         } else {
             /* done */
         }

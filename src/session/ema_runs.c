@@ -24,7 +24,7 @@ ema_real ema_runs_start_mm(const ema_session_t* session)
 }
 
 /* Starts the next model run of the search: first at the healthy values, then at the annealer's candidates. */
-static ema_status_t ema_search_start(ema_session_t* session)
+ema_status_t ema_runs_begin(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
     if (session->healthy_done) {
@@ -36,7 +36,7 @@ static ema_status_t ema_search_start(ema_session_t* session)
                                ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX)
                                : EMA_COST_MAX;
     ema_status_t status = ema_objective_start(&session->run, &session->actuator, &session->record, config->weight,
-                                              session->start_mm, limit);
+                                              ema_runs_start_mm(session), limit);
     /* tables are read where the configuration lies, so that a copy of the session does not depend on its original */
     ema_model_learned(&session->run.model, config->actuator);
     if ((status != EMA_OK) && session->healthy_done) {
@@ -64,13 +64,7 @@ ema_status_t ema_runs_next(ema_session_t* session)
     }
     ema_status_t status = EMA_OK;
     if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
-        status = ema_search_start(session);
+        status = ema_runs_begin(session);
     }
     return status;
-}
-
-ema_status_t ema_runs_begin(ema_session_t* session)
-{
-    session->start_mm = ema_runs_start_mm(session);
-    return ema_search_start(session);
 }

@@ -13,7 +13,8 @@ void ema_runs_move(ema_session_t* session, const ema_real* x);
 /* Where the rod rests before the record: at the command when the first sample agrees with it within play and noise. */
 ema_real ema_runs_start_mm(const ema_session_t* session);
 
-/* Starts the first run. Errors: those of ema_objective_start. */
+/* Starts the run of today's candidate: first the healthy values, then the annealer's. Errors: those of
+ * ema_objective_start. */
 ema_status_t ema_runs_begin(ema_session_t* session);
 
 /* A model run has ended: its cost goes to the annealer, and the next run begins unless the search has ended. */

@@ -22,7 +22,6 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
     }
     if (session->phase == EMA_PHASE_FEEDING) {
         ema_copy(&session->actuator, session->config->actuator, sizeof session->actuator);
-        session->start_mm = ema_runs_start_mm(session);
     } else if (session->phase == EMA_PHASE_DONE) {
         ema_runs_move(session, session->annealer.best.x);
     } else {
@@ -31,7 +30,8 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
     /* the table's checksum is of the actuator as it was exported: the run's own may have today's grease and winding */
     ema_status_t status = ema_onboard_check(table, session->config->actuator, &session->record);
     if (status == EMA_OK) {
-        status = ema_onboard_begin(&session->scoring, table, &session->actuator, &session->record, session->start_mm);
+        status = ema_onboard_begin(&session->scoring, table, &session->actuator, &session->record,
+                                   ema_runs_start_mm(session));
     }
     if (status == EMA_OK) {
         ema_model_learned(&session->scoring.model, session->config->actuator);

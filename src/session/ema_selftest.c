@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "ema/ema_annealer.h"
 #include "ema/ema_random.h"
 
 #include "ema_bounds.h"
@@ -17,6 +18,11 @@
 #define EMA_SELFTEST_TURN 150U
 #define EMA_SELFTEST_STEP_MM EMA_R(0.03125)
 #define EMA_SELFTEST_POINTS 16U
+#define EMA_SEARCHED 3U
+#define EMA_SEARCHED_BUDGET 60U
+/* A thousandth of a second; from one row of the chirp that is asked for to the next. */
+#define EMA_COMMANDED_STEP_S EMA_R(0.001)
+#define EMA_COMMANDED_APART 131U
 
 #if EMA_REAL64
 #define EMA_LEAST_NORMAL DBL_MIN
@@ -109,7 +115,54 @@ uint32_t ema_selftest_model(ema_selftest_t* memory)
     return ema_fold(hash, (uint32_t)status);
 }
 
-ema_selftest_outcome_t ema_selftest_against(ema_selftest_t* memory, uint32_t build, uint32_t constants, uint32_t model)
+/* A search whose quadratic has all of its terms, and a chirp. */
+static const ema_annealer_config_t ema_searched = {.dimension = EMA_SEARCHED,
+                                                   .start = {EMA_R(0.2), EMA_R(0.4), EMA_R(0.9)},
+                                                   .first_step = EMA_R(0.25),
+                                                   .initial_temperature = EMA_R(0.1),
+                                                   .cooling = EMA_R(0.95),
+                                                   .function_tolerance = EMA_R(0.0),
+                                                   .stall_evaluations = EMA_SEARCHED_BUDGET,
+                                                   .reanneal_interval = 20U,
+                                                   .evaluation_budget = EMA_SEARCHED_BUDGET,
+                                                   .seed = 1U};
+static const ema_command_config_t ema_commanded = {.kind = EMA_COMMAND_CHIRP,
+                                                   .amplitude_mm = EMA_R(1.5),
+                                                   .start_hz = EMA_R(0.3),
+                                                   .end_hz = EMA_R(7.0),
+                                                   .duration_s = EMA_R(2.0)};
+
+/* Lowest inside the box, and skew, so that no term of the quadratic is idle. */
+static ema_real ema_searched_cost(const ema_real* x)
+{
+    const ema_real first = x[0] - EMA_R(0.3);
+    const ema_real second = x[1] - EMA_R(0.6);
+    const ema_real third = x[2] - EMA_R(0.7);
+    return (first * first) + (EMA_R(3.0) * second * second) + (EMA_R(0.5) * third * third)
+           + (EMA_R(0.7) * first * second) - (EMA_R(0.3) * second * third);
+}
+
+uint32_t ema_selftest_search(ema_selftest_t* memory)
+{
+    uint32_t hash = EMA_FOLD_START;
+    hash = ema_fold(hash, (uint32_t)ema_annealer_init(&memory->annealer, &ema_searched));
+    while (ema_annealer_outcome(&memory->annealer) == EMA_OUTCOME_ACTIVE) {
+        const ema_real* const x = ema_annealer_candidate(&memory->annealer);
+        for (uint32_t k = 0; k < EMA_SEARCHED; ++k) {
+            hash = ema_fold_real(hash, x[k]);
+        }
+        hash = ema_fold_real(hash, ema_annealer_limit(&memory->annealer));
+        ema_annealer_tell(&memory->annealer, ema_searched_cost(x));
+    }
+    hash = ema_fold(hash, memory->annealer.info.from_quadratic);
+    hash = ema_fold(hash, (uint32_t)ema_command_init(&memory->command, &ema_commanded, EMA_COMMANDED_STEP_S));
+    for (uint32_t k = 0; k < EMA_SELFTEST_POINTS; ++k) {
+        hash = ema_fold_real(hash, ema_command_at(&memory->command, k * EMA_COMMANDED_APART));
+    }
+    return hash;
+}
+
+ema_selftest_outcome_t ema_selftest_against(ema_selftest_t* memory, uint32_t build, const ema_selftest_known_t* known)
 {
     ema_selftest_outcome_t found = EMA_SELFTEST_PASSED;
     if (build != EMA_SELFTEST_BUILD) {
@@ -118,10 +171,12 @@ ema_selftest_outcome_t ema_selftest_against(ema_selftest_t* memory, uint32_t bui
         found = EMA_SELFTEST_NULL;
     } else if (!ema_arithmetic_holds()) {
         found = EMA_SELFTEST_ARITHMETIC;
-    } else if (ema_selftest_constants(&memory->actuator) != constants) {
+    } else if (ema_selftest_constants(&memory->actuator) != known->constants) {
         found = EMA_SELFTEST_CONSTANTS;
-    } else if (ema_selftest_model(memory) != model) {
+    } else if (ema_selftest_model(memory) != known->model) {
         found = EMA_SELFTEST_MODEL;
+    } else if (ema_selftest_search(memory) != known->search) {
+        found = EMA_SELFTEST_SEARCH;
     } else {
         /* as on every other machine */
     }
@@ -130,5 +185,6 @@ ema_selftest_outcome_t ema_selftest_against(ema_selftest_t* memory, uint32_t bui
 
 ema_selftest_outcome_t ema_selftest(ema_selftest_t* memory, uint32_t build)
 {
-    return ema_selftest_against(memory, build, EMA_CONSTANTS_KNOWN, EMA_MODEL_KNOWN);
+    static const ema_selftest_known_t known = {EMA_CONSTANTS_KNOWN, EMA_MODEL_KNOWN, EMA_SEARCH_KNOWN};
+    return ema_selftest_against(memory, build, &known);
 }

@@ -2,7 +2,10 @@
  * friction as a search may try, over commands that no ground test has; and whole sessions on records that no machine
  * makes. Run it with -icount shift=6, as ema_count.
  *
- * Prints a line for each: name, command, and the most that a slice, a step and the preparation of a run have taken.
+ * Prints a line for each: name, command, and the most that a slice, a step and the preparation of a run have taken; at
+ * the end the most of all slices, the most work that one was counted for, which is the same in every build, and the
+ * bytes of stack that the sessions used. `ema_worst slices` leaves out single steps, and the effects that had no long
+ * slices where all of them were looked at.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -13,9 +16,9 @@
 #include "ema_counter.h"
 #include "ema_recorded.h"
 
-/* 25 ticks are 1000 ns, 1000 / 64 instructions. */
-#define TICKS 8U
-#define INSTRUCTIONS 5U
+/* Of the time that an instruction takes, and that a tick is. */
+#define INSTRUCTION_NS 64U
+#define TICK_NS (1000000000U / EMA_COUNTER_HZ)
 #define ROWS 2000U
 #define SLICE 200U
 /* Model runs of a session: enough for every kind of slice. */
@@ -43,9 +46,67 @@ typedef struct {
     uint32_t spent; /* of the same */
 } worst_t;
 
+/* Of everything that was looked at. */
+static uint32_t most_ticks;
+static uint32_t most_work; /* of a slice of model steps */
+static uint32_t most_stack;
+
+static bool slices_alone;
+
+/* Effects with the longest slices of model steps, and with the most work in one: docs/BUDGETS.md. */
+static bool long_slices(const char* effect)
+{
+    static const char* const names[] = {"current_limit",   "learned_reading", "elastic_backlash",
+                                        "learned_voltage", "presliding",      "stribeck_friction"};
+    bool found = false;
+    for (size_t k = 0; k < (sizeof names / sizeof names[0]); ++k) {
+        found = found || (strcmp(effect, names[k]) == 0);
+    }
+    return found;
+}
+
+static void keep_most(uint32_t* most, uint32_t value)
+{
+    *most = (value > *most) ? value : *most;
+}
+
+/* Stack below the function that says so, painted before its calls and looked at afterwards. */
+#define PAINTED_WORDS 2048U
+#define PAINT 0xA5C3F00DU
+#if defined(__arm__)
+#define STACK_POINTER(place) __asm__ volatile("mov %0, sp" : "=r"(place))
+#elif defined(__riscv)
+#define STACK_POINTER(place) __asm__ volatile("mv %0, sp" : "=r"(place))
+#elif defined(__powerpc__)
+#define STACK_POINTER(place) __asm__ volatile("mr %0, 1" : "=r"(place))
+#elif defined(__x86_64__)
+#define STACK_POINTER(place) __asm__ volatile("mov %%rsp, %0" : "=r"(place))
+#else
+#define STACK_POINTER(place) ((place) = 0U)
+#endif
+
+#define PAINT_STACK(lowest)                                                                                            \
+    do {                                                                                                               \
+        uintptr_t place = 0U;                                                                                          \
+        STACK_POINTER(place);                                                                                          \
+        (lowest) = (volatile uint32_t*)((place != 0U) ? (place - (PAINTED_WORDS * sizeof(uint32_t))) : 0U);            \
+        for (uint32_t word = 0; ((lowest) != NULL) && (word < PAINTED_WORDS); ++word) {                                \
+            (lowest)[word] = PAINT;                                                                                    \
+        }                                                                                                              \
+    } while (false)
+
+static void take_stack(const volatile uint32_t* lowest)
+{
+    uint32_t same = 0U;
+    while ((lowest != NULL) && (same < PAINTED_WORDS) && (lowest[same] == PAINT)) {
+        ++same;
+    }
+    keep_most(&most_stack, (lowest != NULL) ? ((PAINTED_WORDS - same) * (uint32_t)sizeof(uint32_t)) : 0U);
+}
+
 static unsigned long long instructions(uint64_t ticks)
 {
-    return (unsigned long long)(((ticks * INSTRUCTIONS) + (TICKS - 1U)) / TICKS);
+    return (unsigned long long)(((ticks * TICK_NS) + (INSTRUCTION_NS - 1U)) / INSTRUCTION_NS);
 }
 
 /* Between -1 and 1, the same on every run. */
@@ -76,6 +137,7 @@ static ema_real jumps(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 static ema_real noise(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 {
     (void)row;
+    (void)drawn;
     return draw(drawn) * travel_mm;
 }
 
@@ -89,6 +151,7 @@ static ema_real square(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 static ema_real dither(uint32_t row, ema_real travel_mm, uint32_t* drawn)
 {
     (void)row;
+    (void)drawn;
     (void)travel_mm;
     return draw(drawn) * EMA_R(0.05);
 }
@@ -128,6 +191,8 @@ static uint32_t run(const char* name, const ema_actuator_t* actuator, uint32_t s
         from = ema_counter_now();
         state = ema_objective_run(&objective, slice);
         const uint32_t ticks = ema_counter_now() - from;
+        keep_most(&most_ticks, (slice == SLICE) ? ticks : 0U);
+        keep_most(&most_work, (slice == SLICE) ? objective.model.work.spent : 0U);
         if (ticks > worst->ticks) {
             worst->ticks = ticks;
             worst->spent = objective.model.work.spent;
@@ -156,7 +221,9 @@ static void look(const char* name, const ema_actuator_t* actuator, const char* f
         worst_t slice = {0};
         worst_t step = {0};
         const uint32_t start = run(name, actuator, SLICE, &slice);
-        (void)run(name, actuator, 1U, &step);
+        if (!slices_alone) {
+            (void)run(name, actuator, 1U, &step);
+        }
         (void)printf("%s %s %s slice %llu of %" PRIu32 " step %llu of %" PRIu32 " start %llu\n", name, commands[k].name,
                      friction, instructions(slice.ticks), slice.spent, instructions(step.ticks), step.spent,
                      instructions(start));
@@ -170,13 +237,77 @@ static void look_free_and_seized(const char* name, ema_actuator_t* actuator)
     look(name, actuator, "seized");
 }
 
-/* What a session is fed in the place of the sensors' signals. */
-typedef enum { EMA_FED_WRONG_SIGN, EMA_FED_NOISE, EMA_FED_NOTHING, EMA_FED_KINDS } ema_fed_t;
+/* What a session is fed in the place of the sensors' signals, the first four of them with slices alone: what no
+ * machine makes, and the kinds of docs/FAULTS.md that are not refused. */
+#define EMA_FED_LIST(ROW)                                                                                              \
+    ROW(wrong_sign, (void)drawn, position_mm = -position_mm)                                                           \
+    ROW(noise, command_mm = draw(drawn) * travel_mm, position_mm = draw(drawn) * travel_mm)                            \
+    ROW(nothing, (void)drawn, position_mm = EMA_R(0.0))                                                                \
+    ROW(swapped, command_mm = position_mm, position_mm = recorded->command_mm)                                         \
+    ROW(as_recorded, (void)drawn, (void)position_mm)                                                                   \
+    ROW(resolution, (void)drawn, position_mm = (ema_real)(int32_t)(position_mm * EMA_R(10.0)) / EMA_R(10.0))           \
+    ROW(stuck, (void)drawn, position_mm = position_of((row < 500U) ? row : 500U))                                      \
+    ROW(old_values, (void)drawn, position_mm = position_of(row - (row % 20U)))                                         \
+    ROW(dropout, (void)drawn, position_mm = ((row / 500U) == 1U) ? EMA_R(0.0) : position_mm)                           \
+    ROW(lost_rows, (void)drawn, position_mm = position_of((row < 500U) ? row : (row + 100U)))                          \
+    ROW(spikes, (void)drawn, position_mm += ((row % 40U) == 20U) ? EMA_R(5.0) : EMA_R(0.0))                            \
+    ROW(saturation, (void)drawn, position_mm = within(position_mm, EMA_R(1.0)))                                        \
+    ROW(jitter, (void)drawn, position_mm = position_of(row + ((draw(drawn) > EMA_R(0.0)) ? 2U : 0U)))                  \
+    ROW(clock, (void)drawn, position_mm = position_of((row * 101U) / 100U))                                            \
+    ROW(late, (void)drawn, position_mm = position_of((row < 50U) ? 0U : (row - 50U)))                                  \
+    ROW(early, (void)drawn, position_mm = position_of(row + 5U))                                                       \
+    ROW(command_sign, command_mm = -command_mm, (void)drawn)                                                           \
+    ROW(scale, (void)drawn, position_mm *= EMA_R(0.98))                                                                \
+    ROW(offset, (void)drawn, position_mm += EMA_R(1.0))                                                                \
+    ROW(drift, (void)drawn, position_mm += (ema_real)row * EMA_R(5.0e-5))                                              \
+    ROW(current, (void)drawn, position_mm = recorded->channel[EMA_CHANNEL_CURRENT])                                    \
+    ROW(other_command, command_mm *= EMA_R(1.1), (void)drawn)
 
-static const char* const fed_names[EMA_FED_KINDS] = {"wrong_sign", "noise", "nothing"};
+#define EMA_FED_SLICES_ALONE 4U
+
+/* The rod of the recorded case. */
+static ema_real position_of(uint32_t row)
+{
+    ema_sample_t sample = {0};
+    (void)ema_recorded_row('b', row, &sample);
+    return sample.channel[EMA_CHANNEL_POSITION];
+}
+
+static ema_real within(ema_real value, ema_real limit)
+{
+    return (value > limit) ? limit : (value < -limit) ? -limit : value;
+}
+
+typedef void (*fed_fn)(uint32_t row, ema_real travel_mm, uint32_t* drawn, const ema_sample_t* recorded,
+                       ema_sample_t* fed);
+
+#define EMA_FED_FUNCTION(name, first, second)                                                                          \
+    static void fed_##name(uint32_t row, ema_real travel_mm, uint32_t* drawn, const ema_sample_t* recorded,            \
+                           ema_sample_t* fed)                                                                          \
+    {                                                                                                                  \
+        ema_real command_mm = recorded->command_mm;                                                                    \
+        ema_real position_mm = recorded->channel[EMA_CHANNEL_POSITION];                                                \
+        (void)row;                                                                                                     \
+        (void)drawn;                                                                                                   \
+        (void)travel_mm;                                                                                               \
+        first;                                                                                                         \
+        second;                                                                                                        \
+        fed->command_mm = command_mm;                                                                                  \
+        fed->channel[EMA_CHANNEL_POSITION] = position_mm;                                                              \
+    }
+EMA_FED_LIST(EMA_FED_FUNCTION)
+
+static const struct {
+    const char* name;
+    fed_fn at;
+} feds[] = {
+#define EMA_FED_ROW(name, first, second) {#name, fed_##name},
+    EMA_FED_LIST(EMA_FED_ROW)};
+
+#define EMA_FED_KINDS (sizeof feds / sizeof feds[0])
 
 /* The longest slice of a session on such a record, grease and winding of the day searched too. */
-static void look_session(const char* name, const ema_actuator_t* actuator, ema_fed_t fed)
+static void look_session(const char* name, const ema_actuator_t* actuator, size_t fed)
 {
     static ema_session_t session;
     static ema_session_config_t config;
@@ -191,41 +322,41 @@ static void look_session(const char* name, const ema_actuator_t* actuator, ema_f
         status = ema_session_init(&session, &config);
     }
     for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
-        ema_sample_t sample = {0};
-        (void)ema_recorded_row('b', row, &sample);
-        if (fed == EMA_FED_WRONG_SIGN) {
-            sample.channel[EMA_CHANNEL_POSITION] = -sample.channel[EMA_CHANNEL_POSITION];
-        } else if (fed == EMA_FED_NOISE) {
-            sample.command_mm = draw(&drawn) * actuator->params.travel_mm;
-            sample.channel[EMA_CHANNEL_POSITION] = draw(&drawn) * actuator->params.travel_mm;
-        } else {
-            sample.channel[EMA_CHANNEL_POSITION] = EMA_R(0.0);
-        }
+        ema_sample_t original = {0};
+        (void)ema_recorded_row('b', row, &original);
+        ema_sample_t sample = original;
+        feds[fed].at(row, actuator->params.travel_mm, &drawn, &original, &sample);
         status = ema_session_feed(&session, &sample);
     }
     uint32_t worst = 0U;
+    volatile uint32_t* lowest = NULL;
+    PAINT_STACK(lowest);
     while ((status == EMA_OK) && (ema_session_phase(&session) != EMA_PHASE_DONE)) {
         const uint32_t from = ema_counter_now();
         status = ema_session_run(&session, SLICE);
         const uint32_t ticks = ema_counter_now() - from;
-        worst = (ticks > worst) ? ticks : worst;
+        keep_most(&worst, ticks);
     }
+    take_stack(lowest);
+    keep_most(&most_ticks, worst);
     if (status != EMA_OK) {
         fail(name, status);
     }
-    (void)printf("session %s %s slice %llu\n", name, fed_names[fed], instructions(worst));
+    (void)printf("session %s %s slice %llu\n", name, feds[fed].name, instructions(worst));
 }
 
 static void look_sessions(const char* name, const ema_actuator_t* actuator)
 {
-    for (uint32_t fed = 0; fed < (uint32_t)EMA_FED_KINDS; ++fed) {
-        look_session(name, actuator, (ema_fed_t)fed);
+    const size_t kinds = slices_alone ? EMA_FED_SLICES_ALONE : EMA_FED_KINDS;
+    for (size_t fed = 0; fed < kinds; ++fed) {
+        look_session(name, actuator, fed);
     }
 }
 
-int main(void)
+int main(int argc, char* argv[])
 {
     ema_actuator_t healthy;
+    slices_alone = (argc > 1) && (strcmp(argv[1], "slices") == 0);
     ema_counter_start();
     (void)ema_actuator_defaults(&healthy);
     ema_actuator_t actuator = healthy;
@@ -236,13 +367,17 @@ int main(void)
         for (; (k < COSTED) && (strcmp(costed[k].effect, name) == 0); ++k) {
             (void)ema_actuator_set(&actuator, costed[k].id, costed[k].value);
         }
-        look_free_and_seized(name, &actuator);
+        if (!slices_alone || long_slices(name)) {
+            look_free_and_seized(name, &actuator);
+        }
     }
     healthy.options.day_values = 1;
     look_sessions("healthy", &healthy);
     (void)ema_actuator_set(&healthy, EMA_EFFECT_VALUE_ID(presliding, stretch_rad), EMA_R(0.02));
     (void)ema_actuator_set(&healthy, EMA_EFFECT_VALUE_ID(pitch_ripple, ratio), EMA_R(0.03));
     look_sessions("presliding+pitch_ripple", &healthy);
+    (void)printf("most slice %llu work %" PRIu32 " stack %" PRIu32 "\n", instructions(most_ticks), most_work,
+                 most_stack);
     (void)printf("looked everywhere\n");
     return 0;
 }

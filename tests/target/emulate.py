@@ -15,6 +15,8 @@ from pathlib import Path
 
 QEMU = "qemu-system-arm"
 TIMED_OUT = 124
+# Of QEMU's plugin interface: each QEMU takes some.
+PLUGIN_VERSIONS = range(1, 9)
 # What Unity prints at the end of every program.
 UNITY_SUMMARY = re.compile(r"^(\d+) Tests (\d+) Failures (\d+) Ignored\s*$", re.MULTILINE)
 
@@ -27,8 +29,11 @@ class Run:
     exit_code: int
 
 
-def run(board: str, program: Path, arguments: list[str], *, shift: int | None = None, timeout_s: float = 1700.0) -> Run:
+def run(
+    board: str, program: Path, arguments: list[str], *, shift: int | None = None, timeout_s: float = 1700.0, plugin: str | None = None
+) -> Run:
     """Starts `program` on `board` with its arguments. With `shift`, each instruction takes 2^shift ns of the emulated time and the run is the same every time.
+    `plugin`: of QEMU, a file and its options.
 
     Raises FileNotFoundError with what to do when QEMU or the program is missing.
     """
@@ -61,6 +66,8 @@ def run(board: str, program: Path, arguments: list[str], *, shift: int | None = 
     ]
     if shift is not None:
         command += ["-icount", f"shift={shift},sleep=off"]
+    if plugin is not None:
+        command += ["-plugin", plugin]
     try:
         done = subprocess.run(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout_s, check=False
@@ -68,6 +75,24 @@ def run(board: str, program: Path, arguments: list[str], *, shift: int | None = 
     except subprocess.TimeoutExpired as error:
         return Run((error.stdout or b"").decode(errors="replace"), TIMED_OUT)
     return Run(done.stdout.decode(errors="replace").replace("\r\n", "\n"), done.returncode)
+
+
+def plugin_for(emulator: str, source: Path, option: str, work: Path) -> Path:
+    """A plugin, built as this emulator takes it and tried with `option=FILE`. Raises FileNotFoundError with what the emulator says when it takes none."""
+    said = ""
+    for version in PLUGIN_VERSIONS:
+        made = work / f"{source.stem}_{version}.so"
+        command = ["gcc", "-std=c11", "-O2", "-shared", "-fPIC", f"-DQEMU_PLUGIN_VERSION={version}", str(source), "-o", str(made)]
+        built = subprocess.run(command, capture_output=True, text=True, check=False)
+        if built.returncode != 0:
+            raise FileNotFoundError(f"{source.name}: {built.stderr.strip()[-200:]}")
+        (work / "tried").write_bytes(bytes(8))
+        machine = ["-machine", "none", "-display", "none"] if "-system-" in emulator else []
+        trial = [emulator, *machine, "-plugin", f"{made},{option}={work / 'tried'}", "no_such_program"]
+        said = subprocess.run(trial, capture_output=True, text=True, check=False, timeout=60.0).stderr
+        if "plugin" not in said:
+            return made
+    raise FileNotFoundError(f"{emulator} takes no plugin: {said.strip()}")
 
 
 def unity_verdict(result: Run) -> str:

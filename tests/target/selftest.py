@@ -1,4 +1,4 @@
-"""The self-test on the target: passed by the module as it is built, refused where products are contracted, and where one bit of its constants is another.
+"""The self-test on the target: passed by the module as it is built, refused where products are contracted, all or those of one file, and where one bit of its constants is another.
 
 Python's standard library alone.
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 
 import emulate
 
-PASSED, ARITHMETIC, CONSTANTS, MODEL = 0, 3, 4, 5
+PASSED, ARITHMETIC, CONSTANTS, MODEL, SEARCH = 0, 3, 4, 5, 6
 # Constants that the test must look at: ranges, series and polynomials.
 TABLES = ("ema_bounds", "ema_exp_inside", "ema_inverse")
 # Ranges come first as parameters', which are looked at, then as effects', which are not: builds differ in them.
@@ -83,6 +83,8 @@ def check(given: argparse.Namespace) -> int:
         raise SelftestError(f"{given.program.name}: outcome {code} of a sound module")
     if (code := outcome(given.board, given.contracted)) != ARITHMETIC:
         raise SelftestError(f"{given.contracted.name}: outcome {code} where products are contracted, not {ARITHMETIC}")
+    if (code := outcome(given.board, given.mixed)) != SEARCH:
+        raise SelftestError(f"{given.mixed.name}: outcome {code} where the products of a fit are contracted, not {SEARCH}")
     image = given.program.read_bytes()
     found = symbols(given.nm, given.program)
     chosen = flips(found)
@@ -91,7 +93,7 @@ def check(given: argparse.Namespace) -> int:
         for flip in chosen:
             place = place_in_file(image, found[flip.table][0] + flip.offset + flip.bit // 8)
             damaged.write_bytes(image[:place] + bytes([image[place] ^ (1 << (flip.bit % 8))]) + image[place + 1 :])
-            if (code := outcome(given.board, damaged)) not in (CONSTANTS, MODEL):
+            if (code := outcome(given.board, damaged)) not in (CONSTANTS, MODEL, SEARCH):
                 raise SelftestError(f"{flip.table}: outcome {code} with bit {flip.bit} at byte {flip.offset} another")
     return len(chosen)
 
@@ -102,10 +104,11 @@ def main() -> int:
     parser.add_argument("--board", required=True, help="QEMU's name of the machine")
     parser.add_argument("--nm", required=True, help="nm of the cross compiler")
     parser.add_argument("--contracted", type=Path, required=True, help="the program with a module whose products are contracted")
+    parser.add_argument("--mixed", type=Path, required=True, help="the program with a search whose fit alone is contracted")
     parser.add_argument("program", type=Path)
     given = parser.parse_args()
     try:
-        print(f"selftest: passed as built, refused contracted and with {check(given)} damaged constants")
+        print(f"selftest: passed as built, refused contracted, in a file alone and with {check(given)} damaged constants")
     except (SelftestError, OSError, subprocess.CalledProcessError) as error:
         print(f"selftest: {error}", file=sys.stderr)
         return 1

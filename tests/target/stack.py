@@ -43,6 +43,7 @@ class Graph:
     frames: dict[str, int] = field(default_factory=dict)
     calls: dict[str, set[str]] = field(default_factory=dict)
     soft: bool = False  # the processor has no float unit
+    own: bool = False  # of the module's own functions alone: another library's frames are not known
 
     def add(self, text: str) -> None:
         """Adds one file of gcc's graph."""
@@ -71,6 +72,8 @@ class Graph:
             raise StackError(f"{above[-1]}: calls through a pointer: name the function")
         if name not in self.frames:
             plain = name.removeprefix("__builtin_")
+            if self.own and (plain in LIBRARY_BYTES or plain.startswith("_")):
+                return 0, (plain,)
             if self.soft and plain.startswith("__aeabi_"):
                 return SOFT_BYTES, (plain,)
             if self.soft and plain == "sqrtf":
@@ -84,12 +87,12 @@ class Graph:
         return self.frames[name] + deepest[0], (name.rsplit(":", 1)[-1], *deepest[1])
 
 
-def load(folder: Path, soft: bool = False) -> Graph:
-    """The graph of every .ci file below `folder`; `soft`: of a processor without a float unit. Raises StackError when there is none."""
+def load(folder: Path, soft: bool = False, own: bool = False) -> Graph:
+    """The graph of every .ci file below `folder`; `soft`: of a processor without a float unit; `own`: without the library's frames. Raises StackError when there is none."""
     files = sorted(folder.rglob("*.ci"))
     if not files:
         raise StackError(f"{folder}: no call graph: build with -fcallgraph-info=su")
-    graph = Graph(soft=soft)
+    graph = Graph(soft=soft, own=own)
     for path in files:
         graph.add(path.read_text(encoding="utf-8"))
     return graph

@@ -10,11 +10,13 @@ import unittest
 from pathlib import Path
 
 import budgets
+import builds
 import emulate
 import example
 import exported
 import make_image
 import make_records
+import object_coverage
 import same_answer
 import stack
 
@@ -185,6 +187,13 @@ class Stacks(unittest.TestCase):
         with self.assertRaisesRegex(stack.StackError, "unknown size"):
             self.graph(node("ema_a", 8, "dynamic"))
 
+    def test_a_library_that_is_not_known(self) -> None:
+        graph = self.graph(node("ema_a", 8), call("ema_a", "memcpy"), call("ema_a", "__builtin_memset"), call("ema_a", "__divti3"))
+        graph.own = True
+        self.assertEqual(graph.worst("ema_a")[0], 8)
+        with self.assertRaisesRegex(stack.StackError, "not in the call graph"):
+            self.graph(node("ema_a", 8), call("ema_a", "__divti3")).worst("ema_a")
+
     def test_nothing_to_look_at(self) -> None:
         with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(stack.StackError, "no call graph"):
             stack.load(Path(folder))
@@ -209,7 +218,7 @@ def measured(**changed: float) -> budgets.Measured:
     }
     counts |= {
         f"model_step_{name}_{which}": 300
-        for name in ("healthy", "effect_stribeck_friction", "effect_torque_ripple")
+        for name in ("healthy", "effect_stribeck_friction", "effect_cogging_torque", "effect_torque_ripple")
         for which in ("mean", "most")
     }
     counts |= {
@@ -234,6 +243,7 @@ def measured(**changed: float) -> budgets.Measured:
         "table_products": 184,
         "table_bin_rows": 40,
     }
+    counts |= {f"{budgets.STEP}{name}_mean": limit + 1 for name, (_, limit) in budgets.STEPS.items()}
     counts["size_ema_guarded_t"] = 7300
     counts |= {
         f"{name}_{which}": 300
@@ -284,6 +294,60 @@ def measured(**changed: float) -> budgets.Measured:
         LEVELS,
         budgets.worst_of(LOOKED),
     )
+
+
+class Builds(unittest.TestCase):
+    """The table of builds."""
+
+    def built(
+        self, answer: str = "a", used: int | None = 640, slice: int | None = 120_000, work: int | None = 306
+    ) -> tuple[builds.Machine, str, builds.Built]:
+        return builds.MACHINES[0], "-Os", builds.Built(90_000, 800, used, slice, work, answer)
+
+    def test_rows(self) -> None:
+        rows = builds.table([self.built(), self.built(answer="b", slice=130_000), self.built(answer="", used=None, slice=None, work=None)])
+        self.assertRegex(rows[2], r"\| 90 000 \| 800 \| 640 \| 120 000 \| equal \|$")
+        self.assertRegex(rows[3], r"130 000 \| \*\*other\*\* \|$")
+        self.assertRegex(rows[4], r"\| 800 \| - \| - \| by the page's own test \|$")
+
+    def test_work_is_the_same_everywhere(self) -> None:
+        self.assertEqual(builds.work_of([self.built(), self.built(work=None)]), 306)
+        for rows in ([self.built(), self.built(work=307)], [self.built(work=None)]):
+            with self.subTest(len(rows)), self.assertRaisesRegex(builds.BuildError, "same in every build"):
+                builds.work_of(rows)
+
+    def test_the_end_of_the_program(self) -> None:
+        self.assertEqual(builds.MOST.findall("x\nmost slice 121672 work 306 stack 424\n"), [("121672", "306", "424")])
+
+
+class ObjectCoverage(unittest.TestCase):
+    """What of the object code was reached."""
+
+    def function(self) -> object_coverage.Function:
+        return object_coverage.Function("ema_a", "a", 8, {0: 2, 2: 2, 4: 4}, {2})
+
+    def test_blocks(self) -> None:
+        function = self.function()
+        known = {("ema_a", 8): function}
+        object_coverage.take(
+            known, [("ema_a", 0x100, 8), ("ema_a", 0x200, 12), ("main", 0x300, 8)], "100 104 1 0\n300 304 1 1\n200 204 0 1\n"
+        )
+        self.assertEqual((function.reached, function.fell, function.branched), ({0, 2}, {2}, set()))
+        self.assertEqual((function.missed(), function.ways_missed()), (1, 1))
+        object_coverage.take(known, [("ema_a", 0x400, 8)], "400 404 0 1\n404 408 0 1\n")
+        self.assertEqual((function.missed(), function.ways_missed()), (0, 0))
+        self.assertEqual(object_coverage.problems_of([function]), [])
+
+    def test_too_little(self) -> None:
+        self.assertRegex(" ".join(object_coverage.problems_of([self.function()])), "0.0 % of the instructions.*0.0 % of the ways")
+        self.assertIn("`ema_a` | 3 | 3", object_coverage.document([self.function()], 1, "12.2.1"))
+
+    def test_instructions(self) -> None:
+        lines = ("   2:\td001      \tbeq.n\t8 <ema_a+0x8>", "   4:\tf000 f800 \tbl\t0 <ema_b>", "   8:\t00000000 \t.word\t0x00000000")
+        found = [object_coverage.INSTRUCTION.match(line) for line in lines]
+        self.assertEqual([match[3] for match in found if match], ["beq.n", "bl"] + ([".word"] if found[2] else []))
+        self.assertTrue(all(object_coverage.CONDITIONAL.match(word) for word in ("beq.n", "bne.w", "cbz", "cbnz", "blt")))
+        self.assertFalse(any(object_coverage.CONDITIONAL.match(word) for word in ("b.n", "bl", "bx", "blx", "bic")))
 
 
 class Budgets(unittest.TestCase):

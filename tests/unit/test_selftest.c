@@ -83,6 +83,10 @@ static void test_expected_values_are_those_of_today(void)
     const uint32_t model = ema_selftest_model(&memory);
     (void)snprintf(message, sizeof message, "EMA_MODEL_KNOWN is now 0x%08lXU", (unsigned long)model);
     TEST_ASSERT_EQUAL_HEX32_MESSAGE(EMA_MODEL_KNOWN, model, message);
+    const uint32_t search = ema_selftest_search(&memory);
+    (void)snprintf(message, sizeof message, "EMA_SEARCH_KNOWN is now 0x%08lXU", (unsigned long)search);
+    TEST_ASSERT_EQUAL_HEX32_MESSAGE(EMA_SEARCH_KNOWN, search, message);
+    TEST_ASSERT_EQUAL_HEX32(search, ema_selftest_search(&memory));
 }
 
 static void test_another_actuator_gives_another_model(void)
@@ -94,10 +98,12 @@ static void test_another_actuator_gives_another_model(void)
 
 static void test_other_values_than_the_expected_are_told(void)
 {
-    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_CONSTANTS,
-                          ema_selftest_against(&memory, EMA_SELFTEST_BUILD, EMA_CONSTANTS_KNOWN ^ 1U, EMA_MODEL_KNOWN));
-    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_MODEL,
-                          ema_selftest_against(&memory, EMA_SELFTEST_BUILD, EMA_CONSTANTS_KNOWN, EMA_MODEL_KNOWN ^ 1U));
+    ema_selftest_known_t known = {EMA_CONSTANTS_KNOWN, EMA_MODEL_KNOWN, EMA_SEARCH_KNOWN ^ 1U};
+    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_SEARCH, ema_selftest_against(&memory, EMA_SELFTEST_BUILD, &known));
+    known.model ^= 1U;
+    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_MODEL, ema_selftest_against(&memory, EMA_SELFTEST_BUILD, &known));
+    known.constants ^= 1U;
+    TEST_ASSERT_EQUAL_INT(EMA_SELFTEST_CONSTANTS, ema_selftest_against(&memory, EMA_SELFTEST_BUILD, &known));
 }
 
 static void test_a_model_that_cannot_be_made_is_another(void)
