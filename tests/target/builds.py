@@ -282,7 +282,7 @@ def document(found: Sequence[tuple[Machine, str, Built]], versions: Sequence[str
             "The longest slice is of 200, in the build's own instructions, found by [ema_worst](../tests/target/ema_worst.c) in whole sessions on records that no machine makes and, with the",
             "effects that have the longest slices where all were looked at ([BUDGETS](BUDGETS.md#the-longest-slice), the Cortex-M4F), free and with the highest friction, under six commands each.",
             "They are counted by the emulator of the board; by a plugin of QEMU's user emulation, for x86-64 too; and of WebAssembly by wasmtime, whose instructions are the format's own, each some",
-            "of a processor. They are no times.",
+            "of a processor, where the Python that runs the command has that package and wasi-libc is installed. They are no times.",
             f"In the module's own measure the longest slice of model steps was counted {work_of(found)} plain steps, in every build the same: the command fails where one differs.",
             "",
             "Bits: every line of a whole identification of case A, estimates, errors, objective, evaluations and the state of the random numbers, against those of the first row.",

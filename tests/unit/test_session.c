@@ -462,8 +462,7 @@ static void test_start_is_the_rod_when_it_rests_elsewhere(void)
     /* the first row is the rod at the end of no step: where it rested */
     EMA_ASSERT_CLOSE(4.0, ema_runs_start_mm(&session), 1.0e-6, 0.0);
     assert_found(&result, &truth, 0.1);
-    EMA_ASSERT_CLOSE(direct_cost(&healthy, ema_runs_start_mm(&session)), result.objective_before, 0.0,
-                     20.0 * EMA_EPS);
+    EMA_ASSERT_CLOSE(direct_cost(&healthy, ema_runs_start_mm(&session)), result.objective_before, 0.0, 20.0 * EMA_EPS);
 }
 
 static void test_result_is_the_same_bits_for_any_slices(void)
