@@ -103,7 +103,7 @@ def test_a_validation_record_that_refutes_is_said() -> None:
 def test_error_left_is_what_the_ladder_has_and_what_the_score_takes_off() -> None:
     found = {one.entry.name: one.left for one in first_screen.candidates(parsed(diagnosis("missing")))}
     assert found["stribeck_friction"] == pytest.approx(4.0) and found["spring_load"] == pytest.approx(6.0)
-    assert "leaves 1.5 times the error" in said(diagnosis("missing")).replies[2].more
+    assert "leaves 1.5 times its error" in said(diagnosis("missing")).replies[2].more
 
 
 def test_heat_map_counts_in_noise_and_is_empty_when_healthy(tmp_path: Path) -> None:

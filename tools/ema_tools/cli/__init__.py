@@ -439,10 +439,11 @@ def diagnose(
     if (json_path or page or pictures) and isinstance(measured, Record) and not model.absent:
         evidence = found.evidence if isinstance(found, Answer) else None
         first = evidence.actuator if evidence is not None else found.known
-        # without healthy records the unit's own parameters have moved, though no effect was fitted
-        moved = found.fits or (evidence is not None and not evidence.relative)
+        # without healthy records the unit's own parameters have moved, and beside them what scatters, though no effect was fitted
+        moved = found.fits or evidence is not None
         entry = bench(first, measured, evidence)
-        drawn = curves(measured, before=simulated(first, measured), after=simulated(found.fitted, measured) if moved else None)
+        after = found.on_its_day if isinstance(found, Answer) else found.fitted
+        drawn = curves(measured, before=simulated(first, measured), after=simulated(after, measured) if moved else None)
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)

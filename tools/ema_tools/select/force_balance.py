@@ -438,6 +438,7 @@ class ForceSearch:
             estimated_floor(bench, accepted),
             (foretold_percent(bench, first), foretold_percent(bench, accepted)),
             base_values(actuator, bench, bench.stated(accepted)),
+            float(np.ptp(states.angle_rad)) / (2.0 * math.pi),
         )
 
     def patterns_bend(self, effect: str) -> bool:
@@ -581,8 +582,7 @@ def _fewest(
 def _is_slow_wave(step: ForceStep, found: ForceSteps) -> bool:
     """Whether an effect is a wave of which the motion sees hardly more than one turn."""
     periods = step.values.get(f"{step.effect}.periods", math.inf)
-    turns = float(np.ptp(found.curves["position_mm"])) / found.actuator["screw.lead_mm"] * found.actuator["gearbox.ratio"]
-    return record_of(step.effect).periodic is not None and periods * turns < _ONE_TURN
+    return record_of(step.effect).periodic is not None and periods * found.motor_turns < _ONE_TURN
 
 
 def _improved(

@@ -14,8 +14,8 @@ from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import Evidence
-from ema_tools.fit.nuisance import FROM_DATA_SHEET
+from ema_tools.fit.evidence import Evidence, settled
+from ema_tools.fit.nuisance import FROM_DATA_SHEET, moved
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
@@ -97,6 +97,14 @@ class Answer:
     def fitted(self) -> Actuator:
         """The machine with everything that was fitted to the record, recommended or not."""
         return self.known.changed(self.diagnosis.fit.values if self.diagnosis.fit is not None else {})
+
+    @property
+    def on_its_day(self) -> Actuator:
+        """The same with what scatters from run to run, grease and winding among it, as the record shows it: what the error after everything was fitted is counted with."""
+        fit = self.diagnosis.fit
+        deviations = fit.deviations() if fit is not None else settled(self.evidence, {}).deviations
+        day = moved(self.evidence.actuator, self.evidence.spread, deviations)
+        return self.known.changed({**day, **(fit.values if fit is not None else {})})
 
 
 def healthy_of(record: Record, healthy: Sequence[Record]) -> list[Record]:

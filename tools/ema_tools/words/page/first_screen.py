@@ -229,14 +229,18 @@ def _missing(result: Diagnosed) -> Reply:
         return Reply(
             question,
             "Nothing",
-            f"but {names.listed(worn)}" if worn else "no effect of the library would help",
+            f"but {names.listed(worn)}" if worn else _unchanged(result),
             "unsure" if worn else "good",
         )
     if result.verdict == "unknown" or not named:
         if _sensor(result):
             return Reply(question, "Nothing of the library", f"the {_suspected(result)} explains it", "unsure")
         share = result.found.unexplained if not isinstance(result.found, Addition) else None
-        told = f"{100.0 * share:.0f} % of the excess stays unexplained" if share is not None else "no effect of the library explains it"
+        told = (
+            f"the best attempt leaves {100.0 * share:.0f} % of what is beyond noise"
+            if share is not None
+            else "no effect of the library explains it"
+        )
         return Reply(question, "Not in the library", told, "bad")
     first = named[0]
     told = ""
@@ -244,14 +248,21 @@ def _missing(result: Diagnosed) -> Reply:
     if size is not None:
         unit = names.unit_of(f"effects.{first.name}.{size[0]}")
         told = f"{size[0].rsplit('_', 1)[0] if unit else size[0]} {names.sized(size[1], first.std.get(size[0]), unit)}"
+        place = first.parameters.get("place_mm")
+        told += f" at {words.number(place)} mm" if place is not None else ""
     rivals = next_best(result)
     if rivals is not None and rivals[0].left and rivals[1].left:
         told += (
-            f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times the error"
+            f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times its error"
         )
     return Reply(
         question, names.listed([names.display(named[0].name), *(names.within(one.name) for one in named[1:])]), told.lstrip("; "), "bad"
     )
+
+
+def _unchanged(result: Diagnosed) -> str:
+    """What is as it was, where nothing is missing and nothing has changed."""
+    return "friction (CSJ) and backlash (BLK) are as on the healthy records" if result.relative else "no effect of the library would help"
 
 
 def _fell(result: Diagnosed) -> str:
@@ -275,6 +286,8 @@ def _error(result: Diagnosed) -> Reply:
         parts.append(f"{'held out' if result.by_forces else 'validation record'} {fell}")
     elif not result.by_forces:
         parts.append("no validation record")
+    if result.verdict == "adequate" and not faults(result) and result.relative and after is not None and not result.by_forces:
+        parts.insert(1, "after: with what differs from day to day")
     if result.verdict == "unknown" and after is not None:
         return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
     near = floor is not None and (after if after is not None else before) <= NEAR * floor
@@ -302,7 +315,11 @@ def _next(result: Diagnosed) -> Reply:
         return Reply(question, "Record again", wanted, "unsure")
     if result.verdict == "adequate":
         return Reply(
-            question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record, *healthy])
+            question,
+            "Read CSJ and BLK",
+            "friction and backlash with intervals, as the actuator reads them",
+            "",
+            shlex.join(["ema", "identify", line.actuator, *record, *healthy]),
         )
     between = re.search(r"ema next .+? --between ([\w ]+?) says", result.next_experiment)
     if between is not None:
@@ -328,7 +345,7 @@ def _next(result: Diagnosed) -> Reply:
     learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
     if learned is not None and "ema add" in result.next_experiment:
         add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", "better.toml"]
-        return Reply(question, "Fly it as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
+        return Reply(question, "Put it in as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
     told = result.next_experiment.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
     return Reply(question, "Look at the pictures", told, "unsure")
 

@@ -169,8 +169,8 @@ def replies(first: FirstScreen, identity: str = "command") -> str:
 def _reply(one: Reply, identity: str) -> str:
     copied = ""
     if one.command:
-        # a line ends between words of the command, not at the dash of an option
-        parts = " ".join(f"<span>{escape(part)}</span>" for part in one.command.split(" "))
+        # a line ends between words of the command, not at the dash of an option; of a folder three dots are seen, and all of it is copied
+        parts = " ".join(f"<span>{_folded(part)}</span>" for part in one.command.split(" "))
         copied = (
             f'<div class="copy"><code id="{identity}" tabindex="0">{parts}</code>'
             f'<button type="button" data-copy="{identity}">copy<span class="spoken"> the next command</span></button></div>'
@@ -178,6 +178,12 @@ def _reply(one: Reply, identity: str) -> str:
     more = f"<small>{kept(one.more)}</small>" if one.more else ""
     question = f'<a href="#{one.link}">{escape(one.question)}</a>' if one.link else escape(one.question)
     return f'<div class="reply {one.tone}"><dt>{question}</dt><dd><b>{kept(one.short)}</b>{more}{copied}</dd></div>'
+
+
+def _folded(part: str) -> str:
+    """A word of a command, the folder of a path apart."""
+    folder, slash, name = part.rpartition("/")
+    return f'<span class="folder">{escape(folder + slash)}</span>{escape(name)}' if folder else escape(part)
 
 
 def table(label: str, caption: str, heads: tuple[str, ...], rows: Sequence[str]) -> str:

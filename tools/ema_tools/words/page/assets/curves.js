@@ -76,7 +76,7 @@
       const curve = (stroke, width) => ({ stroke: () => css(stroke), width, points: { show: false } });
       const plot = new uPlot({
         width: place.clientWidth, height: place.clientHeight,
-        legend: { show: false }, padding: [6, 8, main ? 2 : 0, 0],
+        legend: { show: false }, padding: [6, 18, main ? 2 : 0, 0],
         scales: { x: { time: false, range: () => this.range }, y: { range: () => (main ? channel.range : channel.strip) } },
         axes: [
           main ? { ...axis, size: 4, values: () => [] } : { ...axis, size: 20, gap: 2, values: seconds },

@@ -162,7 +162,7 @@
     const plot = new uPlot({
       width: element.clientWidth, height: element.clientHeight,
       legend: { show: false },
-      padding: [6, 8, main ? 2 : 0, 0],
+      padding: [6, 18, main ? 2 : 0, 0],
       scales: { x: { time: false, range: () => range }, y: { range: () => scaleOf(one) } },
       axes: [
         main ? { ...axis, size: 4, values: () => [] } : { ...axis, size: 20, gap: 2, values: (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${tick} s` : `${tick}`.replace("-", "−"))) },
