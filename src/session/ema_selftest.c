@@ -117,7 +117,7 @@ uint32_t ema_selftest_model(ema_selftest_t* memory)
 
 /* A search whose quadratic has all of its terms, and a chirp. */
 static const ema_annealer_config_t ema_searched = {.dimension = EMA_SEARCHED,
-                                                   .start = {EMA_R(0.2), EMA_R(0.4), EMA_R(0.9)},
+                                                   .start = {[0] = EMA_R(0.2), [1] = EMA_R(0.4), [2] = EMA_R(0.9)},
                                                    .first_step = EMA_R(0.25),
                                                    .initial_temperature = EMA_R(0.1),
                                                    .cooling = EMA_R(0.95),
