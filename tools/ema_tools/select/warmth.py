@@ -23,6 +23,7 @@ _WINDING, _GREASE = "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
 _OF_MAGNETS = ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")
 _MOST_PER_DEGC = 0.0025  # ferrite loses 0.2 % of its flux in a degree [physics]
 _LEAST_DEGC = 2.0  # of a winding over its healthy runs: less is what days differ by anyway [judgement]
+_MOST_DEGC = 45.0  # and more is no day's: a winding that is hot alone, or no longer what it was [judgement]
 _ALIKE = 3.0  # times as far from the healthy runs as the winding may the grease's temperature be: greases differ [judgement]
 _TRIED = (0.0, 0.4, 0.8)  # of the most, at which the rest of the machine is fitted again [precision]
 
@@ -41,7 +42,7 @@ def as_on_healthy_runs(evidence: Evidence) -> tuple[Evidence, MagnetsToday | Non
     if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
         return evidence, None
     base = known.base({})
-    if known.plain(base) or abs(_warmer_degC(known, base)) < _LEAST_DEGC:
+    if known.plain(base) or not _is_of_a_day(known, base):
         return evidence, None
     found = _read(known, base)
     if found is None:
@@ -69,10 +70,15 @@ def following(evidence: Evidence) -> tuple[Evidence, GreaseToday | None]:
     moved = {name: base.values[name] / known.actuator[name] - 1.0 for name in (_WINDING, _GREASE)}
     warmer = _warmer_degC(known, base)
     by_grease = -math.log1p(max(moved[_GREASE], -0.99)) / GREASE_PER_DEGC
-    if abs(warmer) < _LEAST_DEGC or not 1.0 / _ALIKE < by_grease / warmer < _ALIKE:
+    if not _is_of_a_day(known, base) or not 1.0 / _ALIKE < by_grease / warmer < _ALIKE:
         return evidence, None
     spread = tuple(replace(one, std=max(one.std, abs(moved[one.title]))) if one.title in moved else one for one in evidence.spread)
     return replace(evidence, spread=spread), GreaseToday(warmer, moved[_GREASE])
+
+
+def _is_of_a_day(known: KnownMachine, base: MachineFit) -> bool:
+    """Whether the winding is off the healthy runs, and no farther than a day takes it."""
+    return _LEAST_DEGC <= abs(_warmer_degC(known, base)) <= _MOST_DEGC and not known.at_reach(base)
 
 
 def _warmer_degC(known: KnownMachine, fit: MachineFit) -> float:
