@@ -185,7 +185,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 3, f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others}")
     with terminal.progress("diagnosing", 100) as bar:
         found = answer(unit.sheet, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    drawn = curves(unit.today, before=simulated(found.evidence.actuator, unit.today), after=simulated(found.fitted, unit.today))
+    drawn = curves(unit.today, before=simulated(found.evidence.actuator, unit.today), after=simulated(found.on_its_day, unit.today))
     asked = f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others_quoted}"
     missing = replace(diagnosis(found, _origin(unit, asked), drawn), workbench=bench(found.evidence.actuator, unit.today, found.evidence))
     missing = replace(missing, next_experiment=with_paths(missing.next_experiment, unit.sheet_file, [unit.today_file]))
