@@ -33,7 +33,7 @@ _UNEXPLAINED = 0.1  # ... and with more than this share left the answer is that 
 _LEAST_ERRORS = 2.0  # a named effect's size differs from none by so many standard errors [chance]
 _TAKEN = 0.4  # of CSJ or BLK: nothing takes so much of it away [judgement]
 _RIVALS = 20  # effects that are fitted in a fault's place, by their signatures: the best was never past the 18th [measured]
-_RIVAL_SHARE = 0.1  # of what a fault explains: an effect that leaves more after its first fit is no rival [judgement]
+_RIVAL_SHARE = 0.25  # of what a fault explains: an effect that leaves more after its first fit, of few steps, is no rival [effort]
 
 
 def beside(known: KnownMachine, base: MachineFit, only: str | None = None) -> list[MachineFit]:

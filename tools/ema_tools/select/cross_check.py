@@ -94,7 +94,7 @@ def cross_check(
         stands = open_state(known, base, base.cost - known.floor if hardly else 0.0)
         beyond = [name for name, shift in plain.shift.items() if shift > least[name]]
         instead = {name: rivals(known, base, name, least[name]) for name in beyond}
-        sure = [name for name in beyond if not instead[name]]
+        sure = [name for name in beyond if not instead[name] and plain.shift[name] - _doubt(known, stands, name) > least[name]]
         for found in filter(None, instead.values()):
             # beside a fault that stands whatever explains the other, the other's doubt changes nothing
             if any(_beside_all(known, found, name, least[name]) for name in sure):
@@ -140,6 +140,12 @@ def _without_voltage(known: KnownMachine) -> tuple[MachineFit, tuple[str, ...]] 
     others = KnownMachine(known.evidence.without(VOLTAGE))
     verdict, best, alike = named(others, others.base({}))
     return (best, tuple(alike)) if verdict == "missing" and best is not None and others.plain(best) else None
+
+
+def _doubt(known: KnownMachine, stands: Mapping[str, OpenStd], fault: str) -> float:
+    """How far a shift may be off for what the machine may be today, relative."""
+    one = stands.get(fault)
+    return (known.actuator["verdict.confidence_std"] * one.std + one.moved) / abs(known.actuator[fault]) if one is not None else 0.0
 
 
 def _beside_all(known: KnownMachine, rivalling: Sequence[MachineFit], fault: str, least: float) -> bool:
