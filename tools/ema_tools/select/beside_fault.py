@@ -33,7 +33,10 @@ _UNEXPLAINED = 0.1  # ... and with more than this share left the answer is that 
 _LEAST_ERRORS = 2.0  # a named effect's size differs from none by so many standard errors [chance]
 _TAKEN = 0.4  # of CSJ or BLK: nothing takes so much of it away [judgement]
 _RIVALS = 20  # effects that are fitted in a fault's place, by their signatures: the best was never past the 18th [measured]
-_RIVAL_SHARE = 0.25  # of what a fault explains: an effect that leaves more after its first fit, of few steps, is no rival [effort]
+_RIVAL_SHARE = 0.1  # of what a fault explains: an effect that leaves more after its first fit is no rival .. [judgement]
+_RIVAL_OF_TODAY = (
+    0.25  # .. but one that comes and goes unseen with the day, whose first fit of few steps may be far from its end [judgement]
+)
 
 
 def beside(known: KnownMachine, base: MachineFit, only: str | None = None) -> list[MachineFit]:
@@ -74,6 +77,10 @@ def _best_of_each(fits: Sequence[MachineFit | None]) -> list[MachineFit]:
     return list(best.values())
 
 
+def _rival_share(effect: str) -> float:
+    return _RIVAL_OF_TODAY if record_of(effect).today > 0.0 else _RIVAL_SHARE
+
+
 def rivals(known: KnownMachine, base: MachineFit, fault: str, least: float) -> list[MachineFit]:
     """Effects that explain the record as well as the shift of `fault` does in `base`, which then is no larger than half of `least`, relative; best first.
 
@@ -93,7 +100,7 @@ def rivals(known: KnownMachine, base: MachineFit, fault: str, least: float) -> l
     def first(one: Start) -> MachineFit | None:
         return known.fit(one.effect, {**without.values, **one.values}, (sizes[one.effect], *known.free), _FIRST_STEPS, ends)
 
-    near = [one for one in _best_of_each(each(first, starts)) if one.cost - base.cost < _RIVAL_SHARE * shown][:_SECOND]
+    near = [one for one in _best_of_each(each(first, starts)) if one.cost - base.cost < _rival_share(one.effect) * shown][:_SECOND]
     return [
         known.with_whole_std(one)
         for one in _with_all_values(known, near, ends)
