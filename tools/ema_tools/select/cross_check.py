@@ -19,7 +19,7 @@ from ema_tools.data.records import Record
 from ema_tools.select.beside_fault import named, on_unit, rivals, takes_away
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit, blocks, disturbs, remarks_of
 from ema_tools.select.open_state import OpenStd, open_state
-from ema_tools.select.sensors import LEAST_SIGNALS, VOLTAGE, Suspect, odd_signal, suspect
+from ema_tools.select.sensors import VOLTAGE, Suspect, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.whole_search import WholeSearch, searched
 
@@ -94,7 +94,9 @@ def cross_check(
         stands = open_state(known, base, base.cost - known.floor if hardly else 0.0)
         beyond = [name for name, shift in plain.shift.items() if shift > least[name]]
         instead = {name: rivals(known, base, name, least[name]) for name in beyond}
-        sure = [name for name in beyond if not instead[name] and plain.shift[name] - _doubt(known, stands, name) > least[name]]
+        confidence = known.actuator["verdict.confidence_std"]
+        doubt = {name: stands[name].doubt(confidence, known.actuator[name]) for name in beyond}
+        sure = [name for name in beyond if not instead[name] and plain.shift[name] - doubt[name] > least[name]]
         for found in filter(None, instead.values()):
             # beside a fault that stands whatever explains the other, the other's doubt changes nothing
             if any(_beside_all(known, found, name, least[name]) for name in sure):
@@ -134,18 +136,13 @@ def _by_search(said: Callable[[Kind, _Said], CrossCheck], known: KnownMachine, f
 
 
 def _without_voltage(known: KnownMachine) -> tuple[MachineFit, tuple[str, ...]] | None:
-    """The effect that the other signals name where the recorded voltage contradicts them, with what looks like it: a drive may record what it asks of a supply that gives less."""
-    if VOLTAGE not in known.evidence.channels or len(known.evidence.channels) <= LEAST_SIGNALS:
+    """The effect that the other signals name where the recorded voltage contradicts them, with what looks like it."""
+    evidence = without_voltage(known.evidence)
+    if evidence is None:
         return None
-    others = KnownMachine(known.evidence.without(VOLTAGE))
+    others = KnownMachine(evidence)
     verdict, best, alike = named(others, others.base({}))
     return (best, tuple(alike)) if verdict == "missing" and best is not None and others.plain(best) else None
-
-
-def _doubt(known: KnownMachine, stands: Mapping[str, OpenStd], fault: str) -> float:
-    """How far a shift may be off for what the machine may be today, relative."""
-    one = stands.get(fault)
-    return (known.actuator["verdict.confidence_std"] * one.std + one.moved) / abs(known.actuator[fault]) if one is not None else 0.0
 
 
 def _beside_all(known: KnownMachine, rivalling: Sequence[MachineFit], fault: str, least: float) -> bool:

@@ -36,6 +36,10 @@ class OpenStd:
     beyond: float = 0.0
     moved: float = 0.0
 
+    def doubt(self, sure: float, healthy: float) -> float:
+        """How far a shift may be off for what the machine may be today, relative to the `healthy` value; `sure`: in so many standard deviations."""
+        return (sure * self.std + self.moved) / abs(healthy)
+
 
 @dataclass(frozen=True)
 class _Profile:

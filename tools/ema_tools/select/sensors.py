@@ -11,7 +11,7 @@ from ema_tools.select.known_machine import KnownMachine, MachineFit
 
 _LEAST_SHARE = 0.9  # so much of the excess must be one sensor's for it to be suspected: physics shows in more than one signal [judgement]
 _TOLD_SHARE = 0.02  # a part of the error is told when it alone stands for so much of the excess [judgement]
-LEAST_SIGNALS = 3  # of which two are left to agree with each other [judgement]
+_FEWEST = 3  # of which two are left to agree with each other [judgement]
 VOLTAGE = "voltage_V"
 CLOCK = "time_s"
 _EVENLY = 0.3  # correlation of neighbours beyond which what is late is no jitter: a delay that changes [judgement]
@@ -65,7 +65,7 @@ def suspect(evidence: Evidence) -> Suspect | None:
 
 def odd_signal(evidence: Evidence) -> Suspect | None:
     """The one signal without which the others are those of the machine that healthy records show, with CSJ and BLK of today, or the recorder's clock; None where there is none, or more than one."""
-    if not evidence.relative or len(evidence.channels) < LEAST_SIGNALS:
+    if not evidence.relative or len(evidence.channels) < _FEWEST:
         return None
     known = KnownMachine(evidence)
     base_of_all = known.base({})
@@ -77,6 +77,12 @@ def odd_signal(evidence: Evidence) -> Suspect | None:
         if others.plain(base):
             found.append(Suspect(channel, 1.0 - max(base.cost - others.floor, 0.0) / whole, base.cost, 1.0, 0.0, 0.0))
     return found[0] if len(found) == 1 else _jitter(known, base_of_all)
+
+
+def without_voltage(evidence: Evidence) -> Evidence | None:
+    """The other signals beside healthy runs, where they are enough to be asked without the voltage: a drive may record what it asks of a supply that gives less."""
+    enough = evidence.relative and VOLTAGE in evidence.channels and len(evidence.channels) > _FEWEST
+    return evidence.without(VOLTAGE) if enough else None
 
 
 def _jitter(known: KnownMachine, base: MachineFit) -> Suspect | None:

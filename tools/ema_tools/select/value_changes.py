@@ -74,13 +74,12 @@ class _Today:
         records: Sequence[AnyRecord],
         fixes: Fixes,
         names: Sequence[str],
-        missing: Collection[str],
         load_Nm: float,
     ) -> None:
         self.machine = machine
         healthy = machine.actuator
-        # what is missing today is as it is today; so is a constant torque that is not sought, since a force along the stroke begins somewhere
-        values = {name: healthy[name] for name in machine.refit.values if _effect_in(name) not in missing}
+        # a constant torque that is not sought is as it is today, since a force along the stroke begins somewhere
+        values = {name: healthy[name] for name in machine.refit.values}
         held = today.changed({**values, LOAD: healthy[LOAD] if LOAD in names else load_Nm})
         self.bench = Bench(held, records, (), fixes, whole=True)
         start, rows = self.bench.start, self.bench.fitted
@@ -183,11 +182,6 @@ def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
     return gain > 0.0 and not any(one > WORSE_THIRD * other and one**2 - other**2 > WORSE_OF_GAIN * gain for one, other in pairs)
 
 
-def _effect_in(name: str) -> str:
-    """The effect of a value's name; empty for a base value."""
-    return name.split(".")[1] if name.startswith("effects.") else ""
-
-
 def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]) -> Changes:
     """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these. Raises MissingSignal,
     InputError."""
@@ -198,7 +192,7 @@ def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[Any
     others = _of_effects(machine, today, free, records, fixes, [name for name in names if name not in MECHANICAL_PARAMETERS])
     if not base:
         return Changes(tuple(others))
-    here = _Today(machine, today, records, fixes, base, missing, free.values.get(LOAD, machine.actuator[LOAD]))
+    here = _Today(machine, today, records, fixes, base, free.values.get(LOAD, machine.actuator[LOAD]))
     return Changes((*_of_base(here), *others), here.error([]), here.doubt_Nm)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.temperature import COPPER_PER_DEGC, GREASE_PER_DEGC
-from ema_tools.select.known_machine import KnownMachine, MachineFit
+from ema_tools.select.known_machine import LAST_STEPS, KnownMachine, MachineFit
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 _WINDING, _GREASE = "motor.resistance_ohm", "screw.viscous_Nm_s_per_rad"
@@ -36,20 +36,18 @@ class MagnetsToday:
     loss: float
 
 
-def as_on_healthy_runs(evidence: Evidence) -> tuple[Evidence, MagnetsToday | None]:
-    """A record beside healthy runs without what another temperature makes of the magnets, and what that was; as it is where it shows nothing of the kind."""
-    known = KnownMachine(evidence)
+def without_magnets(known: KnownMachine, base: MachineFit) -> tuple[Evidence, MagnetsToday] | None:
+    """A record beside healthy runs without what another temperature makes of the magnets, and what that was; None where it shows nothing of the kind. `base`: of CSJ, BLK and what scatters."""
+    evidence = known.evidence
     if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
-        return evidence, None
-    base = known.base({})
+        return None
     if known.plain(base) or not _is_of_a_day(known, base):
-        return evidence, None
+        return None
     found = _read(known, base)
     if found is None:
-        return evidence, None
+        return None
     today, fit = found
-    changes = _changed(known.actuator, today.loss)
-    by_magnets = known.signals({**fit.values, **changes}) - known.signals(fit.values)
+    by_magnets = known.signals(fit.values) - known.signals({**fit.values, **_changed(known.actuator, 0.0)})
     return replace(evidence, target=evidence.target - by_magnets), today
 
 
@@ -61,17 +59,16 @@ class GreaseToday:
     change: float
 
 
-def following(evidence: Evidence) -> tuple[Evidence, GreaseToday | None]:
-    """A record beside healthy runs with winding and grease as free as today's temperature moves them where both tell of one, and how far that is; as it is where they do not."""
-    known = KnownMachine(evidence)
+def following(known: KnownMachine, base: MachineFit) -> tuple[Evidence, GreaseToday] | None:
+    """A record beside healthy runs with winding and grease as free as today's temperature moves them where both tell of one, and how far that is; None where they do not."""
+    evidence = known.evidence
     if not evidence.relative or not {_WINDING, _GREASE} <= known.scatter.keys():
-        return evidence, None
-    base = known.base({})
+        return None
     moved = {name: base.values[name] / known.actuator[name] - 1.0 for name in (_WINDING, _GREASE)}
     warmer = _warmer_degC(known, base)
     by_grease = -math.log1p(max(moved[_GREASE], -0.99)) / GREASE_PER_DEGC
     if not _is_of_a_day(known, base) or not 1.0 / _ALIKE < by_grease / warmer < _ALIKE:
-        return evidence, None
+        return None
     spread = tuple(replace(one, std=max(one.std, abs(moved[one.title]))) if one.title in moved else one for one in evidence.spread)
     return replace(evidence, spread=spread), GreaseToday(warmer, moved[_GREASE])
 
@@ -113,5 +110,4 @@ def _read(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineF
 
 def _beside(known: KnownMachine, base: MachineFit, loss: float) -> MachineFit | None:
     """CSJ, BLK and what scatters beside magnets that have lost so much."""
-    changed = KnownMachine(replace(known.evidence, actuator=known.actuator.changed(_changed(known.actuator, loss))))
-    return changed.fit("", {name: base.values[name] for name in known.free}, known.free, 20)
+    return known.fit("", {**base.values, **_changed(known.actuator, loss)}, known.free, LAST_STEPS)

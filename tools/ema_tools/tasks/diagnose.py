@@ -21,12 +21,13 @@ from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
+from ema_tools.select.known_machine import KnownMachine
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
-from ema_tools.select.sensors import LEAST_SIGNALS, VOLTAGE, Suspect, odd_signal, suspect
+from ema_tools.select.sensors import Suspect, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
-from ema_tools.select.warmth import GreaseToday, MagnetsToday, as_on_healthy_runs, following
+from ema_tools.select.warmth import GreaseToday, MagnetsToday, following, without_magnets
 
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 
@@ -173,6 +174,22 @@ def _warm(warmer_degC: float, what: str, hidden: str) -> RecordRemark:
     return RecordRemark("temperature", "weakens", text, "record healthy runs at today's temperature")
 
 
+def _of_its_temperature(evidence: Evidence) -> tuple[Evidence, tuple[RecordRemark, ...]]:
+    """A record beside healthy runs without what another temperature makes of the machine, and what is said of that."""
+    known = KnownMachine(evidence)
+    base = known.base({})
+    said: tuple[RecordRemark, ...] = ()
+    if (moved_too := following(known, base)) is not None:
+        evidence, grease = moved_too
+        said = (_warm_grease(grease),)
+        known = KnownMachine(evidence)
+        base = known.base({})
+    if (weaker := without_magnets(known, base)) is not None:
+        evidence, magnets = weaker
+        said = (_warm_magnets(magnets), *said)
+    return evidence, said
+
+
 _AS_ASKED = RecordRemark(
     "voltage",
     "weakens",
@@ -183,9 +200,9 @@ _AS_ASKED = RecordRemark(
 
 def _without_contradiction(evidence: Evidence) -> tuple[Evidence, Diagnosis] | None:
     """What the other signals say where the recorded voltage keeps all of them from saying anything; None where that is no more."""
-    if not evidence.relative or VOLTAGE not in evidence.channels or len(evidence.channels) <= LEAST_SIGNALS:
+    others = without_voltage(evidence)
+    if others is None:
         return None
-    others = evidence.without(VOLTAGE)
     found = diagnose(others)
     return (others, found) if found.verdict == "missing" and found.fit is not None and len(found.fit.effects) == 1 else None
 
@@ -209,12 +226,9 @@ def answer(
         gate = replace(gate, remarks=(_terminals(lost_V), *gate.remarks))
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
-    evidence, grease = following(evidence)
-    if grease is not None:
-        gate = replace(gate, remarks=(_warm_grease(grease), *gate.remarks))
-    evidence, magnets = as_on_healthy_runs(evidence)
-    if magnets is not None:
-        gate = replace(gate, remarks=(_warm_magnets(magnets), *gate.remarks))
+    if evidence.relative:
+        evidence, warmth = _of_its_temperature(evidence)
+        gate = replace(gate, remarks=(*warmth, *gate.remarks))
     healthy_machine = fitted_machine(evidence, None)
     with (
         beside(lambda: state_doubt(evidence, same)) as doubted,

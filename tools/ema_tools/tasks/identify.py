@@ -25,7 +25,7 @@ from ema_tools.select.baseline import same_command
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.select.warmth import MagnetsToday, as_on_healthy_runs
+from ema_tools.select.warmth import MagnetsToday, without_magnets
 from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
@@ -247,7 +247,7 @@ class Identified:
     def _doubts(self, checked: CrossCheck) -> dict[str, float]:
         """How far each shift may be off for what the machine may be today, relative."""
         sure = self.healthy["verdict.confidence_std"]
-        return {name: (sure * one.std + one.moved) / abs(self.healthy[name]) for name, one in checked.open.items()}
+        return {name: one.doubt(sure, self.healthy[name]) for name, one in checked.open.items()}
 
     @property
     def objects(self) -> bool:
@@ -347,18 +347,21 @@ def identify(
     same = repeats_of(record, healthy) if table is None else ()
     repeats = compared(actuator, record, same) if same else None
     magnets: MagnetsToday | None = None
-    if repeats is not None:
-        unit, magnets = as_on_healthy_runs(repeats.unit)
-        repeats = replace(repeats, unit=unit)
     baseline: Baseline | None = None
     doubt = ""
     foretold: Foretold | None = None
     if repeats is not None:
         begin("healthy runs")
+        base = repeats.known.base({})
+        warm = without_magnets(repeats.known, base)
+        if warm is not None:
+            unit, magnets = warm
+            repeats = replace(repeats, unit=unit)
+            base = repeats.known.base({})
         runs = healthy_runs(actuator, repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
-        today = repeats.known.today(repeats.known.base({}))
+        today = repeats.known.today(base)
         foretold = runs.foretold(today)
         known = runs.known.changed(today)
         if foretold is not None:
