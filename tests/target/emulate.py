@@ -30,10 +30,17 @@ class Run:
 
 
 def run(
-    board: str, program: Path, arguments: list[str], *, shift: int | None = None, timeout_s: float = 1700.0, plugin: str | None = None
+    board: str,
+    program: Path,
+    arguments: list[str],
+    *,
+    shift: int | None = None,
+    timeout_s: float = 1700.0,
+    plugin: str | None = None,
+    folder: Path | None = None,
 ) -> Run:
     """Starts `program` on `board` with its arguments. With `shift`, each instruction takes 2^shift ns of the emulated time and the run is the same every time.
-    `plugin`: of QEMU, a file and its options.
+    `plugin`: of QEMU, a file and its options. `folder`: where the program finds its files.
 
     Raises FileNotFoundError with what to do when QEMU or the program is missing.
     """
@@ -62,7 +69,7 @@ def run(
         "-semihosting-config",
         "enable=on,target=native,chardev=console," + ",".join(f"arg={word}" for word in words),
         "-kernel",
-        str(program),
+        str(program.absolute()),
     ]
     if shift is not None:
         command += ["-icount", f"shift={shift},sleep=off"]
@@ -70,7 +77,13 @@ def run(
         command += ["-plugin", plugin]
     try:
         done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout_s, check=False
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=timeout_s,
+            check=False,
+            cwd=folder,
         )
     except subprocess.TimeoutExpired as error:
         return Run((error.stdout or b"").decode(errors="replace"), TIMED_OUT)
