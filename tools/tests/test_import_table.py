@@ -16,6 +16,7 @@ import pytest
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.motion_records import of_controlled, read_motion_record, write_motion_record
+from ema_tools.data.tables.table_map import read_map
 from ema_tools.results.files import DraftResult, TableImportResult
 from ema_tools.results.reading import read_result
 from ema_tools.tasks.simulate import simulate_record
@@ -356,6 +357,18 @@ WRONG = [
         MAP + '[machine]\nlead = "2 mm"\n',
         "map.toml: machine.ratio: is not stated beside lead: write ratio = 1 for direct drive",
     ),
+    (
+        "a line without its length",
+        text(),
+        MAP + '[machine]\ntorque_constant = "40 N/A"\n',
+        "map.toml: machine.torque_constant = 40 N/A: counts along a line, and no lead says how far a turn goes: write lead and ratio",
+    ),
+    (
+        "another unit",
+        text(),
+        MAP + '[machine]\ntorque_constant = "40 V"\n',
+        'not a number with a unit that fits: write for example "25.9 mNm/A", or along a line "40 N/A"',
+    ),
     ("left open", text(), MAP + '[machine]\nlead = "?"\n', "map.toml: machine.lead: is still to be filled in"),
     (
         "sign of what",
@@ -433,6 +446,18 @@ def test_inputs_are_never_overwritten(tmp_path: Path) -> None:
     said = complaint(run_ema("import", "table", tmp_path / "a.csv", "--map", tmp_path / "map.toml", "-o", tmp_path, "--force"))
     assert "is read by this command and would be overwritten" in said
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == text()
+
+
+def test_a_motor_along_a_line_is_told_by_what_its_data_sheet_says(tmp_path: Path) -> None:
+    path = tmp_path / "map.toml"
+    along = ('"40 N/A"', '"32 V s/m"', '"12 N"', '"20 N s/m"')
+    m_per_rad = 0.032 / (2.0 * np.pi * 2.0)
+    shaft = [40.0 * m_per_rad, 32.0 * m_per_rad, 12.0 * m_per_rad, 20.0 * m_per_rad**2]
+    names = ("torque_constant", "back_emf", "friction", "viscous")
+    path.write_text(
+        MAP + '[machine]\nlead = "32 mm"\nratio = 2\n' + "".join(f"{name} = {value}\n" for name, value in zip(names, along, strict=True))
+    )
+    assert [read_map(path).machine[name] for name in names] == pytest.approx(shaft, rel=1e-12)
 
 
 def test_a_stated_layout_is_taken(tmp_path: Path) -> None:

@@ -27,11 +27,22 @@ COLUMN_KEYS = ("from", "unit", "sign", "scale", "offset", "period", "sure")
 
 @dataclass(frozen=True)
 class Quantity:
-    """One entry of [machine]: the unit that it becomes, an example, what it is."""
+    """One entry of [machine]: the unit that it becomes, an example, what it is.
+
+    `along`: the unit that it has for what moves along a line, as a linear motor; the rod's travel in m per rad, so many times (`turns`), makes it that at a shaft.
+    """
 
     unit: str
     example: str
     meaning: str
+    along: str = ""
+    along_example: str = ""
+    turns: int = 1
+
+    @property
+    def examples(self) -> str:
+        """What to write, in quotes."""
+        return f'"{self.example}"' + (f', or along a line "{self.along_example}"' if self.along else "")
 
 
 # Entries of [machine] that are numbers with a unit.
@@ -39,12 +50,14 @@ QUANTITIES: Mapping[str, Quantity] = {
     "lead": Quantity("mm", "2 mm", "rod travel per turn of the screw; leave it out for a bare motor"),
     "inertia": Quantity("kg m^2", "21.9 g cm^2", "everything that turns, at the motor shaft"),
     "mass": Quantity("kg", "0.18 kg", "everything that moves with the rod"),
-    "torque_constant": Quantity("Nm/A", "25.9 mNm/A", "motor torque per current"),
-    "back_emf": Quantity("V s/rad", "2.7 V/krpm", "voltage per speed of the motor"),
+    "torque_constant": Quantity("Nm/A", "25.9 mNm/A", "motor torque per current, or force per current along a line", "N/A", "40 N/A"),
+    "back_emf": Quantity("V s/rad", "2.7 V/krpm", "voltage per speed of the motor", "V s/m", "32 V s/m"),
     "resistance": Quantity("ohm", "1.2 ohm", "winding, terminal to terminal"),
     "inductance": Quantity("H", "0.56 mH", "winding, terminal to terminal"),
-    "friction": Quantity("Nm", "3 mNm", "dry friction at the motor shaft, a start"),
-    "viscous": Quantity("Nm s/rad", "1e-5 Nm s/rad", "viscous friction at the motor shaft, a start"),
+    "friction": Quantity("Nm", "3 mNm", "dry friction at the motor shaft or along the line, a start", "N", "12 N"),
+    "viscous": Quantity(
+        "Nm s/rad", "1e-5 Nm s/rad", "viscous friction at the motor shaft or along the line, a start", "N s/m", "20 N s/m", 2
+    ),
     "nominal_torque": Quantity("Nm", "9.84 mNm", "what 100 % of a torque is"),
     "nominal_current": Quantity("A", "1.2 A", "what 100 % of a current is"),
     "nominal_force": Quantity("N", "2 kN", "what 100 % of a force is"),
@@ -146,6 +159,7 @@ def _stated(table: Mapping[str, Any], file: str) -> Stated:
 
 def _machine(table: Mapping[str, Any], file: str) -> tuple[dict[str, float], dict[str, str]]:
     numbers: dict[str, float] = {}
+    along: dict[str, float] = {}
     about: dict[str, str] = {}
     known = (*WORDS, *NUMBERS, *QUANTITIES)
     units = Units()
@@ -155,7 +169,7 @@ def _machine(table: Mapping[str, Any], file: str) -> tuple[dict[str, float], dic
             raise InputError(f"{where}: unknown entry{nearest(key, known)}: [machine] holds {', '.join(known)}")
         if value == OPEN:
             meaning = QUANTITIES[key].meaning if key in QUANTITIES else NUMBERS.get(key, "a text")
-            example = f'"{QUANTITIES[key].example}"' if key in QUANTITIES else "4096" if key in NUMBERS else '"..."'
+            example = QUANTITIES[key].examples if key in QUANTITIES else "4096" if key in NUMBERS else '"..."'
             raise InputError(f"{where}: is still to be filled in ({meaning}): write for example {key} = {example}, or delete the line")
         if key in WORDS:
             if not isinstance(value, str):
@@ -168,17 +182,28 @@ def _machine(table: Mapping[str, Any], file: str) -> tuple[dict[str, float], dic
         else:
             if not isinstance(value, str):
                 raise InputError(
-                    f'{where} = {value}: has no unit: write it as a text with its unit, for example {key} = "{QUANTITIES[key].example}"'
+                    f"{where} = {value}: has no unit: write it as a text with its unit, for example {key} = {QUANTITIES[key].examples}"
                 )
-            numbers[key] = units.value(value, QUANTITIES[key].unit, where, QUANTITIES[key].example)
-            if not numbers[key] > 0.0:
-                raise InputError(f"{where} = {value}: not positive: {QUANTITIES[key].meaning}")
+            quantity = QUANTITIES[key]
+            if quantity.along and units.number_fits(value, quantity.along):
+                read, unit = along, quantity.along
+            else:
+                read, unit = numbers, quantity.unit
+            read[key] = units.value(value, unit, where, quantity.examples)
+            if not read[key] > 0.0:
+                raise InputError(f"{where} = {value}: not positive: {quantity.meaning}")
     if "mass" in numbers and "lead" not in numbers:
         raise InputError(f"{file}: machine.mass: counts at the motor shaft by the lead: write lead as well, or put the mass into inertia")
     if "lead" in numbers and "ratio" not in numbers:
         raise InputError(
             f"{file}: machine.ratio: is not stated beside lead: write ratio = 1 for direct drive, else the motor's turns per turn of the screw"
         )
+    for key, value_along in along.items():
+        if "lead" not in numbers:
+            raise InputError(
+                f'{file}: machine.{key} = {table[key]}: counts along a line, and no lead says how far a turn goes: write lead and ratio; where nothing turns any serve, "32 mm" and 1'
+            )
+        numbers[key] = value_along * (1e-3 * numbers["lead"] / (2.0 * math.pi * numbers["ratio"])) ** QUANTITIES[key].turns
     return numbers, about
 
 
@@ -225,7 +250,7 @@ def _column(name: str, table: object, file: str) -> ColumnMap:
     if period is not None:
         if not isinstance(period, str):
             raise InputError(f'{where}.period = {period}: has no unit: write for example period = "1 ms"')
-        period_s = Units().value(period, "s", f"{where}.period", "1 ms")
+        period_s = Units().value(period, "s", f"{where}.period", '"1 ms"')
     return ColumnMap(source, unit, period_s=period_s, sure=sure, **numbers)
 
 

@@ -227,11 +227,22 @@ class Units:
             return np.asarray(self._registry.Quantity(values, found.units).to("degC").magnitude, dtype=np.float64)
         return np.asarray(values * found.to(SUFFIXES[suffix]).magnitude, dtype=np.float64)
 
-    def value(self, text: str, unit: str, where: str, example: str) -> float:
-        """A number with its unit, such as "9.84 mNm", in `unit`. Raises InputError that begins with `where` and gives the example."""
+    def _number(self, text: str, unit: str) -> float | None:
+        """A number with its unit in `unit`; None where it is none, or of another dimension."""
         matched = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*", text)
         found = self._parsed(matched[2]) if matched else None
         wanted = self._registry.parse_units(unit)
         if matched is None or found is None or found.dimensionality != wanted.dimensionality:
-            raise InputError(f'{where} = "{text}": not a number with a unit that fits: write for example "{example}"')
+            return None
         return float(matched[1]) * float(found.to(wanted).magnitude)
+
+    def number_fits(self, text: str, unit: str) -> bool:
+        """Whether a text is a number with a unit of the dimension of `unit`."""
+        return self._number(text, unit) is not None
+
+    def value(self, text: str, unit: str, where: str, examples: str) -> float:
+        """A number with its unit, such as "9.84 mNm", in `unit`. Raises InputError that begins with `where` and gives the examples, in quotes."""
+        found = self._number(text, unit)
+        if found is None:
+            raise InputError(f'{where} = "{text}": not a number with a unit that fits: write for example {examples}')
+        return found
