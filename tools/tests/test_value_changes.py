@@ -15,6 +15,7 @@ from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
 PERIOD_S = 0.002
 INERTIA, VISCOUS, DRY, CONSTANT = 3e-4, 5e-4, 0.2, 0.5
 FRICTION_SCATTER, NOISE_A = 0.01, 0.02
+SLOW_RAD_S = 12.0
 
 
 def speed(seed: int, steady: bool) -> Reals:
@@ -30,12 +31,21 @@ def speed(seed: int, steady: bool) -> Reals:
 
 
 def record(
-    folder: Path, seed: int, *, steady: bool = False, dry: float = DRY, viscous: float = VISCOUS, constant: float = CONSTANT
+    folder: Path,
+    seed: int,
+    *,
+    steady: bool = False,
+    dry: float = DRY,
+    viscous: float = VISCOUS,
+    constant: float = CONSTANT,
+    load: float = 0.0,
+    rise: float = 0.0,
 ) -> MotionRecord:
-    """One record of the machine, whose friction differs from record to record."""
+    """One record of the machine, whose friction differs from record to record, and which may carry a load, or stick more the slower it is."""
     random = np.random.default_rng(1000 + seed)
     moves = speed(seed, steady)
-    torque = INERTIA * np.gradient(moves, PERIOD_S) + viscous * moves + dry * (1.0 + FRICTION_SCATTER * random.normal()) * np.sign(moves)
+    level = dry * (1.0 + FRICTION_SCATTER * random.normal()) * (1.0 + rise * np.exp(-((moves / SLOW_RAD_S) ** 2)))
+    torque = INERTIA * np.gradient(moves, PERIOD_S) + viscous * moves + level * np.sign(moves) + load
     current = torque / constant + NOISE_A * random.normal(size=moves.size)
     path = folder / f"run_{seed}.csv"
     rows = np.column_stack([PERIOD_S * np.arange(moves.size), moves, current])
@@ -76,6 +86,28 @@ def test_the_value_that_changed_is_told_and_no_other(
     assert (found.verdict, set(shares(found))) == ("adequate", {name})
     # three records of a friction that scatters by 1 %
     assert shares(found)[name] == pytest.approx(share, abs=0.03 if name != "screw.viscous_Nm_s_per_rad" else 0.15)
+
+
+def test_a_standing_load_that_doubles_is_a_value_that_changed(tmp_path: Path, sheet: Actuator) -> None:
+    """It was an effect of today, beside which friction, inertia and drive had all changed."""
+    healthy = [record(tmp_path, seed, load=0.08) for seed in range(5)]
+    found = answer_by_balance(sheet, [record(tmp_path, seed, load=0.16) for seed in (50, 51, 52)], healthy=healthy)
+    assert (found.verdict, [step.effect for step in found.forces.steps]) == ("adequate", [])
+    assert shares(found) == {"constant_load.torque_Nm": pytest.approx(1.0, abs=0.05)}
+
+
+def test_a_motor_that_makes_less_torque_is_no_effect_beside_standing_ones(tmp_path: Path, sheet: Actuator) -> None:
+    """What sticks and what loads is as much more of the drive as all the rest."""
+    standing = {"load": 0.06, "rise": 0.8}
+    healthy = [record(tmp_path, seed, **standing) for seed in range(5)]
+    found = answer_by_balance(
+        sheet, [record(tmp_path, seed, constant=0.9 * CONSTANT, **standing) for seed in (50, 51, 52)], healthy=healthy
+    )
+    assert found.healthy is not None and len(found.healthy.standing) == 2
+    assert (found.verdict, [step.effect for step in found.forces.steps]) == ("adequate", [])
+    assert shares(found) == {"motor.torque_constant_Nm_per_A": pytest.approx(-0.1, abs=0.02)}
+    # by the healthy machine a tenth of the drive is left, whatever the drive is taken for afterwards
+    assert found.forces.given.training == pytest.approx(10.0, abs=2.0)
 
 
 def test_an_unchanged_machine_is_told_unchanged(tmp_path: Path, sheet: Actuator) -> None:

@@ -250,8 +250,11 @@ class ForceSearch:
         """The change of the constant torque as the first effect, the base values without it, and why it is not added."""
         bench = self.bench
         before = bench.judged(bench.without_load())
+        nothing = Tried(load_effect(), before, 0.0, np.zeros(int(bench.training.sum())))
         if LOAD in bench.fixes.kept:
-            return Tried(load_effect(), before, 0.0, np.zeros(int(bench.training.sum()))), before, f"{LOAD} is fixed"
+            return nothing, before, f"{LOAD} is fixed"
+        if load_effect() in bench.start.setting.actuator.active_effects:
+            return nothing, before, f"the model has it already, and {LOAD}, which is refitted, takes up what is more of it"
         bench.load_named = True
         found = self._tried(before, load_effect(), bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0)))))
         why = self.judge.refusal(before, found) or self._as_zero(found.fit)

@@ -8,7 +8,7 @@ has changed. How far a change may be off is told by leaving out each of the heal
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ from ema_tools.base.jackknife import LEAST_RECORDS, jackknife_std
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.library.registry import record_of
-from ema_tools.select.balance_bench import LOAD, Bench, solved
+from ema_tools.select.balance_bench import LOAD, Bench, load_effect, size_of_load, solved
 from ema_tools.select.fixes import Fixes
 from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
@@ -75,12 +75,14 @@ class _Today:
         fixes: Fixes,
         names: Sequence[str],
         load_Nm: float,
+        effects: Mapping[str, float],
     ) -> None:
         self.machine = machine
         healthy = machine.actuator
         # a constant torque that is not sought is as it is today, since a force along the stroke begins somewhere
         values = {name: healthy[name] for name in machine.refit.values}
-        held = today.changed({**values, LOAD: healthy[LOAD] if LOAD in names else load_Nm})
+        constant = {CONSTANT: healthy[CONSTANT]} if healthy.has(CONSTANT) else {}
+        held = today.changed({**values, **constant, LOAD: healthy[LOAD] if LOAD in names else load_Nm, **effects})
         self.bench = Bench(held, records, (), fixes, whole=True)
         start, rows = self.bench.start, self.bench.fitted
         self.record = self.bench.of_record[rows]
@@ -185,15 +187,59 @@ def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
 def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]) -> Changes:
     """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these. Raises MissingSignal,
     InputError."""
-    apart = [record_of(name).base_value for name in missing]
-    free = refit_by_forces(today, records, fixes)
-    names = [name for name in machine.refit.values if name not in apart and _fitted_on_both(machine.refit, free, name)]
-    base = [name for name in names if name in machine.scatter]
+    today, free, names = _as_today(machine, today, records, fixes, missing)
     others = _of_effects(machine, today, free, records, fixes, [name for name in names if name not in MECHANICAL_PARAMETERS])
-    if not base:
+    # a load that the machine has anyhow is as it is today
+    load = {name: free.values[name] for name in names if name == size_of_load()}
+    here = _beside(machine, today, free, records, fixes, names, load)
+    if here is None:
         return Changes(tuple(others))
-    here = _Today(machine, today, records, fixes, base, free.values.get(LOAD, machine.actuator[LOAD]))
     return Changes((*_of_base(here), *others), here.error([]), here.doubt_Nm)
+
+
+def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> float | None:
+    """The motor's torque constant as today's records have it, where that alone makes of the healthy machine, its standing effects and all, what they show; None where it does not.
+
+    To be asked before effects are sought: these and the base values would each take their share of it. Raises MissingSignal, InputError.
+    """
+    today, free, names = _as_today(machine, machine.actuator, records, fixes, ())
+    here = _beside(machine, today, free, records, fixes, names, {})
+    if here is None:
+        return None
+    whole = [one for one in here.columns if one.name == CONSTANT]
+    left = here.error(whole) if whole else math.inf
+    if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], whole):
+        return None
+    if any(here.error([one]) * _CLEARER <= left for one in here.columns if one.name != CONSTANT):
+        return None
+    return machine.actuator[CONSTANT] / (1.0 + float(here.changes(whole)[0]))
+
+
+def _as_today(
+    machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]
+) -> tuple[Actuator, ForceRefit, list[str]]:
+    """Today's model with the constant torque where the healthy machine has it, its free fit, and the values that are fitted on both sides."""
+    apart = [record_of(name).base_value for name in missing]
+    if load_effect() in machine.actuator.active_effects:
+        today = today.changed({LOAD: machine.actuator[LOAD]})
+    free = refit_by_forces(today, records, fixes)
+    return today, free, [name for name in machine.refit.values if name not in apart and _fitted_on_both(machine.refit, free, name)]
+
+
+def _beside(
+    machine: HealthyByBalance,
+    today: Actuator,
+    free: ForceRefit,
+    records: Sequence[AnyRecord],
+    fixes: Fixes,
+    names: Sequence[str],
+    load: Mapping[str, float],
+) -> _Today | None:
+    """Today's records on the healthy machine, with `load` for what it is loaded with anyhow; None where no base value is fitted on both sides."""
+    base = [name for name in names if name in machine.scatter]
+    if not base:
+        return None
+    return _Today(machine, today, records, fixes, base, free.values.get(LOAD, machine.actuator[LOAD]), load)
 
 
 def _fitted_on_both(healthy: ForceRefit, today: ForceRefit, name: str) -> bool:
@@ -236,7 +282,11 @@ def _of_effects(
             value = healthy + math.remainder(value - healthy, 2.0 * math.pi)
         counts = abs(value - healthy) > limit
         if counts:
-            held = refit_by_forces(today.changed({name: healthy}), records, fixes.with_effects(frozenset({name.partition(".")[0]})))
+            effect = name.partition(".")[0]
+            kept = fixes.with_effects(frozenset({effect}))
+            # the base value that does the same would take it up
+            kept = kept.without(LOAD) if effect == load_effect() else kept
+            held = refit_by_forces(today.changed({name: healthy}), records, kept)
             # few records held out in turn say little of values that need them all: what the change is worth in all of them says it as well
             counts = _CLEAR_CHANGE * free.errors.training < held.errors.training or _held_out_too(free.errors.each, held.errors.each)
         found.append(Change(name, healthy, value, math.hypot(*stds, spread), limit, counts))

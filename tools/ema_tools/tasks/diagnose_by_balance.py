@@ -25,7 +25,7 @@ from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
-from ema_tools.select.balance_bench import FoldErrors, compared_percent
+from ema_tools.select.balance_bench import Bench, FoldErrors, compared_percent, given_errors
 from ema_tools.select.base_values import BaseValue
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import improve_by_forces
@@ -33,7 +33,7 @@ from ema_tools.select.force_steps import ForceStep, ForceSteps
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
-from ema_tools.select.value_changes import Change, changes_of
+from ema_tools.select.value_changes import CONSTANT, Change, changes_of, constant_today
 from ema_tools.select.winding_changes import winding_changes
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
@@ -269,7 +269,12 @@ def _against(
 ) -> BalanceAnswer:
     """What has changed against a healthy machine."""
     known = machine.actuator
-    forces = improve_by_forces(known, records, holdout, report, fixes, machine.veto)
+    constant = constant_today(machine, records, fixes)
+    start = known if constant is None else known.changed({CONSTANT: constant})
+    forces = improve_by_forces(start, records, holdout, report, fixes, machine.veto)
+    if constant is not None:
+        # what the healthy machine leaves is told with its own
+        forces = replace(forces, given=given_errors(known, Bench(known, records, holdout, fixes)))
     named = {step.effect for step in forces.steps}
     told = changes_of(machine, forces.actuator, records, fixes, named)
     changes = (*told.values, *winding_changes(machine, records))
