@@ -33,6 +33,7 @@ from ema_tools.select.force_steps import ForceStep, ForceSteps
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
+from ema_tools.select.play_changes import play_changes, play_value
 from ema_tools.select.value_changes import CONSTANT, Change, changes_of, constant_today
 from ema_tools.select.winding_changes import winding_changes
 
@@ -249,7 +250,16 @@ def answer_by_balance(
     compared = (compared_percent(actuator, records), compared_percent(forces.actuator, records))
     forward = forward_of(actuator, forces.actuator, records, holdout, forces.division, forces.foretold)
     return BalanceAnswer(
-        tuple(records), tuple(holdout), actuator, gates, there, forces, compared, forward, _pictures(forces, records), base=forces.base
+        tuple(records),
+        tuple(holdout),
+        actuator,
+        gates,
+        there,
+        forces,
+        compared,
+        forward,
+        _pictures(forces, records),
+        base=(*forces.base, *play_value(actuator, records)),
     )
 
 
@@ -277,7 +287,7 @@ def _against(
         forces = replace(forces, given=given_errors(known, Bench(known, records, holdout, fixes)))
     named = {step.effect for step in forces.steps}
     told = changes_of(machine, forces.actuator, records, fixes, named)
-    changes = (*told.values, *winding_changes(machine, records))
+    changes = (*told.values, *play_changes(machine, records), *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
     return BalanceAnswer(
@@ -294,5 +304,5 @@ def _against(
         changes,
         told.left_Nm,
         told.doubt_Nm,
-        machine.steps.base,
+        (*machine.steps.base, *play_value(known, machine.records)),
     )
