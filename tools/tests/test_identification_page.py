@@ -118,11 +118,14 @@ def test_a_record_that_cannot_tell_is_recorded_again() -> None:
 
 def test_a_sensor_that_errs_is_named() -> None:
     data = judged(MISSING)
-    why = "what is there looks like the sensor of the current, not like the machine: current_A reads 1.1 times the signal"
-    data |= {"missing_effect": None, "reasons": [why], "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"}}
+    # told by the field, whatever the reason says
+    sensor = {"channel": "current_A", "share": 0.95, "cost": 1.0, "factor": 1.1, "offset": 0.0, "late_s": 0.0, "sentence": "it reads 1.1 times", "next": "check it"}
+    data |= {"missing_effect": None, "reasons": ["why"], "sensor": sensor, "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"}}
     found = said(data)
-    assert found.sentence == "No verdict: it looks as if the sensor of the current is at fault."
+    assert found.sentence == "No verdict: it looks as if the sensor of the motor current is at fault."
     assert (found.replies[2].short, found.replies[-1].short) == ("Nothing in the machine", "Check the sensor")
+    data |= {"sensor": None, "reasons": ["what is there looks like the sensor of the current (current_A), not like the machine"]}
+    assert said(data).replies[-1].short != "Check the sensor"
 
 
 def test_a_size_stands_where_it_belongs() -> None:

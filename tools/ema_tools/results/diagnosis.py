@@ -27,20 +27,6 @@ Method = Literal["balance", "simulation"]
 FloorFrom = Literal["laps", "healthy records", "estimate", "noise"]
 
 
-@dataclass(frozen=True)
-class Sensor:
-    """The sensor that the unknown looks like: it reads factor times the signal plus offset, late."""
-
-    channel: str
-    share: float  # of the excess, 0..1
-    cost: float  # what stays, units of cost
-    factor: float
-    offset: float  # in the signal's unit
-    late_s: float
-    sentence: str
-    next: str  # what to do
-
-
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisResult:
     """Which effect is missing, by simulation."""

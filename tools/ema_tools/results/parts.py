@@ -134,6 +134,20 @@ class EffectEntry:
 
 
 @dataclass(frozen=True)
+class Sensor:
+    """The sensor that the unknown looks like: it reads factor times the signal plus offset, late."""
+
+    channel: str  # time_s where it is the recorder's clock
+    share: float  # of the excess, 0..1
+    cost: float  # what stays, units of cost
+    factor: float
+    offset: float  # in the signal's unit
+    late_s: float
+    sentence: str
+    next: str  # what to do
+
+
+@dataclass(frozen=True)
 class Place:
     """A part of a record, and how much of a residual lies there."""
 

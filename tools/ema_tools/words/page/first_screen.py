@@ -17,9 +17,6 @@ from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of
 
-# The column that is suspected where the recorder's clock is.
-_CLOCK = "time_s"
-
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 NEAR = 1.1  # an error this close to the noise level is at it [judgement]
@@ -129,8 +126,7 @@ def _sensor(result: Diagnosed) -> str:
 
 def _suspected(result: Diagnosed) -> str:
     """Whose error is suspected, in words."""
-    channel = _sensor(result)
-    return "recorder's clock" if channel == _CLOCK else f"sensor of the {names.signal(channel).lower()}"
+    return names.suspected(_sensor(result))
 
 
 def _sentence(result: Diagnosed) -> str:
