@@ -80,7 +80,7 @@ def done(runs: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Pat
         folder / "d.toml",
     )
     assert ran.code == 0, ran.err
-    assert ran.out.startswith("Verdict: missing.\nhot.csv: missing is winding_heating (rise_degC ")
+    assert ran.out.startswith("Verdict: missing.\nhot.csv: missing is winding heating (winding_heating; rise_degC ")
     ran = run_ema(
         "add",
         REFERENCE,

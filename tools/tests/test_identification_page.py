@@ -171,7 +171,7 @@ def test_every_fact_stands_on_it(tmp_path: Path) -> None:
     }  # fmt: skip
     text = text_of(page_of(tmp_path, data))
     for fact in (
-        "stribeck_friction (rise 0.30) is missing from the model", "ema add mine.toml stribeck_friction", "rise 0.300 ± 0.010", "CSJ 0.1928 Nm (+39.7 %)",
+        "Stribeck friction (stribeck_friction; rise 0.30) is missing from the model", "ema add mine.toml stribeck_friction", "rise 0.300 ± 0.010", "CSJ 0.1928 Nm (+39.7 %)",
         "held against rod position, motor position at the rod, motor current and motor voltage", "This record does not determine BLK: why.",
         "0.2050 Nm", "healthy 0.1380 Nm", "± 0.19 %", "Healthy values from 3 healthy records: CSJ 0.1380 Nm (0.13780 … 0.13820)", "over 2 seeds",
         "2.30 µm rms of the rod position are left", "motor.resistance_ohm", "only together with screw.csj_Nm", "7 model runs in 0.070 s", "2.00×10⁶ model steps",
