@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 
 from ema_tools.library.definitions import load_definitions
@@ -9,6 +10,8 @@ from ema_tools.library.registry import effect_called
 
 # Words of code names that are written otherwise.
 _SPELT = {"stribeck": "Stribeck", "csj": "CSJ", "blk": "BLK"}
+# Words of a value's name from which on it is its unit.
+_UNITS = frozenset("Nm N s s2 rad rad2 mm degC V A ohm H m kg per sqrt".split())
 _FAULTS = {"csj": "friction", "blk": "backlash"}
 FAULT_TITLES = {"csj": "CSJ, static dry friction", "blk": "BLK, backlash at the rod"}
 
@@ -43,11 +46,12 @@ def all_coded(names: Iterable[str], joint: str = ", ") -> str:
 
 
 def value_coded(name: str) -> str:
-    """A value by what it is, its full name behind it, as in `winding resistance (motor.resistance_ohm)`; of an effect by the effect's name."""
+    """A value by what it is, its full name behind it, as in `winding resistance (motor.resistance_ohm)` and `stiffness of spring load (spring_load.stiffness_Nm_per_mm)`."""
     known = load_definitions()
-    effect = effect_called(name.partition(".")[0])
-    if any(effect == one.name for one in known.effects):
-        return f"{within(effect)} ({name})"
+    effect, _, field = name.removeprefix("effects.").partition(".")
+    if any(effect_called(effect) == one.name for one in known.effects):
+        plain = " ".join(itertools.takewhile(lambda word: word not in _UNITS, field.split("_")))
+        return f"{plain} of {within(effect)} ({name})"
     text = known.by_name[name].text if name in known.by_name else ""
     plain = text.partition(",")[0].partition(";")[0]
     return f"{plain} ({name})" if plain else name
