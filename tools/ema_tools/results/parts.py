@@ -87,7 +87,7 @@ class StepEntry:
     # the same with what scatters no farther than is credible, which is what one reads: wear is no scatter; None in older files, and by the balance
     told_training: float | None = field(default=None, metadata=SPARE)
     told_holdout: float | None = field(default=None, metadata=SPARE)
-    # what makes this model of the first, by full name: its effects, and what scatters as far as it moved; None in older files, and by the balance
+    # what makes this model of the first, by full name: its effects, and what scatters as far as it moved, by the balance its base values; None in older files, and where they were not kept
     values: dict[str, float] | None = field(default=None, metadata=SPARE)
 
     @property

@@ -443,6 +443,7 @@ class ForceSearch:
             (foretold_percent(bench, first), foretold_percent(bench, accepted)),
             base_values(actuator, bench, bench.stated(accepted)),
             float(np.ptp(states.angle_rad)) / (2.0 * math.pi),
+            first.values,
         )
 
     def patterns_bend(self, effect: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.results import parts
@@ -31,10 +31,15 @@ def steps(way: Sequence[Rung]) -> tuple[parts.StepEntry, ...]:
             step.error,
             step.holdout,
             *step.told,
-            {shown(row_of(name)): value for name, value in step.values.items()},
+            loads(step.values),
         )
         for step in way
     )
+
+
+def loads(values: Mapping[str, float]) -> dict[str, float]:
+    """What makes a model of the first, by full name; what was not determined stays as it was."""
+    return {shown(row_of(name)): value for name, value in values.items() if math.isfinite(value)}
 
 
 def forward(found: Forward) -> parts.ForwardErrors:
