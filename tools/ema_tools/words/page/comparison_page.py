@@ -36,7 +36,7 @@ def render(result: ShownComparison, command: str) -> str:
 def part(page: Gathered, result: ShownComparison, identity: str) -> None:
     """What stands below the answers where there are other results beside it."""
     if result.curves is not None:
-        draw_curves(page, result.curves, identity, {"model": "Measured and simulated"})
+        draw_curves(page, result.curves, identity, {"model": "Measured and simulated"}, result.title)
     page.add(_where(result, identity))
 
 
