@@ -119,8 +119,22 @@ def test_a_record_that_cannot_tell_is_recorded_again() -> None:
 def test_a_sensor_that_errs_is_named() -> None:
     data = judged(MISSING)
     # told by the field, whatever the reason says
-    sensor = {"channel": "current_A", "share": 0.95, "cost": 1.0, "factor": 1.1, "offset": 0.0, "late_s": 0.0, "sentence": "it reads 1.1 times", "next": "check it"}
-    data |= {"missing_effect": None, "reasons": ["why"], "sensor": sensor, "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"}}
+    sensor = {
+        "channel": "current_A",
+        "share": 0.95,
+        "cost": 1.0,
+        "factor": 1.1,
+        "offset": 0.0,
+        "late_s": 0.0,
+        "sentence": "it reads 1.1 times",
+        "next": "check it",
+    }
+    data |= {
+        "missing_effect": None,
+        "reasons": ["why"],
+        "sensor": sensor,
+        "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"},
+    }
     found = said(data)
     assert found.sentence == "No verdict: it looks as if the sensor of the motor current is at fault."
     assert (found.replies[2].short, found.replies[-1].short) == ("Nothing in the machine", "Check the sensor")

@@ -76,7 +76,11 @@ def _saturates(run: Recording) -> Recording:
 
 @pytest.mark.parametrize(
     ("errs", "said"),
-    [(_sticks, "shows in the rod position (position_mm) alone"), (_jumps, "shows in the rod position (position_mm) alone"), (_saturates, "shows in the current (current_A) alone")],
+    [
+        (_sticks, "shows in the rod position (position_mm) alone"),
+        (_jumps, "shows in the rod position (position_mm) alone"),
+        (_saturates, "shows in the current (current_A) alone"),
+    ],
 )
 def test_a_sensor_that_errs_in_its_own_way_is_suspected(errs: Callable[[Recording], Recording], said: str) -> None:
     found = _identified(errs(_today()))

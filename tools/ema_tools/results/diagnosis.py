@@ -14,6 +14,7 @@ from ema_tools.results.parts import (
     ErrorsEntry,
     ForwardErrors,
     Provenance,
+    Sensor,
     StepEntry,
     WeightedErrors,
 )

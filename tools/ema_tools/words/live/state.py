@@ -13,7 +13,7 @@ from ema_tools.data.records import Record
 from ema_tools.plant.native import CHANNELS, Simulation
 from ema_tools.tasks.watch import Phase, Seen, residual
 from ema_tools.words.page.names import SIGNALS
-from ema_tools.words.sentences.identification import TITLES, reasons, sentence
+from ema_tools.words.sentences.identification import BECAUSE, TITLES, reasons, sentence
 from ema_tools.words.sentences.sizes import ends_text
 
 _BINS = 1000  # of a curve on the page, two rows each: the first, and that of the largest residual [layout]
@@ -42,7 +42,9 @@ def state(seen: Seen, actuator: Actuator, file: str) -> dict[str, Any]:
 def headline(seen: Seen, file: str) -> str:
     """Where the recording stands, or the verdict, in one sentence."""
     if seen.found is not None:
-        return sentence(seen.found)
+        # the reasons stand below, one a line
+        verdict, because, _ = sentence(seen.found).partition(BECAUSE)
+        return f"{verdict}, which does not stand." if because else verdict
     told = f"{seen.record.rows * seen.record.period_s:.4g} s" if seen.record is not None else ""
     said: dict[Phase, str] = {
         "waiting": f"Waiting for the first rows of {file}.",
@@ -64,7 +66,12 @@ def _details(seen: Seen) -> list[str]:
     if found is None:
         return []
     held = [f"Held against the healthy runs {', '.join(seen.healthy)}."] if seen.healthy else []
-    return [*(reasons(found) if found.verdict == "undecided" else ()), *held]
+    if found.verdict != "undecided":
+        return held
+    why = reasons(found)
+    # what the sentence says besides them, as of few healthy runs
+    besides = sentence(found).partition("; ".join(why) + ".")[2].strip()
+    return [*(f"{one[:1].upper()}{one[1:]}." for one in why), *filter(None, [besides]), *held]
 
 
 def _values(seen: Seen, actuator: Actuator) -> list[dict[str, Any]]:

@@ -27,6 +27,13 @@
     return box;
   });
 
+  const switchOf = (name) => document.querySelector(`input[data-show="${name}"]`);
+  for (const box of document.querySelectorAll("input[data-show]")) {
+    box.addEventListener("change", () => {
+      for (const { plots } of charts.values()) for (const plot of plots) plot.series.forEach((one, at) => { if (one.label === box.dataset.show) plot.setSeries(at, { show: box.checked }); });
+    });
+  }
+
   const draw = (channel) => {
     if (typeof uPlot === "undefined") return;
     let chart = charts.get(channel.name);
@@ -49,7 +56,7 @@
         width: holder.clientWidth, height: holder.clientHeight, cursor: { sync: { key: "live" } }, legend: { show: false },
         scales: { x: { time: false } }, axes, series: [{}, ...series],
       });
-      const line = (name, width) => ({ stroke: () => css(name), width, points: { show: false } });
+      const line = (name, width) => ({ label: name, stroke: () => css(name), width, points: { show: false }, show: switchOf(name).checked });
       const plots = [
         new uPlot(options(main, [line("measured", 4), line("after", 1.5)]), [[], [], []], main),
         new uPlot(options(left, [line("after", 1)]), [[], []], left),
