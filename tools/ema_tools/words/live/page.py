@@ -42,9 +42,9 @@ def page(actuator: str, file: str) -> str:
 <dl class="replies" id="values"></dl>
 </header>
 {absent}
-<div class="bar">{switches(_KEYS, "all signals", "live")}</div>
+<div class="bar" id="shown" hidden>{switches(_KEYS, "all signals", "live")}</div>
 <div class="plots" id="plots"></div>
-<p class="note" id="notes"></p>
+<p class="note" id="notes">Signals are drawn as their rows come; the verdict follows a few seconds after the last of them.</p>
 </main>
 <noscript><p class="absent">The page follows the recording by JavaScript; the terminal says the verdict without it.</p></noscript>
 {draws}
