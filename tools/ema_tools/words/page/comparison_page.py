@@ -12,7 +12,7 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.gathered import Gathered, draw_curves
 from ema_tools.words.page.results import ShownComparison
-from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, kept, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, kept, line_of, origin, read_sizes, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _MODELS = {"model": "model as given"}
@@ -129,7 +129,7 @@ def _next(result: ShownComparison) -> Reply:
     line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
     record = list(line.records[:1]) or ["RECORD.csv"]
     if _explained(result):
-        return Reply(question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record]))
+        return read_sizes(line)
     ask = ["ema", "diagnose", line.actuator, *record, "--report", "diagnosis.html"]
     return Reply(
         question, "Ask what is missing", "with healthy records of the machine behind --healthy, where there are any", "", shlex.join(ask)
