@@ -55,6 +55,9 @@ def test_names() -> None:
     assert coded("presliding") == "presliding" and coded("presliding", "size 2") == "presliding (size 2)"
     assert coded("csj") == "friction (CSJ)" and all_coded(("blk", "spring_load"), " and ") == "backlash (BLK) and spring load (spring_load)"
     assert value_coded("motor.resistance_ohm") == "winding resistance (motor.resistance_ohm)"
+    assert value_coded("control.kp_per_m") == "proportional gain (control.kp_per_m)"
+    assert value_coded("screw.friction_asymmetry") == "friction asymmetry (screw.friction_asymmetry)"
+    assert value_coded("encoder.rod_offset_mm") == "rod offset (encoder.rod_offset_mm)"
     assert value_coded("spring_load.stiffness_Nm_per_mm") == "stiffness of spring load (spring_load.stiffness_Nm_per_mm)"
     assert value_coded("effects.stribeck_friction.shape") == "shape of Stribeck friction (effects.stribeck_friction.shape)"
     assert bare("missing is stribeck_friction") and not bare("missing is Stribeck friction (stribeck_friction; rise 0.3)")

@@ -50,11 +50,20 @@ def value_coded(name: str) -> str:
     known = load_definitions()
     effect, _, field = name.removeprefix("effects.").partition(".")
     if any(effect_called(effect) == one.name for one in known.effects):
-        plain = " ".join(itertools.takewhile(lambda word: word not in _UNITS, field.split("_")))
-        return f"{plain} of {within(effect)} ({name})"
-    text = known.by_name[name].text if name in known.by_name else ""
+        return f"{_field_words(field)} of {within(effect)} ({name})"
+    return f"{value_words(known.by_name[name].text, field)} ({name})" if name in known.by_name else name
+
+
+def value_words(text: str, field: str) -> str:
+    """A value of the machine in a few words, by the text of its row; by its name where that text is a sentence about `this`."""
     plain = text.partition(",")[0].partition(";")[0]
-    return f"{plain} ({name})" if plain else name
+    mode, said, rest = plain.partition(": ")
+    plain = rest if said and mode.islower() else plain
+    return _field_words(field) if "this" in plain.split() or "(1" in plain else plain
+
+
+def _field_words(field: str) -> str:
+    return " ".join(itertools.takewhile(lambda word: word not in _UNITS, field.split("_")))
 
 
 def listed(names: list[str]) -> str:

@@ -21,6 +21,7 @@ import numpy as np
 
 from ema_tools.data.actuator import Actuator, Row, actuator_of, scattering_rows, shown
 from ema_tools.library.definitions import Effect, EffectParameter, library_folder, load_definitions
+from ema_tools.library.display_names import value_words
 from ema_tools.library.registry import record_of
 from ema_tools.results.workbench import BenchEntry, WeighedEntry
 
@@ -171,7 +172,7 @@ def _row(actuator: Actuator, row: Row, label: str, slider: tuple[float, float], 
 def _unseen(actuator: Actuator, row: Row) -> dict[str, Any]:
     """A value without a slider, which a model that is loaded may set."""
     value = actuator[row.name]
-    return _row(actuator, row, row.text.partition(",")[0].partition(";")[0], (value, value), (value, value))
+    return _row(actuator, row, value_words(row.text, row.field), (value, value), (value, value))
 
 
 def _fault(actuator: Actuator, name: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.library.display_names import all_coded, coded
+from ema_tools.library.display_names import all_coded, coded, value_words
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of, separating
 from ema_tools.select.outcome import Named
@@ -105,9 +105,14 @@ def hidden(found: Answer) -> str:
     """What this kind of evidence cannot show."""
     if found.evidence.relative:
         return ""
-    names = ", ".join(sorted({one.title for one in found.evidence.spread}))
+    names = ", ".join(sorted({_value_words(one.title) for one in found.evidence.spread}))
     usual = "the slight ripple, cogging, bend of the friction's law, drop and delay that every machine has"
     return f"Without healthy repeats nothing can be named that a unit's usual distance from its data sheet explains as well ({names}), nor {usual}."
+
+
+def _value_words(name: str) -> str:
+    row = row_of(name)
+    return FAULT_TITLES[name] if name in FAULT_TITLES else value_words(row.text, row.field)
 
 
 def _words(one: Named) -> str:
