@@ -32,7 +32,8 @@ def sentences(data: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """What is read as a sentence in a result, with its path."""
     if isinstance(data, dict):
         for key, one in data.items():
-            if key not in ("provenance", "curves", "workbench"):
+            # what came last is a name for programs
+            if key not in ("provenance", "curves", "workbench", "added"):
                 yield from sentences(one, f"{path}.{key}")
     elif isinstance(data, list):
         for one in data:

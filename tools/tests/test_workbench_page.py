@@ -390,6 +390,8 @@ def test_every_rung_is_loaded_with_the_error_that_the_ladder_says(name: str, of_
     assert f"{found['error']['before']:.3g}" in bench.page.inner_text("#ladder")
     buttons = bench.page.locator("#ladder [data-load]")
     assert buttons.count() == len(found["steps"]) >= 3
+    titles = " ".join(bench.page.locator("#ladder tbody th").all_inner_texts())
+    assert "Stribeck friction" in titles and "friction (CSJ)" in titles and "stribeck_friction" not in titles and "csj" not in titles
     for place, step in enumerate(found["steps"]):
         before = bench.state()["redraws"]
         buttons.nth(place).click()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
+from collections.abc import Collection
 from html import escape
 
 from ema_tools.library.registry import separating
@@ -226,17 +228,27 @@ def _loading(result: Diagnosed, any_loads: bool) -> list[str]:
     )
 
 
+def _rung_words(added: str, known: Collection[str]) -> str:
+    """What a rung adds: effects and faults by their display names, anything else as it was told."""
+    parts = re.split(r" and | \+ ", added)
+    return names.listed(list(map(names.within, parts))) if all(part in known for part in parts) else added
+
+
 def _ladder(result: Diagnosed) -> str:
     found = rungs(result)
     if not found:
         return ""
     unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
     rows, last = [], len(found) - 1
+    known = (
+        {one.name for one in result.suspects}
+        | {effect for step in result.steps for effect in step.effects}
+        | {*names.FAULT_TITLES, result.added}
+    )
     loads = [{}, *(step.loads for step in result.steps)]
     drawn = list(result.curves.models) if result.curves is not None else []
     for place, (name, here, held) in enumerate(found):
-        known = name in {one.name for one in result.suspects} or name in faults(result) or name == result.added
-        title = f"+ {names.within(name)}" if known else name if place == 0 else f"+ {name}"
+        title = name if place == 0 else f"+ {_rung_words(name, known)}"
         marks = [charts.Mark(here, "dot after", f"this record {words.number(here)}")]
         if held is not None:
             marks.append(charts.Mark(held, "diamond", f"{'held out' if result.by_forces else 'validation record'} {words.number(held)}"))
