@@ -531,7 +531,10 @@ def test_a_healthy_run_held_out_is_said_and_no_table_made(runs: dict[str, Path],
     found = json.loads(told.read_text(encoding="utf-8"))
     assert found["verdict"] == "unknown" and not any(effect["accepted"] for effect in found["effects"])
     said = " ".join(ran.out.split())
-    assert "winding heating (winding_heating) would explain it, but nothing is missing on the record held out, as on a run of the healthy machine" in said
+    assert (
+        "winding heating (winding_heating) would explain it, but nothing is missing on the record held out, as on a run of the healthy machine"
+        in said
+    )
     assert "Next: give --holdout a run of the machine as it is in hot.csv" in said and "learned" not in said
 
 

@@ -173,7 +173,7 @@ def test_a_series_of_a_fleet_and_of_its_units_is_switched_without_a_script(brows
         assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
         # on a phone each cell has its head beside it
         assert page.locator("tbody td[data-head]").count() == page.locator("tbody td").count() > 0
-        assert hindrances(page) == []
+    assert all(hindrances(page) == [] for page in context.pages)
     context.close()
 
 
